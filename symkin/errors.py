@@ -1,0 +1,21 @@
+"""What symkin raises. Each message is a sentence: what is wrong, where, and what is allowed."""
+
+
+class SymkinError(Exception):
+    """Base of every error that symkin raises on purpose."""
+
+
+class MechanismError(SymkinError):
+    """A mechanism description that cannot be right: names the key path, its value and what is allowed."""
+
+
+class InputError(SymkinError):
+    """Joint values, a pose, a start or an option that does not fit the mechanism."""
+
+
+class SolveError(SymkinError):
+    """A solve that did not reach a solution; `result` holds the status and the last iterate."""
+
+    def __init__(self, message: str, result: object) -> None:
+        super().__init__(message)
+        self.result = result

@@ -1,0 +1,1 @@
+"""The closure written in other languages."""

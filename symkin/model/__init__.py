@@ -1,0 +1,1 @@
+"""Mechanisms, their description files and the symbolic loop closure."""

@@ -1,0 +1,244 @@
+"""Reading mechanism files (contract 1, TOML, `format = 1`).
+
+Every mistake becomes one line: file, key path, value, what is allowed.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from symkin.errors import InputError, MechanismError, SymkinError
+from symkin.model.dh import DHRow, DHTable
+from symkin.model.joint import Joint
+from symkin.model.limb import Limb, Rod, RodLimb
+from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
+
+_SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
+
+
+def shipped_names() -> list[str]:
+    """Names of the mechanisms that come with symkin."""
+    return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
+
+
+def load(name_or_path: str | Path) -> Mechanism:
+    """A shipped mechanism by name, or a mechanism file by path (ending in .toml).
+
+    Raises InputError when there is no such mechanism, MechanismError for a file that is not right.
+    """
+    text = str(name_or_path)
+    if text in shipped_names():
+        return read(_SHIPPED / f"{text}.toml")
+    path = Path(name_or_path)
+    if path.suffix == ".toml":
+        return read(path)
+    raise InputError(f"mechanism {text!r} is unknown; allowed: a path to a .toml file, or {', '.join(shipped_names())}")
+
+
+def read(path: Path) -> Mechanism:
+    """The mechanism that a file describes."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file") from None
+    except UnicodeDecodeError:
+        raise MechanismError(f"{path}: the file is not UTF-8 text") from None
+    except OSError as error:
+        raise InputError(f"{path}: the file cannot be read ({error.strerror})") from None
+    return parse(text, str(path))
+
+
+def parse(text: str, file: str = "mechanism") -> Mechanism:
+    """The mechanism that a TOML text describes; `file` names it in messages."""
+    try:
+        data = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise MechanismError(f"{file}: not TOML: {error}") from None
+    if not data:
+        raise MechanismError(f"{file}: the file is empty; format = 1, name, units and at least one limb are needed")
+    try:
+        return _mechanism(data)
+    except SymkinError as error:
+        raise MechanismError(f"{file}: {error}") from None
+
+
+def _mechanism(data: dict[str, Any]) -> Mechanism:
+    from symkin.model.schema import JointLimbTable, MechanismTable, RodLimbTable
+
+    unit = data.get("angle_unit")
+    context = {"angle_unit": unit if unit in ANGLE_UNITS else "deg"}
+    table = _validated(MechanismTable, data, (), context)
+    limbs = []
+    for k, raw in enumerate(table.limb):
+        model = JointLimbTable if "joint" in raw or "rod" in raw else RodLimbTable
+        limbs.append(_validated(model, raw, ("limb", k), context))
+    forms = [key for key in ("limb", "dh", "joint") if getattr(table, key)]
+    if len(forms) != 1:
+        what = "the mechanism has no limb" if not forms else f"the file has {' and '.join(forms)}"
+        raise MechanismError(f"{what}; exactly one of [[limb]], [dh] and [[joint]] is needed")
+    _check_frames(forms[0], table, limbs)
+    options: dict[str, Any] = {
+        "length_unit": table.length_unit,
+        "angle_unit": table.angle_unit,
+        "title": table.title,
+        "source": table.source,
+        "example": _example(table.example),
+    }
+    mechanism = _Builder(table.angle_unit).mechanism(table, limbs, options)
+    _check_example(mechanism)
+    return mechanism
+
+
+class _Builder:
+    """From validated tables to the model; angles become radians here."""
+
+    def __init__(self, angle_unit: str) -> None:
+        self.scale = 1.0 if angle_unit == "rad" else None
+
+    def angle(self, value: float) -> float:
+        import math
+
+        return value if self.scale else math.radians(value)
+
+    def mechanism(self, table: Any, limbs: Sequence[Any], options: dict[str, Any]) -> Mechanism:
+        if table.dh is not None:
+            rows = [self.dh_row(row, k) for k, row in enumerate(table.dh.rows, start=1)]
+            return serial_arm_from_dh(table.name, DHTable(table.dh.convention, rows), **options)
+        frame = table.tool if table.joint else table.platform
+        if frame is not None:
+            options |= {"platform_position": frame.position, "platform_quaternion": frame.quaternion}
+        if table.joint:
+            chain = Limb(table.name, [self.joint(j, serial=True) for j in table.joint])
+            return Mechanism(table.name, [chain], serial=True, **options)
+        motion = table.platform.motion if table.platform else "spatial"
+        return Mechanism(table.name, [self.limb(limb) for limb in limbs], motion=motion, **options)
+
+    def limb(self, table: Any) -> Limb | RodLimb:
+        if hasattr(table, "base"):
+            return RodLimb(table.name, table.base, table.platform, table.offset, table.limits, table.type)
+        rods = [Rod(rod.from_, rod.platform, rod.length) for rod in table.rod]
+        return Limb(table.name, [self.joint(joint) for joint in table.joint], rods)
+
+    def joint(self, table: Any, *, serial: bool = False) -> Joint:
+        if table.point is None and table.type != "P":
+            raise MechanismError(f"joint {table.name!r}: point is missing; a joint of type {table.type} needs it")
+        angular = table.type in ("R", "H")
+        if serial and table.actuated is False:
+            raise MechanismError(f"joint {table.name!r}: actuated = false; all joints of a serial arm are actuated")
+        return Joint(
+            table.name,
+            table.type,
+            table.point or (0.0, 0.0, 0.0),
+            table.axis,
+            table.axis2,
+            table.pitch,
+            serial or bool(table.actuated),
+            self.angle(table.zero) if angular else table.zero,
+            self.range(table.limits, angular=angular),
+        )
+
+    def dh_row(self, table: Any, k: int) -> DHRow:
+        limits = self.range(table.limits, angular=table.type == "R")
+        return DHRow(
+            table.name or f"q{k}", table.type, self.angle(table.theta), table.d, table.a, self.angle(table.alpha), limits
+        )
+
+    def range(self, limits: list[float] | None, *, angular: bool) -> list[float] | None:
+        return [self.angle(v) for v in limits] if limits and angular else limits
+
+
+def _example(table: Any) -> Example | None:
+    if table is None:
+        return None
+    if (table.joints is None) == (table.pose is None):
+        raise MechanismError("example: exactly one of joints and pose is needed")
+    given = {k: tuple(v) for k, v in table.model_dump().items() if v is not None}
+    return Example(**given)
+
+
+def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
+    if table.platform is not None and form != "limb":
+        raise MechanismError("platform: a serial arm has none; [tool] is allowed with [[joint]]")
+    if table.tool is not None and form != "joint":
+        raise MechanismError(f"tool: allowed with [[joint]] only; with [{form}] the last frame is the platform or tool")
+    if form == "limb" and table.platform is None and any(hasattr(limb, "joint") for limb in limbs):
+        raise MechanismError("platform is missing; limbs of joints need [platform] with its position at the reference")
+    if table.platform is not None and "position" not in table.platform.model_fields_set:
+        if any(hasattr(limb, "joint") for limb in limbs):
+            raise MechanismError("platform.position is missing; limbs of joints need it")
+
+
+def _check_example(mechanism: Mechanism) -> None:
+    """The example must be input that `solve` would take."""
+    example = mechanism.example
+    if example is None or example.joints is None:
+        return
+    if len(example.joints) != len(mechanism.actuated):
+        raise MechanismError(
+            f"example.joints: {len(example.joints)} values given, the mechanism has {len(mechanism.actuated)} actuated joints"
+        )
+
+
+def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict[str, Any]) -> Any:
+    from pydantic import ValidationError
+
+    try:
+        return model.model_validate(data, context=context)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        keys = (*path, *first["loc"])
+        raise MechanismError(_sentence(_key_path(data, keys, path), first, model)) from None
+
+
+def _key_path(data: Any, keys: tuple[str | int, ...], prefix: tuple[str | int, ...]) -> str:
+    """`limb[1] (trt1).joint[0] (theta1).type`: positions from 0 and, where there is one, the name."""
+    text, node = "", data
+    for depth, key in enumerate(keys):
+        if depth >= len(prefix):
+            node = node[key] if _has(node, key) else None
+        text += f"[{key}]" if isinstance(key, int) else f"{'.' if text else ''}{key}"
+        if isinstance(key, int) and isinstance(node, dict) and isinstance(node.get("name"), str):
+            text += f" ({node['name']})"
+    return text
+
+
+def _has(node: Any, key: str | int) -> bool:
+    if isinstance(node, dict):
+        return key in node
+    return isinstance(node, list) and isinstance(key, int) and key < len(node)
+
+
+def _sentence(path: str, error: Any, model: Any) -> str:
+    value, kind = error.get("input"), error["type"]
+    match kind:
+        case "missing":
+            return f"{path} is missing"
+        case "extra_forbidden":
+            return f"{path} is an unknown key; allowed: {', '.join(_allowed_keys(model, error['loc']))}"
+        case "literal_error":
+            return f"{path} = {value!r} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
+        case "too_short" | "too_long":
+            limit = error["ctx"].get("min_length", error["ctx"].get("max_length"))
+            return f"{path} = {_short(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
+        case _:
+            return f"{path} = {_short(value)}: {error['msg']}"
+
+
+def _allowed_keys(model: Any, loc: tuple[str | int, ...]) -> list[str]:
+    """Keys of the table in which an unknown key stands."""
+    import typing
+
+    for key in loc[:-1]:
+        if isinstance(key, str):
+            annotation = model.model_fields[key].annotation
+            candidates = [annotation, *typing.get_args(annotation)]
+            model = next((c for c in candidates if hasattr(c, "model_fields")), model)
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,168 @@
+"""Joints of a limb at the reference configuration, and the coordinates that they carry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from symkin.errors import MechanismError
+
+JointType = Literal["R", "P", "H", "C", "U", "S"]
+Kind = Literal["length", "angle", "turns", "quaternion"]
+"""length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit quaternion."""
+
+JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
+FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3}
+_COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
+    "R": (("", "angle"),),
+    "P": (("", "length"),),
+    "H": (("", "turns"),),
+    "C": ((".angle", "angle"), (".slide", "length")),
+    "U": ((".1", "angle"), (".2", "angle")),
+    "S": (("", "quaternion"),),
+}
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One joint or pose coordinate: a number, or a unit quaternion of four.
+
+    `reference` is its value at the reference configuration; `limits` are in the same units (radians, length unit). A
+    rod's coordinate has a `least` value, where its length is zero: 2 least - value is the same configuration.
+    """
+
+    name: str
+    kind: Kind
+    role: Literal["actuated", "passive", "pose"]
+    reference: tuple[float, ...] = (0.0,)
+    limits: tuple[float, float] | None = None
+    least: float | None = None
+
+    @property
+    def width(self) -> int:
+        """Count of numbers that hold it."""
+        return 4 if self.kind == "quaternion" else 1
+
+    @property
+    def freedom(self) -> int:
+        return 3 if self.kind == "quaternion" else 1
+
+    @property
+    def is_angular(self) -> bool:
+        return self.kind in ("angle", "turns")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint by a point on it and its axis, in the base frame at the reference configuration.
+
+    R turns about `axis`, P slides along it, H turns and advances by `pitch` per turn (right-handed, coordinate =
+    angle), C turns and slides, U turns about `axis` and then about `axis2` carried along, S turns about `point`.
+    `zero` is the coordinate's value at the reference and `limits` its range (R, P, H only); angles are in radians.
+    """
+
+    name: str
+    type: JointType
+    point: Sequence[float] = (0.0, 0.0, 0.0)
+    axis: Sequence[float] | None = None
+    axis2: Sequence[float] | None = None
+    pitch: float = 0.0
+    actuated: bool = False
+    zero: float = 0.0
+    limits: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        where = f"joint {self.name!r}"
+        if self.type not in JOINT_TYPES:
+            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(JOINT_TYPES)}")
+        if self.actuated and self.type not in ("R", "P", "H"):
+            raise MechanismError(f"{where}: actuated = true is allowed for R, P and H joints only, not for {self.type}")
+        if FREEDOMS[self.type] > 1 and (self.zero != 0.0 or self.limits is not None):
+            raise MechanismError(f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only")
+        if self.type != "H" and self.pitch != 0.0:
+            raise MechanismError(f"{where}: pitch is allowed for H joints only, not for {self.type}")
+        object.__setattr__(self, "point", vector3(self.point, f"{where}: point"))
+        object.__setattr__(self, "axis", self._direction("axis", needed=self.type != "S"))
+        object.__setattr__(self, "axis2", self._direction("axis2", needed=self.type == "U"))
+        object.__setattr__(self, "zero", finite(self.zero, f"{where}: zero"))
+        object.__setattr__(self, "pitch", finite(self.pitch, f"{where}: pitch"))
+        object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
+        if self.type == "U" and _parallel(self.axis, self.axis2):
+            raise MechanismError(f"{where}: axis2 = {list(self.axis2 or ())} is parallel to axis; a U joint needs two directions")
+
+    def _direction(self, key: str, *, needed: bool) -> tuple[float, ...] | None:
+        value = getattr(self, key)
+        where = f"joint {self.name!r}: {key}"
+        if value is None and needed:
+            raise MechanismError(f"{where} is missing; a joint of type {self.type} needs it")
+        if value is None:
+            return None
+        if not needed:
+            raise MechanismError(f"{where} has no meaning for a joint of type {self.type}")
+        return unit3(value, where)
+
+    @property
+    def freedom(self) -> int:
+        return FREEDOMS[self.type]
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinates in the order in which the joint moves."""
+        role: Literal["actuated", "passive"] = "actuated" if self.actuated else "passive"
+        if self.type == "S":
+            return (Coordinate(self.name, "quaternion", role, (1.0, 0.0, 0.0, 0.0)),)
+        limits = None if self.limits is None else (self.limits[0], self.limits[1])
+        return tuple(
+            Coordinate(self.name + suffix, kind, role, (self.zero,), limits) for suffix, kind in _COORDINATES[self.type]
+        )
+
+
+# --- checks of numbers, shared by every part of a description -----------------------------------------------------
+
+
+def finite(value: float, where: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise MechanismError(f"{where} = {value!r} is not a number") from None
+    if not math.isfinite(number):
+        raise MechanismError(f"{where} = {value!r} is not finite")
+    return number + 0.0
+
+
+def vector3(value: Sequence[float], where: str) -> tuple[float, float, float]:
+    try:
+        components = tuple(value)
+    except TypeError:
+        raise MechanismError(f"{where} = {value!r} is no vector; three numbers are needed") from None
+    if len(components) != 3:
+        raise MechanismError(f"{where} = {list(components)} has {len(components)} numbers; three are needed")
+    x, y, z = (finite(component, where) for component in components)
+    return (x, y, z)
+
+
+def unit3(value: Sequence[float], where: str) -> tuple[float, float, float]:
+    x, y, z = vector3(value, where)
+    length = math.hypot(x, y, z)
+    if length < 1e-12:
+        raise MechanismError(f"{where} = {[x, y, z]} is the zero vector; a direction is needed")
+    if abs(length - 1.0) <= 4e-16:
+        return (x, y, z)
+    return (x / length, y / length, z / length)
+
+
+def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    bounds = tuple(finite(bound, where) for bound in value)
+    if len(bounds) != 2 or not bounds[0] < bounds[1]:
+        raise MechanismError(f"{where} = {list(bounds)} is no range; two numbers [low, high] with low < high are needed")
+    return (bounds[0], bounds[1])
+
+
+def _parallel(a: Sequence[float] | None, b: Sequence[float] | None) -> bool:
+    if a is None or b is None:
+        return False
+    return math.hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]) < 1e-9

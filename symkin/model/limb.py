@@ -1,0 +1,80 @@
+"""Limbs: chains of joints from base to platform, rods between spherical ends, and chains that end in rods."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from symkin.errors import MechanismError
+from symkin.model.joint import Coordinate, Joint, finite, interval, vector3
+
+RodType = Literal["SPS", "UPS", "SPU"]
+ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
+
+
+@dataclass(frozen=True)
+class RodLimb:
+    """An actuated rod between two joint centres: |t + R platform - base| = offset + value.
+
+    `base` is in the base frame, `platform` in the platform frame; the coordinate, named as the limb, is the length
+    beyond `offset`, and `limits` are a range of that value. SPS, UPS and SPU have the same closure.
+    """
+
+    name: str
+    base: Sequence[float]
+    platform: Sequence[float]
+    offset: float = 0.0
+    limits: Sequence[float] | None = None
+    type: RodType = "SPS"
+
+    def __post_init__(self) -> None:
+        where = f"limb {self.name!r}"
+        if self.type not in ROD_TYPES:
+            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(ROD_TYPES)}")
+        object.__setattr__(self, "base", vector3(self.base, f"{where}: base"))
+        object.__setattr__(self, "platform", vector3(self.platform, f"{where}: platform"))
+        object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))
+        object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
+
+    def coordinate(self, reference: float) -> Coordinate:
+        limits = None if self.limits is None else (self.limits[0], self.limits[1])
+        return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A rigid rod with spherical ends from a point of a limb's last link (`start`, base frame at the reference) to
+    `platform` (platform frame); as long as it is at the reference, or `length`."""
+
+    start: Sequence[float]
+    platform: Sequence[float]
+    length: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", vector3(self.start, "rod: from"))
+        object.__setattr__(self, "platform", vector3(self.platform, "rod: platform"))
+        if self.length is not None:
+            length = finite(self.length, "rod: length")
+            if length <= 0.0:
+                raise MechanismError(f"rod: length = {length!r} must be positive")
+            object.__setattr__(self, "length", length)
+
+
+@dataclass(frozen=True)
+class Limb:
+    """Joints in order from base to platform; or, with `rods`, from base to the last link that carries the rods."""
+
+    name: str
+    joints: Sequence[Joint]
+    rods: Sequence[Rod] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "rods", tuple(self.rods))
+        if not self.joints:
+            raise MechanismError(f"limb {self.name!r} has no joint; a limb needs at least one, or the keys of a rod limb")
+
+    @property
+    def type(self) -> str:
+        return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")

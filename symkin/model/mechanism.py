@@ -1,0 +1,188 @@
+"""A mechanism: layout only, never state. Frozen, hashable, printable."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from symkin.errors import MechanismError
+from symkin.model.dh import DHTable, reference_frames
+from symkin.model.joint import Coordinate, Joint, finite, vector3
+from symkin.model.limb import Limb, RodLimb
+from symkin.spatial.pose import Pose
+
+Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
+MOTIONS: tuple[Motion, ...] = ("spatial", "schoenflies", "planar", "translation", "spherical")
+LENGTH_UNITS = ("m", "mm")
+ANGLE_UNITS = ("deg", "rad")
+
+
+@dataclass(frozen=True)
+class Example:
+    """A worked example, in the mechanism's own units: actuated joint values or a pose (x, y, z, qw, qx, qy, qz)."""
+
+    joints: tuple[float, ...] | None = None
+    pose: tuple[float, ...] | None = None
+    start: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Limbs between a base and a platform, or a serial arm (`serial`: one limb, all joints actuated, platform = tool).
+
+    Limbs stand at the reference configuration, where the platform frame is at `platform_position` (length unit) and
+    `platform_quaternion` (w, x, y, z) of the base frame. `motion` restricts the platform's pose to a group of the base
+    frame's axes from there. Angles in joints are radians; `angle_unit` is what users read and write at the border.
+    """
+
+    name: str
+    limbs: Sequence[Limb | RodLimb]
+    platform_position: Sequence[float] = (0.0, 0.0, 0.0)
+    platform_quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
+    motion: Motion = "spatial"
+    length_unit: Literal["m", "mm"] = "mm"
+    angle_unit: Literal["deg", "rad"] = "rad"
+    title: str = ""
+    source: str = ""
+    serial: bool = False
+    dh: DHTable | None = None
+    example: Example | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "limbs", tuple(self.limbs))
+        object.__setattr__(self, "platform_position", vector3(self.platform_position, "platform.position"))
+        object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, "platform.quaternion"))
+        _check_names(self)
+        _check_choice("motion", self.motion, MOTIONS)
+        _check_choice("length_unit", self.length_unit, LENGTH_UNITS)
+        _check_choice("angle_unit", self.angle_unit, ANGLE_UNITS)
+        if not self.limbs:
+            raise MechanismError("the mechanism has no limb; give [[limb]], [dh] or [[joint]]")
+        if self.serial:
+            _check_serial(self)
+
+    @property
+    def reference_pose(self) -> Pose:
+        return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
+
+    @property
+    def joints(self) -> Iterator[tuple[Limb, Joint]]:
+        """All joints of limbs of joints, in file order."""
+        return ((limb, joint) for limb in self.limbs if isinstance(limb, Limb) for joint in limb.joints)
+
+    @cached_property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        """Actuated coordinates in file order: the order of `--joints`."""
+        found: list[Coordinate] = []
+        for limb in self.limbs:
+            if isinstance(limb, RodLimb):
+                found.append(limb.coordinate(self.reference_rod_value(limb)))
+            else:
+                found.extend(c for joint in limb.joints for c in joint.coordinates if c.role == "actuated")
+        return tuple(found)
+
+    def reference_rod_value(self, limb: RodLimb) -> float:
+        """Coordinate of a rod limb at the reference: distance of its joint centres less its offset."""
+        end = self.reference_pose.apply(np.array(limb.platform))
+        return float(np.linalg.norm(end - np.array(limb.base))) - limb.offset
+
+    @cached_property
+    def size(self) -> float:
+        """Characteristic length: the largest distance between joint points at the reference; where all of them
+        coincide, that to the platform origin, or 1."""
+        reference = self.reference_pose
+        points = [np.array(joint.point) for _, joint in self.joints]
+        for limb in self.limbs:
+            if isinstance(limb, RodLimb):
+                points += [np.array(limb.base), reference.apply(np.array(limb.platform))]
+            else:
+                points += [np.array(rod.start) for rod in limb.rods]
+                points += [reference.apply(np.array(rod.platform)) for rod in limb.rods]
+        spread = _diameter(points)
+        return spread or _diameter([*points, np.array(self.platform_position)]) or 1.0
+
+    def angle_out(self, radians: float) -> float:
+        """From radians to the mechanism's angle unit."""
+        return math.degrees(radians) if self.angle_unit == "deg" else radians
+
+    def angle_in(self, value: float) -> float:
+        """From the mechanism's angle unit to radians."""
+        return math.radians(value) if self.angle_unit == "deg" else value
+
+    def to_toml(self) -> str:
+        """The mechanism file (format 1) that describes this mechanism."""
+        from symkin.model.writer import mechanism_to_toml
+
+        return mechanism_to_toml(self)
+
+    def __str__(self) -> str:
+        kind = "serial arm" if self.serial else "parallel mechanism"
+        limbs = ", ".join(f"{limb.name}: {limb.type}" for limb in self.limbs)
+        motion = "" if self.serial else f", platform {self.motion}"
+        return f"{self.name}: {kind}{motion} ({limbs}); lengths in {self.length_unit}, angles in {self.angle_unit}"
+
+
+def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanism:
+    """The same arm as joints at zero joint values; the table stays as its parameters."""
+    frames, tool = reference_frames(table.convention, [(r.theta, r.d, r.a, r.alpha) for r in table.rows])
+    joints = [
+        Joint(row.name, row.type, point=tuple(point), axis=tuple(axis), actuated=True, limits=row.limits)
+        for row, (point, axis) in zip(table.rows, frames, strict=True)
+    ]
+    return Mechanism(
+        name,
+        [Limb(name, joints)],
+        platform_position=tuple(tool.position),
+        platform_quaternion=tuple(tool.quaternion),
+        serial=True,
+        dh=table,
+        **options,  # type: ignore[arg-type]
+    )
+
+
+def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
+    """Normalise a quaternion; refused when its norm is off by more than 1e-2."""
+    q = tuple(finite(component, where) for component in value)
+    if len(q) != 4:
+        raise MechanismError(f"{where} = {list(q)} has {len(q)} numbers; four are needed (w, x, y, z)")
+    length = math.hypot(*q)
+    if abs(length - 1.0) > 1e-2:
+        raise MechanismError(f"{where} = {list(q)} has norm {length:.6g}; a unit quaternion is needed (1 to within 0.01)")
+    return q if abs(length - 1.0) <= 4e-16 else tuple(component / length for component in q)
+
+
+def _diameter(points: list[np.ndarray]) -> float:
+    return max((float(np.linalg.norm(a - b)) for a, b in combinations(points, 2)), default=0.0)
+
+
+def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:
+    if value not in allowed:
+        raise MechanismError(f"{key} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+
+
+def _check_names(mechanism: Mechanism) -> None:
+    if not (mechanism.name.isascii() and mechanism.name.isidentifier()):
+        raise MechanismError(f"name = {mechanism.name!r} is no C identifier; allowed: letters, digits and _, no digit first")
+    limb_names = [limb.name for limb in mechanism.limbs]
+    coordinate_names = [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    coordinate_names += [joint.name for _, joint in mechanism.joints]
+    for what, names in (("limbs", limb_names), ("joints or rod limbs", coordinate_names)):
+        for name in names:
+            if not name:
+                raise MechanismError(f"one of the {what} has an empty name")
+            if names.count(name) > 1:
+                raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
+
+
+def _check_serial(mechanism: Mechanism) -> None:
+    for _, joint in mechanism.joints:
+        if not joint.actuated:
+            raise MechanismError(f"joint {joint.name!r}: all joints of a serial arm are actuated; types R, P and H are allowed")
+    if mechanism.motion != "spatial":
+        raise MechanismError("motion is a key of a platform; a serial arm has none")

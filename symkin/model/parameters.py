@@ -1,0 +1,32 @@
+"""The geometry p: named numbers that stay symbols in the closure until they are bound."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+
+@dataclass
+class ParameterTable:
+    """Collects parameters by key path (`leg1.base.x`, `dh.3.a`) while a closure is built."""
+
+    names: list[str] = field(default_factory=list)
+    symbols: list[ca.SX] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
+
+    def scalar(self, path: str, value: float) -> ca.SX:
+        symbol = ca.SX.sym(path)
+        self.names.append(path)
+        self.symbols.append(symbol)
+        self.values.append(float(value))
+        return symbol
+
+    def vector(self, path: str, value: Sequence[float], letters: str = "xyz") -> ca.SX:
+        return ca.vertcat(*(self.scalar(f"{path}.{k}", v) for k, v in zip(letters, value, strict=True)))
+
+    def direction(self, path: str, value: Sequence[float]) -> ca.SX:
+        """Three parameters, normalised in the formula, so that calibration may move each of them."""
+        raw = self.vector(path, value)
+        return raw / ca.sqrt(ca.dot(raw, raw))

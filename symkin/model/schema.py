@@ -1,0 +1,121 @@
+"""The mechanism file's shape (format 1), as pydantic models; meaning is checked by the model's own classes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from symkin.errors import MechanismError
+from symkin.model.arithmetic import evaluate
+
+
+def _number(value: Any, info: ValidationInfo) -> float:
+    """A finite number, or a string of arithmetic."""
+    if isinstance(value, str):
+        unit = info.context.get("angle_unit", "deg") if info.context else "deg"
+        try:
+            return evaluate(value, unit)
+        except MechanismError as error:
+            raise PydanticCustomError("arithmetic", "{reason}", {"reason": str(error)}) from None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise PydanticCustomError("number", "a number or a string of arithmetic is needed")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = float("inf")
+    if not abs(number) < float("inf"):
+        raise PydanticCustomError("finite", "a finite number is needed")
+    return number
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Name = Annotated[str, Field(min_length=1)]
+
+
+class Table(BaseModel):
+    """A TOML table without unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class JointTable(Table):
+    name: Name
+    type: Literal["R", "P", "H", "C", "U", "S"]
+    point: Vector | None = None
+    axis: Vector | None = None
+    axis2: Vector | None = None
+    pitch: Number = 0.0
+    actuated: bool | None = None
+    zero: Number = 0.0
+    limits: Range | None = None
+
+
+class RodTable(Table):
+    from_: Vector = Field(alias="from")
+    platform: Vector
+    length: Number | None = None
+
+
+class RodLimbTable(Table):
+    name: Name
+    type: Literal["SPS", "UPS", "SPU"]
+    base: Vector
+    platform: Vector
+    offset: Number = 0.0
+    limits: Range | None = None
+
+
+class JointLimbTable(Table):
+    name: Name
+    joint: list[JointTable] = Field(min_length=1)
+    rod: list[RodTable] = []
+
+
+class FrameTable(Table):
+    position: Vector
+    quaternion: Annotated[list[Number], Field(min_length=4, max_length=4)] = [1.0, 0.0, 0.0, 0.0]
+
+
+class PlatformTable(FrameTable):
+    position: Vector = [0.0, 0.0, 0.0]
+    motion: Literal["spatial", "schoenflies", "planar", "translation", "spherical"] = "spatial"
+
+
+class DHRowTable(Table):
+    name: Name | None = None
+    type: Literal["R", "P"]
+    theta: Number = 0.0
+    d: Number = 0.0
+    a: Number = 0.0
+    alpha: Number = 0.0
+    limits: Range | None = None
+
+
+class DHTableTable(Table):
+    convention: Literal["standard", "modified"]
+    rows: list[DHRowTable] = Field(min_length=1)
+
+
+class ExampleTable(Table):
+    joints: list[Number] | None = None
+    pose: Annotated[list[Number], Field(min_length=7, max_length=7)] | None = None
+    start: list[Number] | None = None
+
+
+class MechanismTable(Table):
+    format: Literal[1]
+    name: Name
+    title: str = ""
+    source: str = ""
+    length_unit: Literal["m", "mm"]
+    angle_unit: Literal["deg", "rad"]
+    limb: list[dict[str, Any]] = []
+    platform: PlatformTable | None = None
+    dh: DHTableTable | None = None
+    joint: list[JointTable] = []
+    tool: FrameTable | None = None
+    example: ExampleTable | None = None

@@ -1,0 +1,1 @@
+"""Position problems: partitions of the closure, solvers and their solutions."""

@@ -1,0 +1,135 @@
+"""What the user gives: joint values, a pose or a start, read at the border into radians and unit quaternions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import Kind
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
+
+_ON_MOTION = 1e-6
+"""A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """Known values of a problem: `values` in inside units, `echo` as the user gave them; `off_motion` is how far a
+    pose lies off the platform's motion (length unit), 0 when it lies on it or was projected."""
+
+    kind: Kind
+    values: np.ndarray
+    echo: dict[str, list[float]]
+    notes: tuple[str, ...] = ()
+    off_motion: float = 0.0
+
+
+def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None) -> Given:
+    """Joints make a direct problem, a pose an inverse one; neither: the example's, else the reference's joints."""
+    if joints is not None and pose is not None:
+        raise InputError("both joints and a pose are given; joints make a direct problem, a pose an inverse one: give one of them")
+    if joints is None and pose is None:
+        example = mechanism.example
+        if example is not None and example.joints is not None:
+            joints = example.joints
+        elif example is not None and example.pose is not None:
+            pose = example.pose
+        else:
+            joints = [_coordinate_out(mechanism, c) for c in mechanism.actuated]
+            if not joints:
+                raise InputError(f"{mechanism.name} has no actuated joint and no [example]; nothing to solve: give a pose")
+    if pose is not None:
+        return _given_pose(mechanism, pose)
+    assert joints is not None  # noqa: S101 - one of the branches above has set it
+    return Given("direct", joint_values(mechanism, joints), {"joints": [float(v) for v in joints]})
+
+
+def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joints") -> np.ndarray:
+    """Actuated joint values in file order, from the mechanism's units to radians; lengths must not be negative."""
+    coordinates = mechanism.actuated
+    numbers = _numbers(values, what)
+    if len(numbers) != len(coordinates):
+        names = ", ".join(c.name for c in coordinates) or "none"
+        raise InputError(f"{what}: {len(numbers)} values given, {mechanism.name} has {len(coordinates)} actuated joints ({names})")
+    for coordinate, number in zip(coordinates, numbers, strict=True):
+        if coordinate.least is not None and number < coordinate.least:
+            raise InputError(
+                f"{what}: {coordinate.name} = {number:g} makes a rod of length {number - coordinate.least:g} "
+                f"{mechanism.length_unit}; allowed: {coordinate.least + 0.0:g} and above"
+            )
+    return np.array([mechanism.angle_in(n) if c.is_angular else n for c, n in zip(coordinates, numbers, strict=True)])
+
+
+def pose_from(values: Sequence[float] | Pose, what: str = "pose") -> Pose:
+    """A pose from x, y, z, qw, qx, qy, qz; the quaternion is normalised, refused when its norm is off by over 1e-2."""
+    if isinstance(values, Pose):
+        values = [*np.asarray(values.position).ravel(), *np.asarray(values.quaternion).ravel()]
+    numbers = _numbers(values, what)
+    if len(numbers) != 7:
+        raise InputError(f"{what}: {len(numbers)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
+    norm = math.hypot(*numbers[3:])
+    if abs(norm - 1.0) > 1e-2:
+        raise InputError(f"{what}: the quaternion {numbers[3:]} has norm {norm:.6g}; allowed: 1 to within 0.01")
+    return Pose(np.array(numbers[:3]), np.array(numbers[3:]) / norm)
+
+
+def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, float]:
+    """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles times the size)."""
+    reference = mechanism.reference_pose
+    delta = multiply(pose.quaternion, conjugate(reference.quaternion))
+    position, size = pose.position, mechanism.size
+    if mechanism.motion == "spatial":
+        return np.concatenate([position, pose.quaternion]), 0.0
+    turn = 2.0 * math.atan2(delta[3], delta[0])
+    turn = math.remainder(turn, 2 * math.pi)
+    about_z = np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)])
+    tilt = float(np.linalg.norm(rotation_vector_from_quaternion(multiply(conjugate(about_z), delta))))
+    whole = float(np.linalg.norm(rotation_vector_from_quaternion(delta)))
+    away = np.abs(position - reference.position)
+    match mechanism.motion:
+        case "schoenflies":
+            return np.array([*position, turn]), size * tilt
+        case "planar":
+            return np.array([position[0], position[1], turn]), max(size * tilt, float(away[2]))
+        case "translation":
+            return np.array(position), size * whole
+        case _:
+            return np.array(pose.quaternion), float(np.max(away))
+
+
+def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
+    pose = pose_from(given)
+    values, off = pose_coordinates(mechanism, pose)
+    notes: tuple[str, ...] = ()
+    if 0.0 < off < _ON_MOTION * mechanism.size:
+        if off > 1e-12 * mechanism.size:
+            notes = (f"the pose was projected onto the platform's {mechanism.motion} motion, by {off:.3g} {mechanism.length_unit}",)
+        off = 0.0
+    elif off > 0.0:
+        notes = (f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}",)
+    return Given("inverse", values, {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}, notes, off)
+
+
+def _numbers(values: Sequence[float], what: str) -> list[float]:
+    numbers = []
+    for k, value in enumerate(values, start=1):
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise InputError(f"{what}: value {k} = {value!r} is not a number") from None
+        if not math.isfinite(number):
+            raise InputError(f"{what}: value {k} = {value!r} is not finite")
+        numbers.append(number)
+    return numbers
+
+
+def _coordinate_out(mechanism: Mechanism, coordinate: Coordinate) -> float:
+    value = coordinate.reference[0]
+    return mechanism.angle_out(value) if coordinate.is_angular else value

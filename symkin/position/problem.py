@@ -1,0 +1,115 @@
+"""A position problem: a partition of the closure's variables into known and unknown.
+
+direct:  known q, unknown (x, X);   inverse:  known X, unknown (q, x).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import Closure, build_closure, random_values
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.system import System, constant_rows, split_blocks
+
+Kind = Literal["direct", "inverse"]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The direct or inverse problem of one mechanism; values of the known coordinates are bound at each solve."""
+
+    closure: Closure
+    kind: Kind
+    system: System
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.closure.mechanism
+
+    @cached_property
+    def known_coordinates(self) -> tuple[Coordinate, ...]:
+        return self.closure.role("actuated" if self.kind == "direct" else "pose")
+
+    @cached_property
+    def blocks(self) -> tuple[System, ...]:
+        """Independent parts of the system: limbs decouple once the pose is given."""
+        return split_blocks(self.system)
+
+    @cached_property
+    def conditions(self) -> System:
+        """Rows without unknowns: what the given values alone must satisfy."""
+        return constant_rows(self.system)
+
+    @cached_property
+    def generic_rank(self) -> int:
+        """Rank of the rows' tangent Jacobian at a random point: below `system.freedom`, no solution is isolated."""
+        rng = np.random.default_rng(1)
+        ranks = []
+        for _ in range(2):
+            values = random_values(self.closure.coordinates, self.closure.size, rng)
+            _, jacobian = self.system.linearise_one(self.take(values, self.system.unknowns), self.take(values, self.known_coordinates))
+            ranks.append(int(np.linalg.matrix_rank(jacobian, tol=1e-9 * max(1e-300, np.linalg.norm(jacobian, 2)))))
+        return max(ranks)
+
+    @cached_property
+    def _forward(self) -> ca.Function | None:
+        """Pose of the platform from the joints alone, where a limb of actuated joints only carries it."""
+        pose = self.closure.forward
+        if pose is None:
+            return None
+        known = _stack(self.closure, self.known_coordinates)
+        return ca.Function("forward", [known], [self.closure.bound(ca.vertcat(pose.position, pose.quaternion))])
+
+    @property
+    def is_explicit(self) -> bool:
+        """The pose is a function of the joints: the direct problem of a serial arm."""
+        return self.kind == "direct" and self.closure.forward is not None and not self.closure.role("passive")
+
+    def forward(self, known: np.ndarray) -> np.ndarray | None:
+        """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
+        if self.kind != "direct" or self._forward is None or self.mechanism.motion != "spatial":
+            return None
+        return np.asarray(self._forward(known)).ravel()
+
+    def take(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+        """The part of a full vector of variables that belongs to some coordinates."""
+        parts = [values[self.closure.slices[c.name]] for c in coordinates]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def assemble(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """A full vector of variables from its unknown and known parts."""
+        values = np.empty(int(self.closure.variables.shape[0]))
+        for coordinates, part in ((self.system.unknowns, unknown), (self.known_coordinates, known)):
+            start = 0
+            for c in coordinates:
+                values[self.closure.slices[c.name]] = part[start : start + c.width]
+                start += c.width
+        return values
+
+
+@lru_cache(maxsize=128)
+def build_problem(mechanism: Mechanism, kind: Kind) -> Problem:
+    """The problem of a mechanism; built once for each mechanism and kind."""
+    closure = build_closure(mechanism)
+    unknown_roles = ("passive", "pose") if kind == "direct" else ("actuated", "passive")
+    known_role = "actuated" if kind == "direct" else "pose"
+    unknowns = closure.role(*unknown_roles)
+    system = System(
+        unknowns,
+        _stack(closure, unknowns),
+        _stack(closure, closure.role(known_role)),
+        closure.bound(closure.rows),
+        closure.bound(closure.errors),
+        closure.size,
+    )
+    return Problem(closure, kind, system)
+
+
+def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
+    return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))

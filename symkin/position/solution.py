@@ -1,0 +1,326 @@
+"""Solutions of position problems: values, their checks, and how they print."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import Closure
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import Problem
+from symkin.spatial.pose import Pose
+
+Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
+Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
+
+REMEDIES: dict[str, str] = {
+    "ok": "the solution satisfies every closure row",
+    "max_iterations": "the iteration did not settle: start nearer, use the other solver (newton, ipopt), or list all with modes",
+    "singular": "the Jacobian lost rank on the way: start elsewhere, or look at the mechanism's singularities",
+    "infeasible": "no configuration near the start closes all loops: check the given values against the mechanism's reach",
+    "nonfinite": "the iteration met NaN or infinity: check the given values and start nearer",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One configuration that closes all loops, in radians and the mechanism's length unit.
+
+    `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
+    closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
+    the size; `hits` counts the starts that reached it.
+    """
+
+    mechanism: Mechanism
+    values: dict[str, Any]
+    pose: Pose
+    residual: float
+    condition: float
+    within_limits: bool | None
+    hits: int | None = None
+    certified: bool | None = None
+    radius: float | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def joints(self) -> dict[str, Any]:
+        """Joint coordinates in the mechanism's units, passive ones included."""
+        return {name: value for name, value in self._user_values().items() if not name.startswith("pose.")}
+
+    @property
+    def actuated(self) -> list[float]:
+        """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)` takes."""
+        values = self.joints
+        return [values[c.name] for c in self.mechanism.actuated]
+
+    @property
+    def position(self) -> np.ndarray:
+        return np.asarray(self.pose.position, dtype=float)
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        return np.asarray(self.pose.quaternion, dtype=float)
+
+    @property
+    def rotation(self) -> np.ndarray:
+        return np.asarray(self.pose.rotation, dtype=float)
+
+    def _user_values(self) -> dict[str, Any]:
+        kinds = {c.name: c for c in _coordinates(self.mechanism)}
+        out: dict[str, Any] = {}
+        for name, value in self.values.items():
+            c = kinds[name]
+            if c.kind == "quaternion":
+                out[name] = [float(v) for v in value]
+            else:
+                out[name] = self.mechanism.angle_out(value) if c.is_angular else value
+        return out
+
+    def to_json(self) -> dict[str, Any]:
+        """The object of contract 3."""
+        return {
+            "pose": {
+                "position": self.position.tolist(),
+                "quaternion": self.quaternion.tolist(),
+                "matrix": self.rotation.tolist(),
+            },
+            "joints": self.joints,
+            "residual": self.residual,
+            "condition": self.condition if math.isfinite(self.condition) else None,
+            "certified": self.certified,
+            "radius": self.radius,
+            "within_limits": self.within_limits,
+            "notes": list(self.notes),
+        }
+
+    def __str__(self) -> str:
+        position = ", ".join(f"{v:.6g}" for v in self.position)
+        quaternion = ", ".join(f"{v:.6f}" for v in self.quaternion)
+        joints = ", ".join(f"{k} = {v:.6g}" for k, v in self.joints.items() if isinstance(v, float))
+        return (
+            f"{self.mechanism.name} at ({position}) {self.mechanism.length_unit}, quaternion ({quaternion}); "
+            f"{joints}; residual {self.residual:.1e}, condition {self.condition:.3g}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """One step of an iteration: pose (or None for unknown joints only) and the largest closure row (length unit)."""
+
+    values: np.ndarray
+    pose: Pose
+    residual: float
+
+
+@dataclass(frozen=True, eq=False)
+class SolveResult:
+    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history."""
+
+    problem: Problem
+    given: dict[str, list[float]]
+    status: Status
+    solution: Solution | None
+    iterations: int
+    history: tuple[Iterate, ...]
+    smallest_residual: float | None
+    method: str
+    elapsed_s: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def message(self) -> str:
+        mechanism = self.problem.mechanism
+        left = "" if self.smallest_residual is None else f" (closure error {self.smallest_residual:.3g} {mechanism.length_unit})"
+        return f"{mechanism.name}: {self.status} after {self.iterations} iterations{left}; {REMEDIES[self.status]}"
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            **_heading(self.problem, self.given),
+            "solution": None if self.solution is None else self.solution.to_json(),
+            "status": self.status,
+            "iterations": self.iterations,
+            "smallest_residual": self.smallest_residual,
+            "method": self.method,
+            "elapsed_s": self.elapsed_s,
+            "notes": list(self.notes),
+        }
+
+    def __str__(self) -> str:
+        return self.message if self.solution is None else f"{self.solution} ({self.iterations} iterations)"
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """All solutions found for one set of given values, with a statement of completeness that is never too large.
+
+    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
+    one more start finds a new mode (both for multistart only).
+    """
+
+    problem: Problem
+    given: dict[str, list[float]]
+    modes: tuple[Solution, ...]
+    completeness: Completeness
+    method: str
+    seed: int | None
+    elapsed_s: float
+    starts: int | None = None
+    estimated_unseen: float | None = None
+    next_new: float | None = None
+    complex_count: int | None = None
+    unresolved_paths: int | None = None
+    smallest_residual: float | None = None
+    positive_dimensional: bool = False
+    notes: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    def __iter__(self) -> Iterator[Solution]:
+        return iter(self.modes)
+
+    def __getitem__(self, index: int) -> Solution:
+        return self.modes[index]
+
+    @property
+    def poses(self) -> int:
+        """Count of distinct poses among the modes."""
+        size = self.problem.closure.size
+        kept: list[np.ndarray] = []
+        for mode in self.modes:
+            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
+            if all(np.max(np.abs(feature - other)) > 1e-6 * size for other in kept):
+                kept.append(feature)
+        return len(kept)
+
+    def to_json(self) -> dict[str, Any]:
+        """The object of contract 3, with `starts`, `hits`, `estimated_unseen` and `notes` beside it."""
+        hits = [mode.hits for mode in self.modes]
+        return {
+            **_heading(self.problem, self.given),
+            "modes": [mode.to_json() for mode in self.modes],
+            "poses": self.poses,
+            "complex_count": self.complex_count,
+            "completeness": self.completeness,
+            "unresolved_paths": self.unresolved_paths,
+            "smallest_residual": self.smallest_residual,
+            "method": self.method,
+            "seed": self.seed,
+            "elapsed_s": self.elapsed_s,
+            "starts": self.starts,
+            "hits": hits if any(h is not None for h in hits) else None,
+            "estimated_unseen": self.estimated_unseen,
+            "notes": list(self.notes),
+        }
+
+    def __str__(self) -> str:
+        from symkin.view.table import modes_text
+
+        return modes_text(self)
+
+
+def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = None, notes: tuple[str, ...] = ()) -> Solution:
+    """A canonical, checked solution from a full vector of variables."""
+    values = canonical(problem.closure, values)
+    closure, system = problem.closure, problem.system
+    unknown = problem.take(values, system.unknowns)
+    known = problem.take(values, problem.known_coordinates)
+    named: dict[str, Any] = {}
+    for c in closure.coordinates:
+        part = values[closure.slices[c.name]]
+        named[c.name] = float(part[0]) if c.width == 1 else tuple(float(v) for v in part)
+    return Solution(
+        closure.mechanism,
+        named,
+        pose_of(closure, values),
+        system.residual(unknown, known),
+        system.condition(unknown, known),
+        _within_limits(closure, values),
+        hits,
+        notes=notes,
+    )
+
+
+def pose_of(closure: Closure, values: np.ndarray) -> Pose:
+    """The platform's pose, quaternion with w >= 0, from a full vector of variables."""
+    packed = np.asarray(_pose_function(closure)(values)).ravel()
+    q = packed[3:] / np.linalg.norm(packed[3:])
+    return Pose(packed[:3], _positive(q))
+
+
+def _pose_function(closure: Closure) -> ca.Function:
+    cached: ca.Function | None = closure.__dict__.get("_pose_function")
+    if cached is None:
+        expression = closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion))
+        cached = ca.Function("pose", [closure.variables], [expression])
+        closure.__dict__["_pose_function"] = cached
+    return cached
+
+
+def canonical(closure: Closure, values: np.ndarray) -> np.ndarray:
+    """The same configuration in its standard writing: rod lengths not negative, angles in (-pi, pi] and moved by
+    whole turns into their limits where possible, quaternions of unit length with w >= 0."""
+    values = values.copy()
+    for c in closure.coordinates:
+        place = closure.slices[c.name]
+        if c.kind == "quaternion":
+            values[place] = _positive(values[place] / np.linalg.norm(values[place]))
+        elif c.kind == "angle":
+            values[place] = _wrap(float(values[place][0]), c.limits)
+        elif c.least is not None and values[place][0] < c.least:
+            values[place] = 2.0 * c.least - values[place]
+        values[place] += 0.0
+    return values
+
+
+def _wrap(angle: float, limits: tuple[float, float] | None) -> float:
+    wrapped = math.remainder(angle, 2 * math.pi)
+    if wrapped <= -math.pi + 1e-15:
+        wrapped += 2 * math.pi
+    if limits is not None and not limits[0] <= wrapped <= limits[1]:
+        turns = math.ceil((limits[0] - wrapped) / (2 * math.pi) - 1e-12)
+        if wrapped + 2 * math.pi * turns <= limits[1] + 1e-12:
+            wrapped += 2 * math.pi * turns
+    return wrapped
+
+
+def _positive(q: np.ndarray) -> np.ndarray:
+    leading = next((v for v in q if abs(v) > 1e-12), 1.0)
+    return np.asarray((q if leading > 0 else -q) + 0.0)
+
+
+def _within_limits(closure: Closure, values: np.ndarray) -> bool | None:
+    limited = [c for c in closure.coordinates if c.limits is not None]
+    if not limited:
+        return None
+    return all(_inside(c, float(values[closure.slices[c.name]][0]), closure.size) for c in limited)
+
+
+def _inside(c: Coordinate, value: float, size: float) -> bool:
+    if c.limits is None:
+        return True
+    slack = 1e-9 * (1.0 if c.is_angular else size)
+    return c.limits[0] - slack <= value <= c.limits[1] + slack
+
+
+def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
+    from symkin.model.closure import build_closure
+
+    return build_closure(mechanism).coordinates
+
+
+def _heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
+    mechanism = problem.mechanism
+    return {
+        "mechanism": mechanism.name,
+        "problem": problem.kind,
+        "given": given,
+        "length_unit": mechanism.length_unit,
+        "angle_unit": mechanism.angle_unit,
+    }

@@ -1,0 +1,80 @@
+"""The few array operations whose spelling differs between NumPy and CasADi.
+
+Every formula of `symkin.spatial` is written once on components. A vector is anything indexed by its first axis:
+a NumPy array of shape (3,), a stack of shape (3, N), or a CasADi column. Matrices are indexed [row, column] and
+may carry further axes the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+Array = Any
+"""A float, a NumPy array or a CasADi SX/MX/DM: whatever a formula is given, it gives back."""
+
+_SYMBOLIC = (ca.SX, ca.MX, ca.DM)
+
+
+def is_casadi(*values: Array) -> bool:
+    return any(isinstance(value, _SYMBOLIC) for value in values)
+
+
+def vector(*components: Array) -> Array:
+    """Stack components along the first axis."""
+    if is_casadi(*components):
+        return ca.vertcat(*components)
+    return np.stack(np.broadcast_arrays(*components)) if components else np.zeros(0)
+
+
+def matrix(rows: Sequence[Sequence[Array]]) -> Array:
+    """Stack components along the first two axes."""
+    if any(is_casadi(*row) for row in rows):
+        return ca.vertcat(*(ca.horzcat(*row) for row in rows))
+    return np.stack([vector(*row) for row in rows])
+
+
+def sin(x: Array) -> Array:
+    return ca.sin(x) if is_casadi(x) else np.sin(x)
+
+
+def cos(x: Array) -> Array:
+    return ca.cos(x) if is_casadi(x) else np.cos(x)
+
+
+def sqrt(x: Array) -> Array:
+    return ca.sqrt(x) if is_casadi(x) else np.sqrt(x)
+
+
+def atan2(y: Array, x: Array) -> Array:
+    return ca.atan2(y, x) if is_casadi(y, x) else np.arctan2(y, x)
+
+
+def where(condition: Array, then: Array, otherwise: Array) -> Array:
+    if is_casadi(condition, then, otherwise):
+        return ca.if_else(condition, then, otherwise)
+    return np.where(condition, then, otherwise)
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Sum of a_i b_i over the first axis."""
+    total = a[0] * b[0]
+    for i in range(1, a.shape[0] if hasattr(a, "shape") else len(a)):
+        total = total + a[i] * b[i]
+    return total
+
+
+def norm(a: Array) -> Array:
+    return sqrt(dot(a, a))
+
+
+def cross(a: Array, b: Array) -> Array:
+    return vector(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def scale(factor: Array, a: Array) -> Array:
+    """factor * a, where factor is a scalar per element of the trailing axes."""
+    return vector(*(factor * a[i] for i in range(a.shape[0])))

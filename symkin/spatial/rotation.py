@@ -1,0 +1,168 @@
+"""Rotations and their charts: matrix, unit quaternion (w, x, y, z), Euler angles, rotation vector, Cayley vector.
+
+Formulas take floats, NumPy arrays (components first) or CasADi columns alike. The unit quaternion is the hub: each
+chart has one function to it and one from it. Angles are in radians. A rotation R maps coordinates in the turned
+frame to coordinates in the base frame.
+"""
+
+from __future__ import annotations
+
+import math
+
+from symkin.spatial.backend import Array, atan2, cos, cross, dot, matrix, norm, scale, sin, sqrt, vector, where
+
+_TINY = 1e-16
+
+
+# --- unit quaternions --------------------------------------------------------------------------------------------
+
+
+def multiply(a: Array, b: Array) -> Array:
+    """Hamilton product: the rotation b followed by a, R(a b) = R(a) R(b)."""
+    return vector(
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+def conjugate(q: Array) -> Array:
+    return vector(q[0], -q[1], -q[2], -q[3])
+
+
+def normalized(q: Array) -> Array:
+    return scale(1.0 / norm(q), q)
+
+
+def rotate(q: Array, v: Array) -> Array:
+    """q v q* for a unit quaternion: v + 2 w (u x v) + 2 u x (u x v), u the vector part."""
+    u = q[1:]
+    t = cross(u, v)
+    return v + 2.0 * (scale(q[0], t) + cross(u, t))
+
+
+# --- axis and angle, rotation vector, Cayley vector --------------------------------------------------------------
+
+
+def quaternion_from_axis_angle(axis: Array, angle: Array) -> Array:
+    """(cos(a/2), axis sin(a/2)) for a unit axis."""
+    s = sin(0.5 * angle)
+    return vector(cos(0.5 * angle), axis[0] * s, axis[1] * s, axis[2] * s)
+
+
+def quaternion_from_rotation_vector(r: Array) -> Array:
+    """exp of the rotation vector r = angle * axis; regular at r = 0."""
+    squared = dot(r, r)
+    small = squared < 1e-8
+    angle = sqrt(where(small, 1.0, squared))
+    half_sinc = where(small, 0.5 - squared / 48.0, sin(0.5 * angle) / angle)
+    c = where(small, 1.0 - squared / 8.0 + squared * squared / 384.0, cos(0.5 * angle))
+    return vector(c, half_sinc * r[0], half_sinc * r[1], half_sinc * r[2])
+
+
+def rotation_vector_from_quaternion(q: Array) -> Array:
+    """log of a unit quaternion: angle * axis with angle in [0, pi]."""
+    sign = where(q[0] < 0, -1.0, 1.0)
+    w, u = sign * q[0], scale(sign, q[1:])
+    squared = dot(u, u)
+    small = squared < 1e-12
+    sine = sqrt(where(small, 1.0, squared))
+    factor = where(small, 2.0 + squared / 3.0, 2.0 * atan2(sine, w) / sine)
+    return scale(factor, u)
+
+
+def quaternion_from_cayley(c: Array) -> Array:
+    """Cayley (Rodrigues) vector c = axis tan(angle/2) to the unit quaternion (1, c) / sqrt(1 + c.c)."""
+    return normalized(vector(1.0 + 0.0 * c[0], c[0], c[1], c[2]))
+
+
+def cayley_from_quaternion(q: Array) -> Array:
+    """axis tan(angle/2) = u / w; infinite for half turns."""
+    return scale(1.0 / q[0], q[1:])
+
+
+# --- matrix ------------------------------------------------------------------------------------------------------
+
+
+def matrix_from_quaternion(q: Array) -> Array:
+    """Rotation matrix of a unit quaternion; columns are the turned frame's axes."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    return matrix(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def quaternion_from_matrix(r: Array) -> Array:
+    """Unit quaternion with w >= 0 of a rotation matrix, by the best conditioned of the four divisions (Shepperd)."""
+    trace = r[0, 0] + r[1, 1] + r[2, 2]
+    squares = [1 + trace, 1 + 2 * r[0, 0] - trace, 1 + 2 * r[1, 1] - trace, 1 + 2 * r[2, 2] - trace]
+    candidates = [
+        vector(squares[0], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]),
+        vector(r[2, 1] - r[1, 2], squares[1], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0]),
+        vector(r[0, 2] - r[2, 0], r[0, 1] + r[1, 0], squares[2], r[1, 2] + r[2, 1]),
+        vector(r[1, 0] - r[0, 1], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], squares[3]),
+    ]
+    best, chosen = squares[0], candidates[0]
+    for square, candidate in zip(squares[1:], candidates[1:], strict=True):
+        better = square > best
+        chosen = vector(*(where(better, candidate[i], chosen[i]) for i in range(4)))
+        best = where(better, square, best)
+    return normalized(scale(where(chosen[0] < 0, -1.0, 1.0), chosen))
+
+
+# --- Euler angles ------------------------------------------------------------------------------------------------
+
+
+def _sequence_axes(sequence: str) -> tuple[list[int], bool]:
+    """Axis numbers in fixed-axes order and whether the sequence was written about moving axes."""
+    axes = ["xyz".find(letter) for letter in sequence.lower()]
+    moving = sequence.isupper()
+    if len(axes) != 3 or -1 in axes or axes[0] == axes[1] or axes[1] == axes[2] or not (moving or sequence.islower()):
+        raise ValueError(
+            f"Euler sequence {sequence!r} is unknown: three letters such as 'xyz' (about fixed axes, in that order) "
+            "or 'XYZ' (about moving axes), neighbours different"
+        )
+    return (axes[::-1] if moving else axes), moving
+
+
+def quaternion_from_euler(angles: Array, sequence: str) -> Array:
+    """Three elementary rotations; 'xyz' about fixed axes, R = Rz(c) Ry(b) Rx(a); 'XYZ' about moving axes, R = Rx(a)
+    Ry(b) Rz(c). `angles` are in the order of the letters."""
+    axes, moving = _sequence_axes(sequence)
+    order = (2, 1, 0) if moving else (0, 1, 2)
+    total = None
+    for axis, k in zip(axes, order, strict=True):
+        unit = [0.0, 0.0, 0.0]
+        unit[axis] = 1.0
+        turn = quaternion_from_axis_angle(unit, angles[k])
+        total = turn if total is None else multiply(turn, total)
+    return total
+
+
+def euler_from_quaternion(q: Array, sequence: str) -> Array:
+    """Euler angles of a unit quaternion, the middle one in [-pi/2, pi/2] (three axes) or [0, pi] (first = last).
+
+    Source: Bernardes and Viollet, Quaternion to Euler angles conversion, PLoS ONE 17 (2022) e0276302.
+    """
+    (i, j, k), moving = _sequence_axes(sequence)
+    symmetric = i == k
+    if symmetric:
+        k = 3 - i - j
+    parity = (i - j) * (j - k) * (k - i) // 2
+    w, v = q[0], q[1:]
+    if symmetric:
+        a, b, c, d = w, v[i], v[j], v[k] * parity
+    else:
+        a, b, c, d = w - v[j], v[i] + v[k] * parity, v[j] + w, v[k] * parity - v[i]
+    middle = 2.0 * atan2(sqrt(c * c + d * d + _TINY**2), sqrt(a * a + b * b))
+    half_sum, half_difference = atan2(b, a), atan2(d, c)
+    first, last = half_sum - half_difference, half_sum + half_difference
+    if not symmetric:
+        middle, last = middle - 0.5 * math.pi, last * parity
+    wrapped = [atan2(sin(angle), cos(angle)) for angle in (first, last)]
+    return vector(wrapped[1], middle, wrapped[0]) if moving else vector(wrapped[0], middle, wrapped[1])

@@ -1,0 +1,113 @@
+"""Screws, their exponentials and reciprocity.
+
+A screw is the six-vector (s; s0) in ray order: direction s and moment s0 about the frame's origin. A twist is
+(angular velocity; velocity of the point at the origin), a wrench (force; moment about the origin); a wrench does no
+work on a twist when their reciprocal product s_t . s0_w + s0_t . s_w is zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.spatial.backend import Array, cos, cross, dot, scale, sin, sqrt, vector, where
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
+
+
+def revolute_screw(point: Array, axis: Array, pitch_per_turn: Array = 0.0) -> Array:
+    """Unit twist of a revolute (pitch 0) or helical joint: (a; c x a + h a), h = pitch per turn / 2 pi."""
+    moment = cross(point, axis) + scale(pitch_per_turn / (2 * math.pi), axis)
+    return vector(axis[0], axis[1], axis[2], moment[0], moment[1], moment[2])
+
+
+def prismatic_screw(axis: Array) -> Array:
+    """Unit twist of a prismatic joint: (0; a)."""
+    zero = 0.0 * axis[0]
+    return vector(zero, zero, zero, axis[0], axis[1], axis[2])
+
+
+def exponential(screw: Array, value: Array) -> Pose:
+    """exp(value * screw), a rigid displacement; the direction part of the screw need not be a unit vector.
+
+    With angle t = |s| value and u = s / |s|: p = (s0 + (1 - cos t)/t u x s0 + (1 - sin t / t) u x (u x s0)) value.
+    """
+    s, s0 = scale(value, screw[:3]), scale(value, screw[3:])
+    squared = dot(s, s)
+    small = squared < 1e-10
+    angle = sqrt(where(small, 1.0, squared))
+    first = where(small, 0.5 - squared / 24.0, (1.0 - cos(angle)) / (angle * angle))
+    second = where(small, 1.0 / 6.0 - squared / 120.0, (angle - sin(angle)) / (angle * angle * angle))
+    half_sinc = where(small, 0.5 - squared / 48.0, sin(0.5 * angle) / angle)
+    half_cos = where(small, 1.0 - squared / 8.0, cos(0.5 * angle))
+    t = cross(s, s0)
+    position = s0 + scale(first, t) + scale(second, cross(s, t))
+    return Pose(position, vector(half_cos, half_sinc * s[0], half_sinc * s[1], half_sinc * s[2]))
+
+
+def product_of_exponentials(screws: Sequence[Array], values: Sequence[Array], home: Pose) -> Pose:
+    """exp(S1 q1) ... exp(Sn qn) home: Brockett's formula, screws in the base frame at the reference."""
+    total = home
+    for screw, value in zip(reversed(screws), reversed(values), strict=True):
+        total = exponential(screw, value) @ total
+    return total
+
+
+def turn_about(point: Array, axis: Array, angle: Array) -> Pose:
+    """Rotation by `angle` about the unit `axis` through `point`."""
+    q = quaternion_from_axis_angle(axis, angle)
+    return Pose(point - rotate(q, point), q)
+
+
+def move_screw(pose: Pose, screw: Array) -> Array:
+    """Adjoint map: the same screw after the displacement, in the same frame (R s; R s0 + p x R s)."""
+    s, s0 = pose.turn(screw[:3]), pose.turn(screw[3:])
+    moment = s0 + cross(pose.position, s)
+    return vector(s[0], s[1], s[2], moment[0], moment[1], moment[2])
+
+
+def reciprocal_product(twist: Array, wrench: Array) -> Array:
+    """Rate of work of a wrench on a twist."""
+    return dot(twist[:3], wrench[3:]) + dot(twist[3:], wrench[:3])
+
+
+def reciprocal_system(screws: np.ndarray, size: float = 1.0, tolerance: float = 1e-8) -> np.ndarray:
+    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the length `size`."""
+    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    scaled = np.atleast_2d(screws) * weights
+    swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
+    null = null_space(swapped, tolerance)
+    return tidy_rows(null) / weights
+
+
+def null_space(a: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+    """Orthonormal rows n with a n = 0; singular values below `tolerance` times the largest count as zero."""
+    if a.shape[0] == 0:
+        return np.eye(a.shape[1])
+    _, s, vt = np.linalg.svd(a)
+    rank = int(np.sum(s > tolerance * max(s[0], np.finfo(float).tiny))) if s.size else 0
+    return np.asarray(vt[rank:])
+
+
+def tidy_rows(rows: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
+    """The same row space in reduced echelon form with unit rows: readable bases for print-outs."""
+    reduced = np.array(rows, dtype=float)
+    pivot_row = 0
+    for column in range(reduced.shape[1]):
+        if pivot_row >= reduced.shape[0]:
+            break
+        best = pivot_row + int(np.argmax(np.abs(reduced[pivot_row:, column])))
+        if abs(reduced[best, column]) < tolerance:
+            continue
+        reduced[[pivot_row, best]] = reduced[[best, pivot_row]]
+        reduced[pivot_row] /= reduced[pivot_row, column]
+        for other in range(reduced.shape[0]):
+            if other != pivot_row:
+                reduced[other] -= reduced[other, column] * reduced[pivot_row]
+        pivot_row += 1
+    norms = np.linalg.norm(reduced, axis=1, keepdims=True)
+    reduced = reduced / np.where(norms > 0, norms, 1.0)
+    reduced[np.abs(reduced) < tolerance] = 0.0
+    return reduced

@@ -1,0 +1,1 @@
+"""What symkin shows: tables and pictures."""
