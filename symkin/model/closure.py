@@ -11,7 +11,7 @@ only where e is a turn about a, so that these rows have no spurious roots and st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -331,17 +331,17 @@ class _Builder:
 
 def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:
     """Random coordinate values about the reference: lengths by the size, angles and rotations anywhere."""
-    draw: dict[str, Callable[[Coordinate], np.ndarray]] = {
-        "length": lambda c: np.array(c.reference) + size * rng.uniform(-1, 1, 1),
-        "angle": lambda c: rng.uniform(-np.pi, np.pi, 1),
-        "turns": lambda c: np.array(c.reference) + rng.uniform(-np.pi, np.pi, 1),
-        "quaternion": lambda c: _unit(rng.normal(size=4)),
-    }
-    return np.concatenate([draw[c.kind](c) for c in coordinates])
-
-
-def _unit(q: np.ndarray) -> np.ndarray:
-    return np.asarray(q / np.linalg.norm(q))
+    parts = []
+    for c in coordinates:
+        match c.kind:
+            case "length":
+                parts.append(np.array(c.reference) + size * rng.uniform(-1, 1, 1))
+            case "quaternion":
+                q = rng.normal(size=4)
+                parts.append(q / np.linalg.norm(q))
+            case _:
+                parts.append(np.array(c.reference) + rng.uniform(-np.pi, np.pi, 1))
+    return np.concatenate(parts)
 
 
 def _unit_vectors() -> list[ca.SX]:

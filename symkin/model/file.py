@@ -109,12 +109,15 @@ class _Builder:
             return serial_arm_from_dh(table.name, DHTable(table.dh.convention, rows), **options)
         frame = table.tool if table.joint else table.platform
         if frame is not None:
-            options |= {"platform_position": frame.position, "platform_quaternion": frame.quaternion}
+            options |= {
+                "motion": getattr(frame, "motion", "spatial"),
+                "platform_position": frame.position,
+                "platform_quaternion": frame.quaternion,
+            }
         if table.joint:
             chain = Limb(table.name, [self.joint(j, serial=True) for j in table.joint])
             return Mechanism(table.name, [chain], serial=True, **options)
-        motion = table.platform.motion if table.platform else "spatial"
-        return Mechanism(table.name, [self.limb(limb) for limb in limbs], motion=motion, **options)
+        return Mechanism(table.name, [self.limb(limb) for limb in limbs], **options)
 
     def limb(self, table: Any) -> Limb | RodLimb:
         if hasattr(table, "base"):
@@ -166,9 +169,9 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
         raise MechanismError(f"tool: allowed with [[joint]] only; with [{form}] the last frame is the platform or tool")
     if form == "limb" and table.platform is None and any(hasattr(limb, "joint") for limb in limbs):
         raise MechanismError("platform is missing; limbs of joints need [platform] with its position at the reference")
-    if table.platform is not None and "position" not in table.platform.model_fields_set:
-        if any(hasattr(limb, "joint") for limb in limbs):
-            raise MechanismError("platform.position is missing; limbs of joints need it")
+    placed = table.platform is None or "position" in table.platform.model_fields_set
+    if not placed and any(hasattr(limb, "joint") for limb in limbs):
+        raise MechanismError("platform.position is missing; limbs of joints need it")
 
 
 def _check_example(mechanism: Mechanism) -> None:

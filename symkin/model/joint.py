@@ -114,9 +114,7 @@ class Joint:
         if self.type == "S":
             return (Coordinate(self.name, "quaternion", role, (1.0, 0.0, 0.0, 0.0)),)
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
-        return tuple(
-            Coordinate(self.name + suffix, kind, role, (self.zero,), limits) for suffix, kind in _COORDINATES[self.type]
-        )
+        return tuple(Coordinate(self.name + suffix, kind, role, (self.zero,), limits) for suffix, kind in _COORDINATES[self.type])
 
 
 # --- checks of numbers, shared by every part of a description -----------------------------------------------------

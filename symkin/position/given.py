@@ -34,7 +34,9 @@ class Given:
 def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None) -> Given:
     """Joints make a direct problem, a pose an inverse one; neither: the example's, else the reference's joints."""
     if joints is not None and pose is not None:
-        raise InputError("both joints and a pose are given; joints make a direct problem, a pose an inverse one: give one of them")
+        raise InputError(
+            "both joints and a pose are given; joints make a direct problem, a pose an inverse one: give one of them"
+        )
     if joints is None and pose is None:
         example = mechanism.example
         if example is not None and example.joints is not None:
@@ -57,7 +59,9 @@ def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joi
     numbers = _numbers(values, what)
     if len(numbers) != len(coordinates):
         names = ", ".join(c.name for c in coordinates) or "none"
-        raise InputError(f"{what}: {len(numbers)} values given, {mechanism.name} has {len(coordinates)} actuated joints ({names})")
+        raise InputError(
+            f"{what}: {len(numbers)} values given, {mechanism.name} has {len(coordinates)} actuated joints ({names})"
+        )
     for coordinate, number in zip(coordinates, numbers, strict=True):
         if coordinate.least is not None and number < coordinate.least:
             raise InputError(
@@ -110,7 +114,9 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     notes: tuple[str, ...] = ()
     if 0.0 < off < _ON_MOTION * mechanism.size:
         if off > 1e-12 * mechanism.size:
-            notes = (f"the pose was projected onto the platform's {mechanism.motion} motion, by {off:.3g} {mechanism.length_unit}",)
+            notes = (
+                f"the pose was projected onto the platform's {mechanism.motion} motion, by {off:.3g} {mechanism.length_unit}",
+            )
         off = 0.0
     elif off > 0.0:
         notes = (f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}",)

@@ -39,7 +39,7 @@ class LeastSquares:
         return path if len(path) > 1 and np.array_equal(path[-1], final) else [*path, final]
 
 
-class _Recorder(ca.Callback):
+class _Recorder(ca.Callback):  # type: ignore[misc]  # CasADi is untyped here
     """Keeps IPOPT's iterates."""
 
     def __init__(self, width: int, equations: int, parameters: int) -> None:

@@ -8,7 +8,7 @@ of how many modes are still unseen (Chao 1984) and how likely the next start fin
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
@@ -23,7 +23,8 @@ from symkin.position.levenberg import Progress, levenberg_marquardt
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Modes, Solution, make_solution
-from symkin.position.solve import ACCEPTED, SOLVERS, solve_problem, start_values
+from symkin.position.solve import ACCEPTED, SOLVERS
+from symkin.position.starts import random_starts, start_values
 from symkin.position.system import System
 from symkin.spatial.pose import Pose
 
@@ -107,38 +108,6 @@ def _refuse_redundant(problem: Problem) -> None:
         )
 
 
-def random_starts(problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach, angles and rotations
-    uniform, the first start at the reference; within `limits` where given."""
-    closure = problem.closure
-    lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"]
-    reach = 1.5 * max([closure.size, *lengths])
-    points = np.empty((count, system.width))
-    for c, place in zip(system.unknowns, system.slices, strict=True):
-        reference = closure.reference[closure.slices[c.name]]
-        if c.kind == "quaternion":
-            q = rng.normal(size=(count, 4))
-            points[:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
-        elif c.limits is not None:
-            points[:, place] = rng.uniform(*c.limits, (count, 1))
-        elif c.kind == "angle":
-            points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
-        elif c.kind == "turns":
-            points[:, place] = reference + rng.uniform(-2 * np.pi, 2 * np.pi, (count, 1))
-        else:
-            points[:, place] = reference + reach * rng.uniform(-1, 1, (count, 1))
-        points[0, place] = reference
-    return system.fold(points)
-
-
-def _named(coordinates: Iterable, values: np.ndarray) -> list:  # type: ignore[type-arg]
-    pairs, start = [], 0
-    for c in coordinates:
-        pairs.append((c, float(values[start])))
-        start += c.width
-    return pairs
-
-
 def _batched(
     problem: Problem, block: System, given: Given, starts: int, rng: np.random.Generator, progress: Progress | None
 ) -> Roots:
@@ -169,7 +138,7 @@ def _one_by_one(
     ends, smallest = [], np.inf
     for k, start in enumerate(random_starts(problem, system, given, starts, rng), start=1):
         path = chosen.iterate(problem, start, given.values)
-        z = system.move(path[-1][None], np.zeros((1, system.freedom)))[0]
+        z = system.unit(path[-1])
         left = system.residual(z, given.values) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
         if left <= 1e-6 * system.size:
@@ -220,8 +189,10 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     ends = system.fold(ends)
     first, labels = merge(features(system, ends), 1e-5 * system.size)
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
-    roots, counts, continuum, smallest = [], [], [], np.inf
-    for index, count in zip(first[np.argsort(-hits, kind="stable")], np.sort(hits)[::-1], strict=True):
+    order = np.argsort(-hits, kind="stable")
+    roots: list[np.ndarray] = []
+    counts, continuum, smallest = [], [], np.inf
+    for index, count in zip(first[order], hits[order], strict=True):
         z = system.polish(ends[index], known, steps=8)
         left = system.residual(z, known)
         smallest = min(smallest, left)

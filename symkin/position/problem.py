@@ -15,6 +15,7 @@ import numpy as np
 from symkin.model.closure import Closure, build_closure, random_values
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.rank import Rank
 from symkin.position.system import System, constant_rows, split_blocks
 
 Kind = Literal["direct", "inverse"]
@@ -53,8 +54,10 @@ class Problem:
         ranks = []
         for _ in range(2):
             values = random_values(self.closure.coordinates, self.closure.size, rng)
-            _, jacobian = self.system.linearise_one(self.take(values, self.system.unknowns), self.take(values, self.known_coordinates))
-            ranks.append(int(np.linalg.matrix_rank(jacobian, tol=1e-9 * max(1e-300, np.linalg.norm(jacobian, 2)))))
+            _, jacobian = self.system.linearise_one(
+                self.take(values, self.system.unknowns), self.take(values, self.known_coordinates)
+            )
+            ranks.append(Rank.of(jacobian).value)
         return max(ranks)
 
     @cached_property

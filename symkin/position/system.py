@@ -92,10 +92,10 @@ class System:
         buffer, evaluate = self._mapped.buffer()
         points, out_f = np.zeros((_LANES, self.width)), np.zeros((_LANES, m))
         out_j = np.zeros((_LANES, self.freedom, m))
-        buffer.set_arg(0, memoryview(points.reshape(-1)))
-        buffer.set_arg(1, memoryview(tiled))
-        buffer.set_res(0, memoryview(out_f.reshape(-1)))
-        buffer.set_res(1, memoryview(out_j.reshape(-1)))
+        buffer.set_arg(0, points.reshape(-1).data)
+        buffer.set_arg(1, tiled.data)
+        buffer.set_res(0, out_f.reshape(-1).data)
+        buffer.set_res(1, out_j.reshape(-1).data)
         for begin in range(0, count, _LANES):
             part = z[begin : begin + _LANES]
             points[: len(part)] = part
@@ -127,6 +127,10 @@ class System:
                 moved[:, place] += part / self.size if coordinate.is_angular else part
             column += coordinate.freedom
         return moved
+
+    def unit(self, z: np.ndarray) -> np.ndarray:
+        """The same point with quaternions of unit length."""
+        return np.asarray(self.move(z[None], np.zeros((1, self.freedom)))[0])
 
     def fold(self, points: np.ndarray) -> np.ndarray:
         """The same configurations with rod lengths that are not negative."""
@@ -172,9 +176,7 @@ def split_blocks(system: System) -> tuple[System, ...]:
         unknown = ca.vertcat(*(system.unknown[system.slices[k]] for k in sorted(group)))
         rows = [i for i, used in enumerate(rows_of) if used & group]
         errors = [i for i, used in enumerate(errors_of) if used & group]
-        blocks.append(
-            System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.size)
-        )
+        blocks.append(System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.size))
     return tuple(blocks)
 
 
@@ -188,9 +190,7 @@ def constant_rows(system: System) -> System:
 def _incidence(rows: ca.SX, system: System) -> list[set[int]]:
     """For each row, the unknown coordinates that it contains."""
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(rows, system.unknown), 1)) != 0
-    return [
-        {k for k, place in enumerate(system.slices) if pattern[i, place].any()} for i in range(int(rows.shape[0]))
-    ]
+    return [{k for k, place in enumerate(system.slices) if pattern[i, place].any()} for i in range(int(rows.shape[0]))]
 
 
 def _components(incidence: Sequence[set[int]], count: int) -> list[set[int]]:

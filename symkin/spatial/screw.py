@@ -79,7 +79,7 @@ def reciprocal_system(screws: np.ndarray, size: float = 1.0, tolerance: float = 
     scaled = np.atleast_2d(screws) * weights
     swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
     null = null_space(swapped, tolerance)
-    return tidy_rows(null) / weights
+    return np.asarray(tidy_rows(null) / weights)
 
 
 def null_space(a: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:

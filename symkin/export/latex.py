@@ -1,0 +1,197 @@
+"""Expressions and closure equations as LaTeX.
+
+The graph of an SX function is walked instruction by instruction. What is used more than once gets a name, the rest is
+written in place, so that the text stays as short as the computation.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from symkin.model.closure import Closure, build_closure
+from symkin.model.mechanism import Mechanism
+
+_ATOM, _POWER, _PRODUCT, _SUM = 3, 2, 1, 0
+_FUNCTIONS = {
+    ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
+    ca.OP_ATAN: r"\arctan", ca.OP_EXP: r"\exp", ca.OP_LOG: r"\ln",
+}  # fmt: skip
+_GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omega")
+
+
+@dataclass(frozen=True)
+class _Text:
+    """LaTeX of a subexpression and how tightly it binds."""
+
+    text: str
+    level: int
+
+    def at(self, level: int) -> str:
+        return self.text if self.level >= level else rf"\left({self.text}\right)"
+
+
+def equations(mechanism: Mechanism) -> str:
+    """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
+    closure = build_closure(mechanism)
+    rows = _in_user_scale(closure)
+    names = [symbol_name(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    definitions, results = write(rows, closure.variables, names)
+    norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
+    lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
+    if definitions:
+        lines += [r"\begin{align*}", *(rf"{name} &= {text} \\" for name, text in definitions), r"\end{align*}"]
+    lines.append(r"\begin{align*}")
+    for row, text in zip(closure.row_sources, results, strict=True):
+        lines.append(rf"0 &= {text} && \text{{{_plain(row.limb)}: {row.relation}}} \\")
+    for place in norms:
+        lines.append("0 &= " + " + ".join(f"{name}^2" for name in names[place]) + r" - 1 && \text{unit quaternion} \\")
+    return "\n".join([*lines, r"\end{align*}"])
+
+
+def document(body: str) -> str:
+    """A document that compiles on its own around a fragment."""
+    return "\n".join(
+        [
+            r"\documentclass{article}",
+            r"\usepackage{amsmath}",
+            r"\begin{document}",
+            r"\allowdisplaybreaks",
+            body,
+            r"\end{document}",
+        ]
+    )
+
+
+def symbol_name(name: str, component: int | None = None) -> str:
+    """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion has e_0..e_3."""
+    short = name.removeprefix("pose.")
+    if component is not None:
+        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{_plain(short)}}}}}_{component}"
+    match = re.fullmatch(r"([A-Za-z]+?)_?(\d+)", short)
+    stem, index = match.groups() if match else (short, "")
+    head = rf"\{stem}" if stem in _GREEK else stem if len(stem) == 1 else rf"\mathrm{{{_plain(stem)}}}"
+    return f"{head}_{{{index}}}" if index else head
+
+
+def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
+    """Named intermediate values, in order, and the text of each entry of a dense column of `variables`."""
+    function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
+    uses = _use_counts(function)
+    slots: dict[int, tuple[int, _Text]] = {}
+    definitions: list[tuple[str, str]] = []
+    results = ["0"] * int(function.numel_out(0))
+    for k in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_OUTPUT:
+            results[outputs[1]] = slots[inputs[0]][1].text
+            continue
+        if op == ca.OP_INPUT:
+            value = _Text(names[inputs[1]], _ATOM)
+        elif op == ca.OP_CONST:
+            value = _constant(function.instruction_constant(k))
+        else:
+            value = _operation(op, [slots[i][1] for i in inputs])
+            if uses[k] > 1:
+                name = f"v_{{{len(definitions) + 1}}}"
+                definitions.append((name, value.text))
+                value = _Text(name, _ATOM)
+        slots[outputs[0]] = (k, value)
+    return definitions, results
+
+
+def _in_user_scale(closure: Closure) -> ca.SX:
+    """Rows as a reader expects them: distances as d.d - l^2, orientation without the factor of the size."""
+    factor = {"distance": 2 * closure.size, "point": 1.0, "line": 1.0}
+    scaled = [factor.get(row.relation, 1 / closure.size) for row in closure.row_sources]
+    for k, row in enumerate(closure.row_sources):
+        if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
+            scaled[k] = 1.0
+    return closure.bound(ca.vertcat(*(f * closure.rows[k] for k, f in enumerate(scaled))))
+
+
+def _is_position_row(closure: Closure, k: int) -> bool:
+    """The first three of a limb's six frame rows."""
+    first = next(i for i, row in enumerate(closure.row_sources) if row == closure.row_sources[k])
+    return k - first < 3
+
+
+def _use_counts(function: ca.Function) -> Counter[int]:
+    """How often the result of each instruction is read."""
+    counts: Counter[int] = Counter()
+    writer: dict[int, int] = {}
+    for k in range(function.n_instructions()):
+        op, inputs = function.instruction_id(k), function.instruction_input(k)
+        if op not in (ca.OP_INPUT, ca.OP_CONST):
+            for slot in inputs[:1] if op == ca.OP_OUTPUT else inputs:
+                counts[writer[slot]] += 1
+        if op != ca.OP_OUTPUT:
+            writer[function.instruction_output(k)[0]] = k
+    return counts
+
+
+def _operation(op: int, a: Sequence[_Text]) -> _Text:
+    if op in _FUNCTIONS:
+        return _Text(rf"{_FUNCTIONS[op]}\left({a[0].text}\right)", _POWER)
+    if op in (ca.OP_ADD, ca.OP_SUB):
+        return _sum(a[0], a[1], minus=op == ca.OP_SUB)
+    if op == ca.OP_MUL:
+        negative = _is_negative_number(a[0])
+        left, right = a[0].text if negative else a[0].at(_PRODUCT), a[1].at(_PRODUCT)
+        joint = r" \cdot " if re.match(r"[\d.]", right) else r" \, "
+        return _Text(f"{left}{joint}{right}", _SUM if negative else _PRODUCT)
+    if op == ca.OP_DIV:
+        return _Text(rf"\frac{{{a[0].text}}}{{{a[1].text}}}", _POWER)
+    if op == ca.OP_SQ:
+        return _Text(f"{a[0].at(_ATOM)}^2", _POWER)
+    if op == ca.OP_NEG:
+        return _Text(f"-{a[0].at(_PRODUCT)}", _SUM)
+    if op == ca.OP_TWICE:
+        return _Text(rf"2 \, {a[0].at(_PRODUCT)}", _PRODUCT)
+    if op == ca.OP_SQRT:
+        return _Text(rf"\sqrt{{{a[0].text}}}", _ATOM)
+    if op == ca.OP_INV:
+        return _Text(rf"\frac{{1}}{{{a[0].text}}}", _POWER)
+    if op in (ca.OP_POW, ca.OP_CONSTPOW):
+        return _Text(rf"{a[0].at(_ATOM)}^{{{a[1].text}}}", _POWER)
+    if op == ca.OP_FABS:
+        return _Text(rf"\left|{a[0].text}\right|", _ATOM)
+    if op == ca.OP_ATAN2:
+        return _Text(rf"\operatorname{{atan2}}\left({a[0].text}, {a[1].text}\right)", _ATOM)
+    if op == ca.OP_ASSIGN:
+        return a[0]
+    raise NotImplementedError(f"CasADi operation {op} has no LaTeX form")
+
+
+def _sum(left: _Text, right: _Text, *, minus: bool) -> _Text:
+    """left + right or left - right, with the sign of a leading negative term folded into the operator."""
+    text, flips = right.text, right.text.startswith("-")
+    if flips and (_is_negative_number(right) or not re.search(r" [+-] ", right.text)):
+        text, minus = text[1:], not minus
+    elif flips or (minus and right.level < _PRODUCT):
+        text = rf"\left({text}\right)"
+    return _Text(f"{left.at(_SUM)} {'-' if minus else '+'} {text}", _SUM)
+
+
+def _is_negative_number(value: _Text) -> bool:
+    return re.fullmatch(r"-[\d.]+( \\cdot 10\^\{-?\d+\})?", value.text) is not None
+
+
+def _constant(value: float) -> _Text:
+    """A number without trailing digits of rounding; negative ones bind like a sum."""
+    snapped = round(value, 12)
+    text = f"{snapped:.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    level = _SUM if value < 0 else _PRODUCT if "cdot" in text else _ATOM
+    return _Text(text if math.isfinite(value) else r"\infty", level)
+
+
+def _plain(text: str) -> str:
+    return text.replace("_", r"\_")

@@ -1,0 +1,191 @@
+"""Rank, mobility and reciprocal screws of a mechanism at a closed configuration.
+
+With the closure's rows F(q, x, X) = 0 differentiated, A twist + B rates = 0 for each limb. A wrench of the limb's
+constraint system is A^T y for y^T B = 0: it does no work on any twist that the limb's joints, cut ones included, allow.
+With the actuated joints locked, only the passive columns of B count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import Closure, build_closure
+from symkin.model.joint import Coordinate
+from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.rank import RANK_TOLERANCE, Rank
+from symkin.position.solution import pose_of
+from symkin.position.system import System
+from symkin.spatial.screw import null_space, reciprocal_system, tidy_rows
+
+
+@dataclass(frozen=True, eq=False)
+class LimbScrews:
+    """Wrenches (force; moment about the base origin), as rows: those that a limb always exerts on the platform, and
+    those with its actuated joints locked."""
+
+    limb: str
+    constraints: np.ndarray
+    locked: np.ndarray
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        return len(self.constraints), len(self.locked)
+
+
+@dataclass(frozen=True, eq=False)
+class Mobility:
+    """What the closure's differential says at one closed configuration.
+
+    mobility = freedoms of all coordinates - rank; redundant = rows - rank. `values` are the closure's variables there;
+    `at_reference` says that it is the reference configuration. `platform_constraints` spans the wrenches of all limbs
+    together and `platform_twists` the instantaneous platform motions reciprocal to them (rows, base origin).
+    `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and counts idle freedoms.
+    """
+
+    closure: Closure
+    values: np.ndarray
+    at_reference: bool
+    closed: bool
+    freedoms: int
+    rows: int
+    rank: Rank
+    direct_rank: Rank
+    limbs: tuple[LimbScrews, ...]
+    platform_constraints: np.ndarray
+    platform_twists: np.ndarray
+    gruebler: int
+
+    @property
+    def mobility(self) -> int:
+        return self.freedoms - self.rank.value
+
+    @property
+    def redundant(self) -> int:
+        return self.rows - self.rank.value
+
+    @property
+    def actuated(self) -> int:
+        return len(self.closure.mechanism.actuated)
+
+
+def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
+    """Rank and mobility at generic closed configurations near the reference, screws at the reference where its rank is
+    generic."""
+    closure = build_closure(mechanism)
+    system = whole_system(closure)
+    nothing = np.zeros(0)
+    candidates = _closed_configurations(closure, system, seed)
+    ranks = [Rank.of(system.linearise_one(z, nothing)[1]) for z in candidates]
+    best = max(range(len(ranks)), key=lambda k: ranks[k].value)
+    generic = ranks[best]
+    reference = closure.reference
+    limbs, values = _limb_screws(closure, candidates[best]), candidates[best]
+    at_reference = (
+        system.residual(reference, nothing) <= 1e-9 * closure.size
+        and Rank.of(system.linearise_one(reference, nothing)[1]).value == generic.value
+    )
+    if at_reference:
+        there = _limb_screws(closure, reference)
+        at_reference = [s.counts for s in there] == [s.counts for s in limbs]
+        limbs, values = (there, reference) if at_reference else (limbs, values)
+    constraints = _row_space(np.vstack([limb.constraints for limb in limbs]), closure.size)
+    jacobian = system.linearise_one(candidates[best], nothing)[1]
+    unknown = [k for k, c in enumerate(_per_freedom(closure.coordinates)) if c.role != "actuated"]
+    return Mobility(
+        closure, values, at_reference, system.residual(values, nothing) <= 1e-9 * closure.size,
+        system.freedom, int(closure.rows.shape[0]), generic, Rank.of(jacobian[:, unknown]), limbs, constraints,
+        reciprocal_system(constraints, closure.size) if len(constraints) else np.eye(6), gruebler_kutzbach(mechanism),
+    )  # fmt: skip
+
+
+def whole_system(closure: Closure) -> System:
+    """The closure with every coordinate unknown."""
+    rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
+    return System(closure.coordinates, closure.variables, ca.SX(0, 1), rows, errors, closure.size)
+
+
+def gruebler_kutzbach(mechanism: Mechanism) -> int:
+    """6 (n - g - 1) + sum f over links n, joints g and their freedoms f."""
+    links, joints, freedoms = 2, 0, 0
+    for limb in mechanism.limbs:
+        if isinstance(limb, RodLimb):
+            links, joints, freedoms = links + 2, joints + 3, freedoms + (7 if limb.type == "SPS" else 6)
+            continue
+        links += len(limb.joints) - 1 + (1 + len(limb.rods) if limb.rods else 0)
+        joints += len(limb.joints) + 2 * len(limb.rods)
+        freedoms += sum(joint.freedom for joint in limb.joints) + 6 * len(limb.rods)
+    return 6 * (links - joints - 1) + freedoms
+
+
+def _closed_configurations(closure: Closure, system: System, seed: int) -> list[np.ndarray]:
+    """Closed configurations from random steps off the reference; the reference itself where none closes."""
+    rng = np.random.default_rng(seed)
+    begin = np.tile(closure.reference, (24, 1))
+    radii = np.repeat([0.03, 0.1, 0.3], 8)[:, None] * closure.size
+    starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
+    nothing = np.zeros(0)
+    batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
+    ends = [system.polish(z, nothing, steps=8) for z in batch.points[batch.converged]]
+    closed = [z for z in ends if system.residual(z, nothing) <= 1e-10 * closure.size]
+    return closed or [closure.reference]
+
+
+def _per_freedom(coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
+    return [c for c in coordinates for _ in range(c.freedom)]
+
+
+def _limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
+    """Constraint wrenches of each limb against a free platform, whatever motion is declared."""
+    spatial = build_closure(replace(closure.mechanism, motion="spatial"))
+    system = whole_system(spatial)
+    z = _with_free_platform(closure, spatial, values)
+    _, jacobian = system.linearise_one(z, np.zeros(0))
+    columns = _per_freedom(spatial.coordinates)
+    joints = [k for k, c in enumerate(columns) if c.role != "pose"]
+    passive = [k for k, c in enumerate(columns) if c.role == "passive"]
+    position = z[spatial.slices["pose.x"].start :][:3]
+    screws = []
+    for limb in closure.mechanism.limbs:
+        rows = [k for k, row in enumerate(spatial.row_sources) if row.limb == limb.name]
+        twist_rows = jacobian[rows][:, [k for k, c in enumerate(columns) if c.role == "pose"]]
+        systems = []
+        for kept in (joints, passive):
+            wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE) @ twist_rows
+            systems.append(_row_space(_at_base_origin(wrenches, position, closure.size), closure.size))
+        screws.append(LimbScrews(limb.name, systems[0], systems[1]))
+    return tuple(screws)
+
+
+def _with_free_platform(closure: Closure, spatial: Closure, values: np.ndarray) -> np.ndarray:
+    pose = pose_of(closure, values)
+    z = spatial.reference.copy()
+    for c in spatial.coordinates:
+        if c.role != "pose":
+            z[spatial.slices[c.name]] = values[closure.slices[c.name]]
+    z[spatial.slices["pose.x"].start :][:7] = np.concatenate([pose.position, pose.quaternion])
+    return z
+
+
+def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
+    """From (force, moment / size about the platform origin) to (force; moment about the base origin)."""
+    force, moment = wrenches[:, :3], size * wrenches[:, 3:]
+    return np.hstack([force, moment + np.cross(position, force)])
+
+
+def _row_space(wrenches: np.ndarray, size: float) -> np.ndarray:
+    """A readable basis of the span of wrenches: unit forces, and unit couples where there is no force. Moments are
+    weighed by the size in judging rank."""
+    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    scaled = wrenches * weights
+    rank = Rank.of(scaled).value
+    if rank == 0:
+        return np.zeros((0, 6))
+    _, _, right = np.linalg.svd(scaled)
+    rows = tidy_rows(right[:rank]) / weights
+    forces, moments = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
+    return np.asarray(rows / np.where(forces > 1e-9, forces, moments)[:, None])

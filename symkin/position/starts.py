@@ -1,0 +1,117 @@
+"""Where iterations begin: the user's start, the default one, and random ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.given import Given, joint_values, pose_coordinates, pose_from
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.problem import Problem, build_problem
+from symkin.position.system import System
+from symkin.spatial.pose import Pose
+
+
+def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose | None) -> np.ndarray:
+    """Unknowns at the start. For a direct problem passive joints are fitted to the start's pose, each limb on the
+    branch of the reference configuration."""
+    mechanism, closure = problem.mechanism, problem.closure
+    if start is None and mechanism.example is not None:
+        start = _example_start(mechanism, given)
+    values = closure.reference.copy()
+    forward = problem.forward(given.values)
+    if forward is not None:
+        return np.concatenate([problem.take(values, closure.role("passive")), forward])
+    if given.kind == "inverse":
+        if start is not None:
+            numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
+            for c, number in zip(mechanism.actuated, numbers, strict=True):
+                values[closure.slices[c.name]] = number
+        return problem.take(values, problem.system.unknowns)
+    if start is not None:
+        coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
+        if off > 1e-6 * mechanism.size:
+            raise InputError(
+                f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}"
+            )
+        place = 0
+        for c in closure.role("pose"):
+            values[closure.slices[c.name]] = coordinates[place : place + c.width]
+            place += c.width
+        values = _fit_passive(mechanism, values, coordinates)
+    return problem.take(values, problem.system.unknowns)
+
+
+def off_singularity(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """A default start that is singular (an arm stretched out, a platform in its base's plane) is moved by a fixed
+    small step; a start that the user gives is left alone."""
+    if problem.system.width == 0 or problem.is_explicit or not is_singular(problem, start, known):
+        return start
+    step = np.random.default_rng(0).normal(size=(1, problem.system.freedom))
+    moved = problem.system.move(start[None], 0.1 * problem.system.size * step / np.linalg.norm(step))
+    return np.asarray(moved[0])
+
+
+def is_singular(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
+    _, jacobian = problem.system.linearise_one(problem.system.unit(z), known)
+    if not np.all(np.isfinite(jacobian)):
+        return False
+    singular = np.linalg.svd(jacobian, compute_uv=False)
+    rank = problem.generic_rank
+    return bool(rank > 0 and singular[rank - 1] < 1e-10 * max(singular[0], 1e-300))
+
+
+def random_starts(problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach, angles and rotations
+    uniform, the first start at the reference; within `limits` where given."""
+    closure = problem.closure
+    lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"]
+    reach = 1.5 * max([closure.size, *lengths])
+    points = np.empty((count, system.width))
+    for c, place in zip(system.unknowns, system.slices, strict=True):
+        reference = closure.reference[closure.slices[c.name]]
+        if c.kind == "quaternion":
+            q = rng.normal(size=(count, 4))
+            points[:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
+        elif c.limits is not None:
+            points[:, place] = rng.uniform(*c.limits, (count, 1))
+        elif c.kind == "angle":
+            points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
+        elif c.kind == "turns":
+            points[:, place] = reference + rng.uniform(-2 * np.pi, 2 * np.pi, (count, 1))
+        else:
+            points[:, place] = reference + reach * rng.uniform(-1, 1, (count, 1))
+        points[0, place] = reference
+    return system.fold(points)
+
+
+def _named(coordinates: Sequence[Coordinate], values: np.ndarray) -> list[tuple[Coordinate, float]]:
+    pairs, start = [], 0
+    for c in coordinates:
+        pairs.append((c, float(values[start])))
+        start += c.width
+    return pairs
+
+
+def _fit_passive(mechanism: Mechanism, values: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    inverse = build_problem(mechanism, "inverse")
+    if not inverse.closure.role("passive"):
+        return values
+    begin = inverse.take(values, inverse.system.unknowns)
+    batch = levenberg_marquardt(inverse.system, begin[None], pose)
+    fitted = inverse.assemble(batch.points[0], pose)
+    for c in inverse.closure.role("passive"):
+        values[inverse.closure.slices[c.name]] = fitted[inverse.closure.slices[c.name]]
+    return values
+
+
+def _example_start(mechanism: Mechanism, given: Given) -> Sequence[float] | None:
+    """The example's start, where it is of the kind that the problem takes."""
+    example = mechanism.example
+    start = example.start if example is not None else None
+    example_kind = "inverse" if example is not None and example.pose is not None else "direct"
+    return start if example_kind == given.kind else None
