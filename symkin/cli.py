@@ -23,6 +23,14 @@ app = typer.Typer(
 )
 
 
+def whole_number(text: str) -> int:
+    """An integer option, refused with its value."""
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"{text!r} is not a whole number; --starts and --seed take whole numbers from 0") from None
+
+
 class Method(StrEnum):
     multistart = "multistart"
 
@@ -77,8 +85,8 @@ def modes(
     joints: JointsOption = None,
     pose: PoseOption = None,
     method: Annotated[Method, typer.Option(help="How modes are searched.")] = Method.multistart,  # noqa: ARG001 - one method yet
-    starts: Annotated[int, typer.Option(metavar="N", help="Number of starts.")] = 2000,
-    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the starts.")] = 0,
+    starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of starts.")] = 2000,
+    seed: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of the starts.")] = 0,
     as_json: JsonOption = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
 ) -> None:

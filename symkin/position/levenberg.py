@@ -30,7 +30,7 @@ def levenberg_marquardt(
     *,
     tolerance: float = 1e-9,
     max_iterations: int = 80,
-    patience: int = 12,
+    patience: int = 5,
     progress: Progress | None = None,
 ) -> Batch:
     """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each start.

@@ -48,9 +48,9 @@ class Roots:
 
     @property
     def unseen(self) -> float:
-        """Chao's bias-corrected lower bound f1 (f1 - 1) / (2 (f2 + 1)) of the roots not yet hit."""
+        """Chao's lower bound f1^2 / (2 f2) of the roots not yet hit, with f2 at least 1."""
         once, twice = int(np.sum(self.hits == 1)), int(np.sum(self.hits == 2))
-        return once * (once - 1) / (2 * (twice + 1))
+        return once * once / (2 * max(twice, 1))
 
     @property
     def next_new(self) -> float:
@@ -76,6 +76,8 @@ def modes(
     """
     if starts < 1:
         raise InputError(f"starts = {starts} must be at least 1")
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
     begin = time.perf_counter()
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)

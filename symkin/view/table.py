@@ -55,7 +55,7 @@ def _statement(modes: Modes) -> str:
     parts = [f"{head}; completeness: {modes.completeness}"]
     if modes.estimated_unseen is not None and count:
         parts.append(
-            f"{modes.starts} starts, seed {modes.seed}; estimated still unseen: {modes.estimated_unseen:.3g} (Chao), "
+            f"{modes.starts} starts, seed {modes.seed}; estimated still unseen: {modes.estimated_unseen:.3g} or more (Chao), "
             f"chance that the next hit is new: {modes.next_new:.2g} (Good-Turing)"
         )
     elif modes.starts and not count:

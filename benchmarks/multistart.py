@@ -1,0 +1,78 @@
+"""Starts per second: batched multistart beside a Python loop over CasADi's rootfinder, in one process, same starts.
+
+    python benchmarks/multistart.py [--repeats 5] [--starts 2000] [--seed 0]
+
+Both solve the direct problem of the mechanism's example from the same random starts. The loop calls a rootfinder built
+once on the expanded closure (quaternion norm as a seventh row), which is the quickest way that CasADi's interface
+offers for one start. Figures are medians over the repeats, taken in turn; the ratio is what counts, machines differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+
+import casadi as ca
+import numpy as np
+
+import symkin
+from symkin.position.given import given_from
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.multistart import distinct
+from symkin.position.newton import flat_rows
+from symkin.position.problem import build_problem
+from symkin.position.starts import random_starts
+
+MECHANISMS = ("zhang2009", "zhao2000", "yao2020")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--starts", type=int, default=2000)
+    parser.add_argument("--loop-starts", type=int, default=200, help="starts of the slower loop a repeat")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    print(f"seed {options.seed}, {options.starts} starts batched, {options.loop_starts} looped, medians of {options.repeats}")
+    print("mechanism   batched starts/s   newton loop starts/s   fast_newton loop starts/s   ratio to the quicker loop")
+    for name in MECHANISMS:
+        rates = compare(name, options)
+        best = max(rates["newton"], rates["fast_newton"])
+        print(
+            f"{name:10}  {rates['batched']:16,.0f}   {rates['newton']:20,.0f}   {rates['fast_newton']:25,.0f}   {rates['batched'] / best:8.1f}"
+        )
+
+
+def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
+    """Median starts per second of the three ways, measured in turn."""
+    given = given_from(symkin.load(name), None, None)
+    problem = build_problem(symkin.load(name), given.kind)
+    system = problem.system
+    starts = random_starts(problem, system, given, options.starts, np.random.default_rng(options.seed))
+    loops = {method: rootfinder(problem, method) for method in ("newton", "fast_newton")}
+    system.linearise(starts[:1], given.values)
+    times: dict[str, list[float]] = {"batched": [], **{method: [] for method in loops}}
+    for _ in range(options.repeats):
+        begin = time.perf_counter()
+        batch = levenberg_marquardt(system, starts, given.values)
+        distinct(system, batch.points[batch.converged], given.values, len(starts))
+        times["batched"].append(len(starts) / (time.perf_counter() - begin))
+        for method, solver in loops.items():
+            begin = time.perf_counter()
+            for start in starts[: options.loop_starts]:
+                solver(start, given.values)
+            times[method].append(options.loop_starts / (time.perf_counter() - begin))
+    return {method: statistics.median(rates) for method, rates in times.items()}
+
+
+def rootfinder(problem: symkin.position.problem.Problem, method: str) -> ca.Function:
+    """CasADi's rootfinder on the same rows, silent about failures."""
+    system = problem.system
+    options = {"error_on_fail": False, "max_iter": 60, "abstol": 1e-10, "show_eval_warnings": False}
+    equations = {"x": system.unknown, "p": system.known, "g": flat_rows(system)}
+    return ca.rootfinder("loop", method, equations, options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,205 @@
+"""Random mechanisms, and small classical ones whose kinematics has a closed form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from symkin import Joint, Limb, Mechanism, Rod, RodLimb
+
+Z = (0.0, 0.0, 1.0)
+seeds = st.integers(0, 2**32 - 1).map(np.random.default_rng)
+"""Random generators, so that a failing example is one integer."""
+
+
+def unit(rng: np.random.Generator, count: int = 3) -> tuple[float, ...]:
+    v = rng.normal(size=count)
+    return tuple(float(x) for x in v / np.linalg.norm(v))
+
+
+def point(rng: np.random.Generator, size: float = 100.0) -> tuple[float, ...]:
+    return tuple(float(x) for x in rng.uniform(-size, size, 3))
+
+
+def random_joint(rng: np.random.Generator, kind: str, name: str, *, actuated: bool = False) -> Joint:
+    single = kind in "RPH"
+    return Joint(
+        name,
+        kind,  # type: ignore[arg-type]
+        point(rng),
+        axis=None if kind == "S" else unit(rng),
+        axis2=unit(rng) if kind == "U" else None,
+        pitch=float(rng.uniform(-50, 50)) if kind == "H" else 0.0,
+        actuated=actuated,
+        zero=float(rng.uniform(-3, 3)) if single else 0.0,
+    )
+
+
+def random_limb(rng: np.random.Generator, kinds: str, name: str) -> Limb:
+    """A limb by its joint letters; a lower-case letter is an actuated joint: 'rRS'."""
+    joints = [random_joint(rng, k.upper(), f"{name}j{i}", actuated=k.islower()) for i, k in enumerate(kinds)]
+    return Limb(name, joints)
+
+
+def random_mechanism(rng: np.random.Generator, limbs: Sequence[str], **options: Any) -> Mechanism:
+    """Limbs by their letters; 'SPS' (upper case, exactly that) is a rod limb."""
+    made: list[Limb | RodLimb] = []
+    for k, kinds in enumerate(limbs):
+        name = f"limb{k}"
+        made.append(RodLimb(name, point(rng), point(rng)) if kinds == "SPS" else random_limb(rng, kinds, name))
+    options = {"platform_position": point(rng), "platform_quaternion": unit(rng, 4)} | options
+    return Mechanism("sample", made, **options)
+
+
+def random_coordinate(rng: np.random.Generator, coordinate: Any) -> Any:
+    if coordinate.kind == "quaternion":
+        return unit(rng, 4)
+    return float(rng.uniform(-3, 3)) if coordinate.is_angular else float(rng.uniform(-100, 100))
+
+
+def turning(name: str, x: float, y: float, *, actuated: bool = False) -> Joint:
+    """A revolute joint about the vertical through (x, y)."""
+    return Joint(name, "R", (x, y, 0.0), Z, actuated=actuated)
+
+
+# --- classical mechanisms ------------------------------------------------------------------------------------------
+
+
+def four_bar() -> tuple[Mechanism, tuple[float, float, float, float]]:
+    """Ground 100, crank 40, coupler 90, rocker 70, all spatial; the crank's coordinate is its angle from +x.
+    The platform frame stands in the joint of crank and coupler, x along the coupler at the reference."""
+    ground, crank, coupler, rocker = 100.0, 40.0, 90.0, 70.0
+    begin = math.radians(60)
+    b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
+    c = circles(b, coupler, np.array([ground, 0.0]), rocker)[0]
+    slope = math.atan2(c[1] - b[1], c[0] - b[0])
+    driver = Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=begin)
+    limbs = [
+        Limb("left", [driver, turning("b", b[0], b[1])]),
+        Limb("right", [turning("d", ground, 0.0), turning("c", c[0], c[1])]),
+    ]
+    half = 0.5 * slope
+    pose = {"platform_position": (b[0], b[1], 0.0), "platform_quaternion": (math.cos(half), 0.0, 0.0, math.sin(half))}
+    return Mechanism("four_bar", limbs, **pose), (ground, crank, coupler, rocker)
+
+
+def circles(a: np.ndarray, r: float, b: np.ndarray, s: float) -> list[np.ndarray]:
+    """The two points at distance r from a and s from b, the one to the left of a -> b first; none when they miss."""
+    d = b - a
+    length = float(np.linalg.norm(d))
+    along = (length**2 + r**2 - s**2) / (2 * length)
+    if r**2 < along**2:
+        return []
+    across = math.sqrt(r**2 - along**2) * np.array([-d[1], d[0]]) / length
+    return [a + along * d / length + across, a + along * d / length - across]
+
+
+def five_bar() -> Mechanism:
+    """Bases (0, 0) and (100, 0), cranks 60 to (0, 60) and (100, 60), couplers 80 to P; the platform is the left coupler,
+    its frame in P with the base's directions. The cranks' coordinates are their angles from +x."""
+    p = circles(np.array([0.0, 60.0]), 80.0, np.array([100.0, 60.0]), 80.0)[0]
+    left = Joint("q1", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=math.pi / 2)
+    right = Joint("q2", "R", (100.0, 0.0, 0.0), Z, actuated=True, zero=math.pi / 2)
+    limbs = [
+        Limb("left", [left, turning("b1", 0.0, 60.0)]),
+        Limb("right", [right, turning("b2", 100.0, 60.0), turning("p", p[0], p[1])]),
+    ]
+    return Mechanism("five_bar", limbs, platform_position=(p[0], p[1], 0.0), angle_unit="deg")
+
+
+RRR_BASE, RRR_PLATFORM, RRR_LINKS = 100.0, 30.0, (60.0, 65.0)
+
+
+def three_rrr(motion: str = "spatial") -> Mechanism:
+    """Planar 3-RRR: base joints on a circle of 100, platform joints on one of 30, links 60 and 65, platform at rest in
+    the middle. The actuated coordinates are the first links' angles from +x."""
+    limbs = []
+    for k in range(3):
+        towards = math.pi / 2 + 2 * math.pi * k / 3
+        direction = np.array([math.cos(towards), math.sin(towards)])
+        base, end = RRR_BASE * direction, RRR_PLATFORM * direction
+        elbow = circles(base, RRR_LINKS[0], end, RRR_LINKS[1])[0]
+        zero = math.atan2(elbow[1] - base[1], elbow[0] - base[0])
+        first = Joint(f"q{k + 1}", "R", (base[0], base[1], 0.0), Z, actuated=True, zero=zero)
+        limbs.append(Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)]))
+    return Mechanism("three_rrr", limbs, motion=motion)  # type: ignore[arg-type]
+
+
+BENNETT = """
+format = 1
+name = "bennett"
+length_unit = "mm"
+angle_unit = "deg"
+
+# A = (p, 0, 0), C = (-p, 0, 0), B = (x, y, h), D = (-x, -y, h), a half turn about z apart, so that AB = CD and BC = DA;
+# each axis is normal to the two links that meet there: p = 50, x = 40 cos 70, y = 40 sin 70, h = 30.
+[platform]
+position = ["40*cos(70)", "40*sin(70)", 30]
+
+[[limb]]
+name = "ab"
+[[limb.joint]]
+name = "A"
+type = "R"
+point = ["100/2", 0, 0]
+axis = ["30*40*sin(70)", "-30*40*cos(70)", "50*40*sin(70)"]
+actuated = true
+[[limb.joint]]
+name = "B"
+type = "R"
+point = ["40*cos(70)", "40*sin(70)", 30]
+axis = [0, 30, "-40*sin(70)"]
+
+[[limb]]
+name = "dc"
+[[limb.joint]]
+name = "D"
+type = "R"
+point = ["-40*cos(70)", "-40*sin(70)", "6^2 - 6"]
+axis = [0, -30, "-40*sin(70)"]
+[[limb.joint]]
+name = "C"
+type = "R"
+point = [-50, 0, 0]
+axis = ["-30*40*sin(70)", "30*40*cos(70)", "50*40*sin(70)"]
+"""
+
+DELTA = {"base": 120.0, "arm": 100.0, "rod": 220.0, "platform": 40.0, "width": 25.0}
+
+
+def delta() -> Mechanism:
+    """A delta robot by rods: arms of 100 turn about tangents of a circle of 120, and hang level and outward at 0;
+    each carries a pair of rods of 220 to the platform's circle of 40; z is up, positive angles lower the arms."""
+    d = DELTA
+    gap = d["base"] + d["arm"] - d["platform"]
+    depth = -math.sqrt(d["rod"] ** 2 - gap**2)
+    limbs = []
+    for k in range(3):
+        outward, tangent = delta_directions(k)
+        pivot, tip, end = d["base"] * outward, (d["base"] + d["arm"]) * outward, d["platform"] * outward
+        rods = [Rod(tuple(tip + s * d["width"] * tangent), tuple(end + s * d["width"] * tangent)) for s in (-1, 1)]
+        limbs.append(Limb(f"limb{k + 1}", [Joint(f"q{k + 1}", "R", tuple(pivot), tuple(tangent), actuated=True)], rods))
+    return Mechanism("delta", limbs, platform_position=(0.0, 0.0, depth), motion="translation")
+
+
+def delta_directions(k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Outward and tangent unit vectors of limb k; the tangent turns `outward` down."""
+    angle = 2 * math.pi * k / 3
+    return np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
+
+
+def hexapod(base: Sequence[Sequence[float]], platform: Sequence[Sequence[float]], height: float = 100.0) -> Mechanism:
+    limbs = [RodLimb(f"leg{k}", b, a) for k, (b, a) in enumerate(zip(base, platform, strict=True), start=1)]
+    return Mechanism("hexapod", limbs, platform_position=(0.0, 0.0, height))
+
+
+def pieper() -> Mechanism:
+    """A 6R arm whose last three axes meet: vertical waist, two parallel horizontal joints, and a z-y-z wrist."""
+    y = (0.0, 1.0, 0.0)
+    spec = [((0, 0, 0), Z), ((0, 0, 80), y), ((0, 0, 180), y), ((90, 0, 180), Z), ((90, 0, 180), y), ((90, 0, 180), Z)]
+    joints = [Joint(f"q{k}", "R", p, a, actuated=True) for k, (p, a) in enumerate(spec, start=1)]
+    return Mechanism("pieper", [Limb("pieper", joints)], serial=True, platform_position=(90.0, 0.0, 220.0))

@@ -1,0 +1,168 @@
+"""The command line: what it prints, its JSON, its exit status, and that every mistake is one line."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import symkin
+from symkin.cli import main
+
+MODES_KEYS = {
+    "mechanism", "problem", "given", "length_unit", "angle_unit", "modes", "poses", "complex_count", "completeness",
+    "unresolved_paths", "smallest_residual", "method", "seed", "elapsed_s",
+}  # fmt: skip
+MODE_KEYS = {"pose", "joints", "residual", "condition", "certified", "radius", "within_limits", "notes"}
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    """Exit status, stdout and stderr of a command."""
+    with pytest.raises(SystemExit) as stop:
+        main(list(arguments))
+    captured = capsys.readouterr()
+    return int(stop.value.code or 0), captured.out, captured.err
+
+
+def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
+    status, out, err = run(capsys, *arguments, "--json")
+    assert err == ""
+    return status, json.loads(out)
+
+
+def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
+    """`list` has a line for each shipped mechanism."""
+    status, out, _ = run(capsys, "list")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_modes_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    """Contract 3: keys, quaternion w >= 0, rotation matrix of the quaternion, residual small, JSON without NaN."""
+    status, data = run_json(capsys, "modes", name)
+    assert status == 0
+    assert set(data) >= MODES_KEYS
+    for mode in data["modes"]:
+        assert set(mode) == MODE_KEYS
+        assert mode["pose"]["quaternion"][0] >= 0
+        assert mode["residual"] < 1e-9 * symkin.load(name).size
+        assert len(mode["pose"]["matrix"]) == 3
+
+
+@pytest.mark.parametrize("solver", ["newton", "ipopt"])
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_solve_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: str, solver: str) -> None:
+    """The worked example of each mechanism is solved by both solvers; `solve` has solution, status, iterations."""
+    status, data = run_json(capsys, "solve", name, "--solver", solver)
+    assert (status, data["status"]) == (0, "ok")
+    assert set(data["solution"]) == MODE_KEYS
+    assert isinstance(data["iterations"], int)
+
+
+def test_table_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
+    """The table counts modes and states completeness, starts and seed."""
+    _, out, _ = run(capsys, "modes", "zhao2000", "--seed", "7", "--starts", "300")
+    assert "4 modes" in out
+    assert "sampled" in out
+    assert "seed 7" in out
+
+
+def test_same_seed_same_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    """Same input, same output, but for the time."""
+    answers = [run_json(capsys, "modes", "zhang2009", "--starts", "300", "--seed", "5")[1] for _ in range(2)]
+    for answer in answers:
+        del answer["elapsed_s"]
+    assert answers[0] == answers[1]
+
+
+def test_infeasible_joints_exit_3_with_the_least_error(capsys: pytest.CaptureFixture[str]) -> None:
+    """Joint values that no pose satisfies: status 3, no mode, the smallest closure error that was reached."""
+    joints = "100,2000,100,100,100,100"
+    status, data = run_json(capsys, "modes", "zhang2009", "--joints", joints, "--starts", "200")
+    assert (status, data["modes"]) == (3, [])
+    assert data["smallest_residual"] > 100
+    status, data = run_json(capsys, "solve", "zhang2009", "--joints", joints)
+    assert status == 3
+    assert data["solution"] is None
+    assert data["status"] in ("infeasible", "singular", "max_iterations")
+
+
+def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
+    """Off a restricted motion by under 1e-6: projected, with a note; beyond: no solution."""
+    near, far = "0,0,100,1,1e-9,0,0", "0,0,100,0.9998,0.02,0,0"
+    status, data = run_json(capsys, "modes", "zhao2000", "--pose", near)
+    assert status == 0
+    assert any("projected" in note for note in data["notes"])
+    status, data = run_json(capsys, "modes", "zhao2000", "--pose", far)
+    assert (status, data["modes"]) == (3, [])
+    assert data["smallest_residual"] > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["modes", "nowhere"], ["nowhere", "zhao2000"]),
+        (["modes", "nowhere.toml"], ["nowhere.toml", "no such file"]),
+        (["modes"], ["MECH"]),
+        (["frobnicate"], ["frobnicate"]),
+        (["modes", "zhao2000", "--joints="], ["joints", "empty"]),
+        (["modes", "zhao2000", "--joints", "1,2"], ["2 values", "4 actuated", "theta1"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,nan"], ["value 4", "not finite"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,inf"], ["value 4", "not finite"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,x"], ["value 4", "'x'"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,-4"], ["op = -4", "length"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,4", "--pose", "0,0,0,1,0,0,0"], ["both"]),
+        (["modes", "zhao2000", "--pose", "0,0,0,1,0,0"], ["6 values", "7"]),
+        (["modes", "zhao2000", "--pose", "0,0,0,1,0,0,0.5"], ["norm"]),
+        (["modes", "zhao2000", "--starts", "0"], ["starts", "1"]),
+        (["modes", "zhao2000", "--starts", "many"], ["starts", "many"]),
+        (["modes", "zhao2000", "--plot", "no/such/folder/x.png"], ["no/such/folder"]),
+        (["modes", "zhao2000", "--plot", "picture.xyz"], ["xyz"]),
+        (["solve", "zhang2009", "--start", "1,2,3"], ["start", "3 values", "7"]),
+        (["solve", "zhang2009", "--solver", "magic"], ["solver", "magic", "newton"]),
+        (["solve", "zhao2000", "--start", "0,0,100,0.99,0.14,0,0"], ["start", "schoenflies"]),
+    ],
+    ids=" ".join,
+)
+def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], words: list[str]) -> None:
+    """Exit status 2, nothing on stdout, one line on stderr that names the offender and what is allowed."""
+    status, out, err = run(capsys, *arguments)
+    assert (status, out) == (2, "")
+    assert len(err.strip().splitlines()) == 1
+    assert all(word in err for word in words), err
+
+
+def test_bad_input_leaves_files_alone(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A refused command does not touch the picture that it was to write."""
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(b"kept")
+    status, _, _ = run(capsys, "modes", "zhao2000", "--joints", "1,2", "--plot", str(picture))
+    assert status == 2
+    assert picture.read_bytes() == b"kept"
+
+
+def test_plot_writes_a_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """`--plot` writes a PNG, `--json` still writes nothing but JSON."""
+    picture = tmp_path / "modes.png"
+    status, out, _ = run(capsys, "modes", "zhao2000", "--plot", str(picture), "--json")
+    assert status == 0
+    assert json.loads(out)["poses"] == 4
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_show_latex(capsys: pytest.CaptureFixture[str]) -> None:
+    """`show --latex` prints equations, `show` an account."""
+    assert r"\begin{align*}" in run(capsys, "show", "zhao2000", "--latex")[1]
+    assert "mobility" in run(capsys, "show", "zhao2000")[1]
+
+
+def test_module_runs_and_imports_stay_light() -> None:
+    """`python -m symkin` is the command; `import symkin` loads neither matplotlib nor typer."""
+    done = subprocess.run([sys.executable, "-m", "symkin", "list"], capture_output=True, text=True, check=True)
+    assert "zhao2000" in done.stdout
+    code = "import symkin, sys; print(sorted({'matplotlib', 'typer', 'rich', 'pydantic'} & set(sys.modules)))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert loaded.strip() == "[]"

@@ -1,0 +1,132 @@
+"""Mobility, rank and reciprocal screws follow from the closure, whatever Gruebler and Kutzbach count."""
+
+import math
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin import Joint, Mechanism
+from symkin.model.limb import Limb
+from symkin.position.mobility import analyse_mobility
+from symkin.position.rank import Rank
+from symkin.spatial.screw import prismatic_screw, reciprocal_product, reciprocal_system, revolute_screw
+from symkin.view.describe import describe
+
+
+def four_bar(x: float = 4.0, z: float = 0.0) -> Mechanism:
+    """Crank 1, coupler, rocker 3, base `x`; axes along z, except the last one, which leans by `z`."""
+    axis, lean = (0, 0, 1), (0, z, 1)
+    left = Limb("left", [Joint("crank", "R", (0, 0, 0), axis, actuated=True), Joint("a", "R", (0, 1, 0), axis)])
+    right = Limb("right", [Joint("rocker", "R", (x, 0, 0), lean), Joint("b", "R", (3, 3, 0), axis)])
+    return Mechanism("four_bar", [left, right], platform_position=(1, 2, 0))
+
+
+def bennett(twist: float = 30.0, other: float = 60.0, length: float = 2.0) -> Mechanism:
+    """Bennett's four-bar: opposite links equal, a / sin(alpha) = b / sin(beta), by DH transforms (Bennett 1903)."""
+    b = length * math.sin(math.radians(other)) / math.sin(math.radians(twist))
+    alpha, beta = math.radians(twist), math.radians(other)
+    theta1 = math.radians(100.0)
+    half = math.sin((beta + alpha) / 2) / math.sin((beta - alpha) / 2) / math.tan(theta1 / 2)
+    theta2 = 2 * math.atan(half)
+
+    def dh(theta: float, a: float, twist_: float) -> np.ndarray:
+        ct, st, ca, sa = math.cos(theta), math.sin(theta), math.cos(twist_), math.sin(twist_)
+        return np.array([[ct, -st * ca, st * sa, a * ct], [st, ct * ca, -ct * sa, a * st], [0, sa, ca, 0], [0, 0, 0, 1]])
+
+    frames = [np.eye(4)]
+    for theta, a, t in ((theta1, length, alpha), (theta2, b, beta), (-theta1, length, alpha), (-theta2, b, beta)):
+        frames.append(frames[-1] @ dh(theta, a, t))
+    assert np.allclose(frames[4], np.eye(4), atol=1e-9), "the loop closes at the reference"
+    joints = [Joint(f"j{k}", "R", frames[k][:3, 3], frames[k][:3, 2], actuated=k == 0) for k in range(4)]
+    platform = tuple(frames[1][:3, 3])
+    return Mechanism("bennett", [Limb("one", joints[:2]), Limb("two", [joints[3], joints[2]])], platform_position=platform)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "mobility", "redundant", "gruebler"),
+    [
+        (four_bar(), 1, 3, -2),
+        (bennett(), 1, 3, -2),
+        (symkin.load("zhao2000_links"), 4, 1, 4),
+        (symkin.load("zhao2000"), 4, 0, 1),
+        (symkin.load("zhang2009"), 6, 0, 12),
+        (symkin.load("ren2008"), 6, 0, 6),
+        (symkin.load("gluon_6l3"), 6, 0, 6),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
+def test_mobility_of_known_mechanisms(mechanism: Mechanism, mobility: int, redundant: int, gruebler: int) -> None:
+    """Full-cycle mobility: planar four-bar and Bennett 1 (overconstrained by 3), 3-TRT+SPS 4 with one redundant couple
+    (Zhao 2000), platforms of six SPS or UPS limbs 6."""
+    found = analyse_mobility(mechanism)
+    assert (found.mobility, found.redundant, found.gruebler) == (mobility, redundant, gruebler)
+
+
+def test_a_bennett_linkage_off_its_condition_is_rigid() -> None:
+    """With one axis leaning, the four-bar closes at the reference only: mobility 0 there, rank full."""
+    assert analyse_mobility(four_bar(z=0.3)).mobility == 0
+
+
+@pytest.mark.parametrize("name", ["zhao2000", "zhao2000_links", "yao2020"])
+def test_limb_wrenches_are_reciprocal_to_joint_screws(name: str) -> None:
+    """The closure's constraint wrenches of a limb span the screws reciprocal to all of its joints' twists."""
+    mechanism = symkin.load(name)
+    found = analyse_mobility(mechanism)
+    assert found.at_reference
+    for limb, screws in zip(mechanism.limbs, found.limbs, strict=True):
+        if not isinstance(limb, Limb):
+            continue
+        twists = np.array([_screw(joint) for joint in limb.joints])
+        expected = reciprocal_system(twists, mechanism.size)
+        assert screws.constraints.shape == expected.shape
+        for wrench in screws.constraints:
+            assert max(abs(reciprocal_product(twist, wrench)) for twist in twists) < 1e-9 * mechanism.size
+
+
+def _screw(joint: Joint) -> np.ndarray:
+    axis = np.array(joint.axis)
+    return prismatic_screw(axis) if joint.type == "P" else revolute_screw(np.array(joint.point), axis)
+
+
+def test_the_couples_of_the_trt_limbs() -> None:
+    """Each TRT limb exerts one horizontal couple normal to its revolutes; three couples have rank 2 (Zhao 2000)."""
+    found = analyse_mobility(symkin.load("zhao2000_links"))
+    directions = [(1, 0), (-0.5, math.sqrt(3) / 2), (-0.5, -math.sqrt(3) / 2)]
+    for screws, (x, y) in zip(found.limbs[:3], directions, strict=True):
+        (couple,) = screws.constraints
+        np.testing.assert_allclose(couple[[0, 1, 2, 5]], 0.0, atol=1e-9)
+        assert abs(couple[3] * x + couple[4] * y) < 1e-9
+    assert len(found.platform_constraints) == 2
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_platform_twists_and_constraints_make_six(name: str) -> None:
+    """A screw system and its reciprocal one have dimensions that add up to six, and do no work on each other."""
+    found = analyse_mobility(symkin.load(name))
+    assert len(found.platform_constraints) + len(found.platform_twists) == 6
+    for wrench in found.platform_constraints:
+        for twist in found.platform_twists:
+            assert abs(reciprocal_product(twist, wrench)) < 1e-8 * found.closure.size
+
+
+def test_rank_counts_singular_values() -> None:
+    """Rank 2 with a clear gap; an empty matrix has rank 0; a doubtful gap is measured."""
+    assert Rank.of(np.diag([1.0, 0.5, 1e-12])) == Rank(2, 0.5 / 1e-12)
+    assert Rank.of(np.zeros((0, 3))).value == 0
+    assert Rank.of(np.diag([1.0, 1e-7, 1e-9])).gap == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_show_prints_what_is_promised(name: str) -> None:
+    """`show` names limbs, equations, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
+    text = describe(symkin.load(name))
+    for word in ("Limbs", "equations", "unknowns", "rank", "mobility", "redundant constraints", "Reciprocal screws"):
+        assert word in text
+
+
+def test_show_warns_when_inputs_are_not_the_mobility() -> None:
+    """Fewer actuated joints than the mobility: a warning names both numbers."""
+    joints = [Joint("a", "R", (0, 0, 0), (0, 0, 1), actuated=True), Joint("b", "R", (1, 0, 0), (0, 0, 1))]
+    text = describe(Mechanism("open_chain", [Limb("only", [*joints, Joint("c", "R", (2, 0, 0), (0, 0, 1))])], (2, 0, 0)))
+    assert "1 actuated joints for a mobility of 3" in text
