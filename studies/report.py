@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,7 +52,9 @@ class Report:
         table = Table("quantity", "paper", "computed", "difference", title=self.title, title_justify="left")
         for row in self.rows:
             unit = f" [{row['unit']}]" if row["unit"] else ""
-            table.add_row(row["quantity"] + unit.replace("[", r"\["), *(_text(row[k]) for k in ("paper", "computed", "difference")))
+            table.add_row(
+                row["quantity"] + unit.replace("[", r"\["), *(_text(row[k]) for k in ("paper", "computed", "difference"))
+            )
         console.print(table)
         for text in self.errata:
             console.print(f"Erratum, shown by computation: {text}", markup=False, highlight=False)
@@ -78,8 +81,20 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def equal_axes(axes: Any, low: Sequence[float], high: Sequence[float], unit: str, step: float) -> None:
+    """A 3-D picture of the box from `low` to `high` at equal scales, ticks at multiples of `step`, the unit on each axis."""
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(np.subtract(high, low), zoom=1.12)
+    for axis, name, a, b in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", low, high, strict=True):
+        axis.set_ticks(step * np.arange(np.ceil(a / step), np.floor(b / step) + 1))
+        axis.set_label_text(f"{name} [{unit}]")
+        axis.set_tick_params(labelsize=8, pad=0)
+    axes.zaxis.set_rotate_label(False)
+    axes.zaxis.label.set_rotation(90)
+
+
 def _is_numeric(value: Any) -> bool:
-    if isinstance(value, str) or isinstance(value, bool) or value is None:
+    if value is None or isinstance(value, str | bool):
         return False
     try:
         return bool(np.all(np.isfinite(np.asarray(value, dtype=float))))

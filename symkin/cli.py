@@ -96,9 +96,9 @@ def modes(
 
     mechanism = load(mech)
     if plot is not None:
-        from symkin.view.plot import check_path
+        from symkin.view.plot import check_picture_path
 
-        check_path(plot)
+        check_picture_path(plot)
     with _progress("starts") as progress:
         found = find_modes(
             mechanism, joints=_values(joints, "joints"), pose=_values(pose, "pose"), starts=starts, seed=seed, progress=progress

@@ -99,7 +99,7 @@ def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     return Mobility(
         closure, values, at_reference, system.residual(values, nothing) <= 1e-9 * closure.size,
         system.freedom, int(closure.rows.shape[0]), generic, Rank.of(jacobian[:, unknown]), limbs, constraints,
-        reciprocal_system(constraints, closure.size) if len(constraints) else np.eye(6), gruebler_kutzbach(mechanism),
+        _row_space(reciprocal_system(constraints, closure.size), closure.size) if len(constraints) else np.eye(6), gruebler_kutzbach(mechanism),
     )  # fmt: skip
 
 

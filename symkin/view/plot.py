@@ -6,11 +6,15 @@ import math
 import os
 import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from symkin.errors import InputError
-from symkin.view.panel import COLOURS, STYLE, View, draw_skeleton, legend_handles
+from symkin.view.box import COLOURS, STYLE, View
+from symkin.view.panel import draw_skeleton, legend_entries
 from symkin.view.skeleton import Skeleton, reference_skeleton, skeleton
 
 if TYPE_CHECKING:
@@ -20,8 +24,8 @@ if TYPE_CHECKING:
 
 _DPI = 150
 _NOT_DRAWN = ("pgf", "raw", "rgba")
-_HEAD, _FOOT = 0.95, 0.4
-"""Inches above the panels (figure title) and below them (legend)."""
+_HEAD, _FOOT, _NARROWEST = 1.0, 0.42, 7.4
+"""Inches above the panels (figure title) and below them (legend), and the least width of a figure."""
 
 
 def draw_modes(modes: Modes, path: Path | str, *, most: int = 12) -> int:
@@ -69,14 +73,13 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     bodies = [skeleton(mechanism, s.values, s.pose) for s in shown] or [reference_skeleton(mechanism)]
     titles = [(f"mode {k}", _mode_text(modes, s)) for k, s in enumerate(shown, start=1)]
     titles = titles or [(_nothing(modes), "drawn at the reference configuration")]
-    columns, side = _columns(len(bodies)), _side(len(bodies))
-    rows = math.ceil(len(bodies) / columns)
     view = View.around(bodies, mechanism.length_unit)
+    grid = _Grid.for_panels(len(bodies), view, max(text.count("\n") for _, text in titles) + 1)
     with rc_context(STYLE):
-        figure = Figure(figsize=(max(columns * side, 7.4), rows * side + _HEAD + _FOOT), facecolor="white")
+        figure = Figure(figsize=grid.figure_size, facecolor="white")
         FigureCanvasAgg(figure)
         for k, (body, title) in enumerate(zip(bodies, titles, strict=True)):
-            _panel(figure, (rows, columns, k), body, view, title)
+            _panel(figure, grid, k, body, view, title)
         _heading(figure, modes, len(shown))
         _legend(figure, bodies)
     return figure
@@ -85,29 +88,55 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
 # --- layout ------------------------------------------------------------------------------------------------------
 
 
-def _columns(count: int) -> int:
-    return count if count <= 3 else math.ceil(math.sqrt(count))
+@dataclass(frozen=True)
+class _Grid:
+    """Where panels stand, in inches: a title of `title` inches above a box seen `box` = (width, height) large, with
+    `margin` = (left, right, bottom) around it for labels."""
+
+    count: int
+    columns: int
+    width: float
+    title: float
+    box: tuple[float, float]
+    margin: tuple[float, float, float]
+
+    @staticmethod
+    def for_panels(count: int, view: View, title_lines: int) -> _Grid:
+        columns = count if count <= 3 else math.ceil(math.sqrt(count))
+        width = {1: 5.6, 2: 4.6, 3: 3.9}.get(columns, 3.4)
+        margin = (0.62, 0.2, 0.62) if view.flat else (0.3, 0.55, 0.42)
+        wide, high = view.picture
+        scale = min((width - margin[0] - margin[1]) / wide, 1.05 * width / high)
+        return _Grid(count, columns, width, 0.38 + 0.17 * title_lines, (scale * wide, scale * high), margin)
+
+    @property
+    def height(self) -> float:
+        return self.title + self.box[1] + self.margin[2]
+
+    @property
+    def figure_size(self) -> tuple[float, float]:
+        rows = math.ceil(self.count / self.columns)
+        return max(self.columns * self.width, _NARROWEST), _HEAD + rows * self.height + _FOOT
+
+    def place(self, k: int) -> tuple[float, float]:
+        """Middle and top of panel k, inches from the figure's lower left corner."""
+        row, column = divmod(k, self.columns)
+        width, height = self.figure_size
+        return 0.5 * width + (column + 0.5 - 0.5 * self.columns) * self.width, height - _HEAD - row * self.height
 
 
-def _side(count: int) -> float:
-    """Width and height of a panel, inches."""
-    return 5.4 if count == 1 else 4.6 if count <= 4 else 3.9
-
-
-def _panel(figure: Figure, place: tuple[int, int, int], body: Skeleton, view: View, title: tuple[str, str]) -> None:
-    """Panel number k of a grid of rows and columns between the figure's head and foot, its title above the axes."""
-    rows, columns, k = place
-    row, column = divmod(k, columns)
-    figure_width, figure_height = figure.get_size_inches()
-    width, height = figure_width / columns, (figure_height - _HEAD - _FOOT) / rows
-    top = figure_height - _HEAD - row * height
-    below = 0.3 + 0.16 * len(title[1].split("\n"))
-    box = (column * width / figure_width, (top - height) / figure_height, 1.0 / columns, (height - below) / figure_height)
+def _panel(figure: Figure, grid: _Grid, k: int, body: Skeleton, view: View, title: tuple[str, str]) -> None:
+    """Panel number k: its title, and below it the axes, a square about the middle of the box as it is seen."""
+    width, height = grid.figure_size
+    middle, top = grid.place(k)
+    centre = middle + 0.5 * (grid.margin[0] - grid.margin[1]), top - grid.title - 0.5 * grid.box[1]
+    side = 1.2 * max(grid.box)
+    box = ((centre[0] - 0.5 * side) / width, (centre[1] - 0.5 * side) / height, side / width, side / height)
     ax: Any = figure.add_axes(box, projection="3d")
-    draw_skeleton(ax, body, view, scale=0.8 if columns > 2 else 1.0)
-    middle = (column + 0.5) / columns
-    _text(figure, middle, top - 0.05, title[0], ha="center", fontsize=10.5, fontweight="bold")
-    _text(figure, middle, top - 0.26, title[1], ha="center", fontsize=8.5, color=COLOURS["quiet"])
+    draw_skeleton(ax, body, view, share=grid.box[0] / side, scale=0.8 if grid.columns > 2 else 1.0)
+    _text(figure, middle / width, top - 0.03, title[0], ha="center", fontsize=10.5, fontweight="bold")
+    lines = "\n".join(textwrap.fill(line, int(14 * grid.width)) for line in title[1].split("\n"))
+    _text(figure, middle / width, top - 0.25, lines, ha="center", fontsize=8.5, color=COLOURS["quiet"])
 
 
 def _heading(figure: Figure, modes: Modes, shown: int) -> None:
@@ -127,15 +156,16 @@ def _heading(figure: Figure, modes: Modes, shown: int) -> None:
 
 def _legend(figure: Figure, bodies: Sequence[Skeleton]) -> None:
     """One legend at the foot, with an entry for each kind of part that is drawn."""
+    entries = legend_entries(bodies)
     figure.legend(
-        handles=legend_handles(bodies), loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=7, frameon=False, fontsize=9,
-        labelcolor=COLOURS["quiet"], handletextpad=0.5, columnspacing=1.6,
+        list(entries.values()), list(entries), loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=7, frameon=False, fontsize=9,
+        labelcolor=COLOURS["quiet"], handletextpad=0.8, columnspacing=1.6,
     )  # fmt: skip
 
 
 def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
     """Text whose top is `y` inches above the figure's foot, taken as it is (no mathematics)."""
-    options = {"va": "top", "linespacing": 1.4, "color": COLOURS["text"], "parse_math": False} | style
+    options: dict[str, Any] = {"va": "top", "linespacing": 1.4, "color": COLOURS["text"], "parse_math": False} | style
     figure.text(x, y / figure.get_figheight(), text, **options)
 
 
@@ -158,15 +188,26 @@ def _nothing(modes: Modes) -> str:
 
 
 def _mode_text(modes: Modes, solution: Solution) -> str:
-    """Where the mode is: the platform's position, or for an inverse problem the actuated joints, and its limits."""
-    mechanism = solution.mechanism
-    if modes.problem.kind == "inverse":
-        where = f"joints {_list(solution.actuated)}"
-    else:
-        size = mechanism.size
-        where = f"position {_list([0.0 if abs(v) < 1e-9 * size else v for v in solution.position])} {mechanism.length_unit}"
+    """Where the mode is: the platform's pose, or for an inverse problem the actuated joints; and whether within limits."""
+    where = f"joints {_list(solution.actuated)}" if modes.problem.kind == "inverse" else _pose_text(solution)
     limits = {None: "", True: "\n\N{CHECK MARK} within limits", False: "\n\N{BALLOT X} outside limits"}
-    return textwrap.fill(where, 56) + limits[solution.within_limits]
+    return where + limits[solution.within_limits]
+
+
+def _pose_text(solution: Solution) -> str:
+    """Position, with the angle where the motion has one; the quaternion for a spherical motion."""
+    mechanism = solution.mechanism
+    if mechanism.motion == "spherical":
+        return f"quaternion {_list(_clean(solution.quaternion, 1.0))}"
+    text = f"{_list(_clean(solution.position, mechanism.size))} {mechanism.length_unit}"
+    if "pose.gamma" not in solution.values:
+        return f"position {text}"
+    (angle,) = _clean([mechanism.angle_out(solution.values["pose.gamma"])], 1.0)
+    return f"{text}, gamma {angle:.5g} {mechanism.angle_unit}"
+
+
+def _clean(values: Sequence[float] | np.ndarray, size: float) -> list[float]:
+    return [0.0 if abs(v) < 1e-9 * size else float(v) for v in values]
 
 
 def _list(values: Sequence[float]) -> str:

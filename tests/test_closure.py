@@ -1,0 +1,383 @@
+"""The closure F(q, x, X) = 0 against plain products of displacement matrices."""
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
+from samples import (
+    BENNETT,
+    delta,
+    four_bar,
+    pieper,
+    random_coordinate,
+    random_mechanism,
+    seeds,
+    three_rrr,
+)
+
+import symkin
+from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
+from symkin.model.closure import build_closure, random_values
+from symkin.model.file import parse
+from symkin.position.problem import build_problem
+
+# limb by letters (lower case: actuated), the joint at which it is cut, and the rows that remain
+CUTS = {
+    "rRS": ("S", 3),
+    "SrR": ("S", 3),
+    "pUS": ("S", 3),
+    "rRU": ("U", 4),
+    "UrP": ("U", 4),
+    "rPC": ("C", 4),
+    "hCR": ("C", 4),
+    "rRR": ("R", 5),
+    "pRP": ("P", 5),
+    "PPr": ("P", 5),
+    "rpH": (None, 6),
+    "rphrpr": (None, 6),
+    "SrS": ("SS", 1),
+    "rSPS": ("SS", 1),
+    "SRSrS": ("SS", 1),
+    "SS": ("SS", 1),
+}
+SAMPLES = {name: (lambda name=name: symkin.load(name)) for name in symkin.shipped_names()}
+SAMPLES |= {
+    "delta": delta, "pieper": pieper, "four_bar": lambda: four_bar()[0], "bennett": lambda: parse(BENNETT),
+    "three_rrr": three_rrr, "three_rrr planar": lambda: three_rrr("planar"),
+}  # fmt: skip
+
+
+def variables(closure, named):
+    """The vector of a closure's variables from named values."""
+    return np.concatenate([np.atleast_1d(named[c.name]) for c in closure.coordinates])
+
+
+def forward_configuration(rng, mechanism):
+    """Random values of all joints of a one-limb mechanism, those of the cut joint too, and the pose where they lead."""
+    joints = mechanism.limbs[0].joints
+    named = {c.name: random_coordinate(rng, c) for j in joints for c in j.coordinates}
+    reference = frame(mechanism.platform_position, mechanism.platform_quaternion)
+    pose = Pose.from_matrix(chain(joints, named) @ reference)
+    return named | {"pose.x": pose.position[0], "pose.y": pose.position[1], "pose.z": pose.position[2],
+                    "pose.quaternion": pose.quaternion}  # fmt: skip
+
+
+# --- where the closure vanishes, and where not --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_the_reference_closes(name):
+    """Rows and errors vanish at the reference configuration; a rod of its own `length` is the only exception."""
+    closure = build_closure(SAMPLES[name]())
+    rows, errors = evaluated(closure, closure.reference)
+    assert np.max(np.abs(rows)) < 1e-13
+    assert np.max(np.abs(errors)) < 1e-12
+
+
+@settings(max_examples=25)
+@given(seeds)
+def test_the_reference_of_any_mechanism_closes(rng):
+    """The same for limbs of every joint type, several at once."""
+    closure = build_closure(random_mechanism(rng, rng.permutation([*CUTS, "SPS", "SPS"])[:5]))
+    rows, errors = evaluated(closure, closure.reference)
+    assert np.max(np.abs(rows)) < 1e-13
+    assert np.max(np.abs(errors)) < 1e-12
+
+
+@pytest.mark.parametrize("kinds", CUTS)
+@settings(max_examples=8)
+@given(rng=seeds)
+def test_forward_kinematics_closes(kinds, rng):
+    """Rows and errors vanish at the pose that any joint values lead to, and only the cut joint's values are not needed."""
+    mechanism = random_mechanism(rng, [kinds])
+    closure = build_closure(mechanism)
+    named = forward_configuration(rng, mechanism)
+    rows, errors = evaluated(closure, variables(closure, named))
+    assert np.max(np.abs(rows)) < 1e-12
+    assert np.max(np.abs(errors)) < 1e-11
+    held = {c.name for c in closure.coordinates}
+    missing = "".join(j.type for j in mechanism.limbs[0].joints if j.coordinates[0].name not in held)
+    assert missing == (CUTS[kinds][0] or "")
+
+
+@pytest.mark.parametrize("kinds", CUTS)
+@settings(max_examples=8)
+@given(rng=seeds)
+def test_elsewhere_the_closure_does_not_vanish(kinds, rng):
+    """At a random pose, and a small step away, rows and errors see the gap that plain matrices measure."""
+    mechanism = random_mechanism(rng, [kinds])
+    closure = build_closure(mechanism)
+    named = forward_configuration(rng, mechanism)
+    for step in (1e-4, 1.0):
+        pushed = dict(named)
+        for k in "xyz":
+            pushed[f"pose.{k}"] = named[f"pose.{k}"] + step * closure.size * rng.uniform(0.1, 1.0)
+        turn = symkin.spatial.rotation.quaternion_from_rotation_vector(step * rng.uniform(0.3, 1.0, 3))
+        pushed["pose.quaternion"] = symkin.spatial.rotation.multiply(turn, named["pose.quaternion"])
+        rows, errors = evaluated(closure, variables(closure, pushed))
+        known = {c.name: pushed[c.name] for c in closure.coordinates}
+        platform = frame([pushed[f"pose.{k}"] for k in "xyz"], pushed["pose.quaternion"])
+        gap = limb_gap(mechanism, mechanism.limbs[0], platform, known) / closure.size
+        assert np.max(np.abs(rows)) > 1e-7
+        assert 0.01 * min(gap, gap * closure.size) < np.max(np.abs(errors))
+        assert np.max(np.abs(errors)) > 1e-7
+
+
+@pytest.mark.parametrize("kind", "RP")
+@given(rng=seeds)
+def test_half_turns_are_no_spurious_roots(kind, rng):
+    """A half turn about a random direction is no displacement of a revolute or a slide: rows and errors see it."""
+    mechanism = random_mechanism(rng, [f"r{kind}"])
+    closure = build_closure(mechanism)
+    named = forward_configuration(rng, mechanism)
+    half = displacement(axis_turn(symkin_direction(rng), math.pi), [0.0, 0.0, 0.0])
+    there = frame([named[f"pose.{k}"] for k in "xyz"], named["pose.quaternion"])
+    pose = Pose.from_matrix(there @ half)
+    rows, errors = evaluated(closure, variables(closure, named | {"pose.quaternion": pose.quaternion}))
+    assert np.max(np.abs(rows)) > 1e-3
+    assert np.max(np.abs(errors)) > 1e-3
+
+
+def symkin_direction(rng):
+    v = rng.normal(size=3)
+    return v / np.linalg.norm(v)
+
+
+@given(seeds)
+def test_rods_keep_their_length(rng):
+    """A limb with rods: each row vanishes exactly where the rod's end distance is its length, given or as it stands."""
+    start, end = rng.uniform(-50, 50, 3), rng.uniform(-50, 50, 3)
+    for length in (None, 70.0):
+        limb = Limb("l", [Joint("q", "R", (1, 2, 3), (0, 0.6, 0.8), actuated=True)], [Rod(tuple(start), tuple(end), length)])
+        mechanism = Mechanism("m", [limb], platform_position=(10.0, 20.0, 30.0))
+        closure = build_closure(mechanism)
+        q, quaternion = float(rng.uniform(-3, 3)), np.array(rng.normal(size=4))
+        quaternion /= np.linalg.norm(quaternion)
+        tip = (chain(limb.joints, {"q": q}) @ [*start, 1.0])[:3]
+        rod = length or float(np.linalg.norm(start - end - [10.0, 20.0, 30.0]))
+        position = tip + rod * symkin_direction(rng) - ball_turn(quaternion) @ end
+        rows, errors = evaluated(closure, np.array([q, *position, *quaternion]))
+        assert np.max(np.abs(rows)) < 1e-12
+        assert np.max(np.abs(errors)) < 1e-12
+        rows, errors = evaluated(closure, np.array([q, *(position + 0.1 * (position - tip)), *quaternion]))
+        assert np.max(np.abs(rows)) > 1e-4
+        assert np.max(np.abs(errors)) > 1e-4
+
+
+# --- counts --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kinds", CUTS)
+@given(rng=seeds)
+@settings(max_examples=2)
+def test_the_cut_leaves_what_its_joint_constrains(kinds, rng):
+    """S 3, U and C 4, R and P 5, none 6, two S ends 1; sources name the limb."""
+    closure = build_closure(random_mechanism(rng, [kinds]))
+    assert closure.rows.shape == (CUTS[kinds][1], 1)
+    assert [source.limb for source in closure.row_sources] == ["limb0"] * CUTS[kinds][1]
+
+
+@settings(max_examples=10)
+@given(seeds)
+def test_rows_of_limbs_add(rng):
+    """Several limbs: the rows of each; a rod limb has one."""
+    limbs = [str(k) for k in rng.permutation([*CUTS, "SPS"])[:4]]
+    closure = build_closure(random_mechanism(rng, limbs))
+    assert closure.rows.shape[0] == sum(1 if kinds == "SPS" else CUTS[kinds][1] for kinds in limbs)
+    assert len(closure.row_sources) == closure.rows.shape[0]
+
+
+@given(seeds)
+@settings(max_examples=10)
+def test_coordinates_stand_actuated_passive_pose(rng):
+    """The order of variables, their slices, and no coordinate twice."""
+    mechanism = random_mechanism(rng, ["hRS", "SPS", "PrU", "SSp"])
+    closure = build_closure(mechanism)
+    roles = [c.role for c in closure.coordinates]
+    assert roles == sorted(roles, key=["actuated", "passive", "pose"].index)
+    assert [c.name for c in closure.role("actuated")] == [c.name for c in mechanism.actuated]
+    assert len({c.name for c in closure.coordinates}) == len(closure.coordinates)
+    stops = [place.stop for place in closure.slices.values()]
+    assert stops == list(np.cumsum([c.width for c in closure.coordinates]))
+    assert closure.variables.shape[0] == stops[-1]
+
+
+# --- symmetries ----------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=30)
+@given(seeds)
+def test_quaternion_signs_and_whole_turns_do_not_matter(rng):
+    """|F| and the errors are even in each quaternion and periodic in each angle (not in a helical joint's)."""
+    closure = build_closure(random_mechanism(rng, ["rRS", "rSRU", "SPS", "PUr", "hRC"]))
+    values = random_values(closure.coordinates, closure.size, rng)
+    rows, errors = evaluated(closure, values)
+    for c in closure.coordinates:
+        moved = values.copy()
+        place = closure.slices[c.name]
+        if c.kind == "quaternion":
+            moved[place] *= -1
+        elif c.kind == "angle":
+            moved[place] += 2 * math.pi * rng.integers(-2, 3)
+        elif c.kind == "turns":
+            moved[place] += 2 * math.pi
+        else:
+            continue
+        there, seen = evaluated(closure, moved)
+        if c.kind == "turns":
+            assert np.max(np.abs(errors - seen)) > 1e-6
+        else:
+            assert np.allclose(np.abs(rows), np.abs(there), atol=1e-11)
+            assert np.allclose(errors, seen, atol=1e-11)
+
+
+# --- derivatives ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["direct", "inverse"])
+@settings(max_examples=12)
+@given(rng=seeds)
+def test_jacobian_is_the_differential_of_the_rows(kind, rng):
+    """dF/dd in the tangent space against central differences through `move`, quaternions included."""
+    problem = build_problem(random_mechanism(rng, [*rng.permutation(list(CUTS))[:4], "SPS"]), kind)
+    system = problem.system
+    values = random_values(problem.closure.coordinates, problem.closure.size, rng)
+    z, known = problem.take(values, system.unknowns), problem.take(values, problem.known_coordinates)
+    _, jacobian = system.linearise_one(z, known)
+
+    def rows(step):
+        return system.linearise_one(system.move(z[None], step[None])[0], known)[0]
+
+    expected = differences(rows, system.freedom, 1e-5 * system.size)
+    assert np.allclose(jacobian, expected, atol=1e-7 * max(1.0, np.max(np.abs(jacobian))))
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_batched_rows_are_those_of_each_point(name):
+    """`linearise` of a stack, longer than one mapped call, gives what `linearise_one` gives for each point."""
+    problem = build_problem(symkin.load(name), "inverse")
+    rng = np.random.default_rng(0)
+    values = np.array([random_values(problem.closure.coordinates, problem.closure.size, rng) for _ in range(131)])
+    known = problem.take(values[0], problem.known_coordinates)
+    points = np.array([problem.take(v, problem.system.unknowns) for v in values])
+    rows, jacobians = problem.system.linearise(points, known)
+    for k in (0, 1, 127, 128, 130):
+        one, jacobian = problem.system.linearise_one(points[k], known)
+        assert np.allclose(rows[k], one, rtol=1e-12, atol=1e-12)
+        assert np.allclose(jacobians[k], jacobian, rtol=1e-12, atol=1e-12)
+
+
+# --- parameters ----------------------------------------------------------------------------------------------------
+
+
+def test_parameter_names_are_key_paths():
+    """leg1.base.x, leg1.offset, trt1.theta1.point.z, dh.3.a: the place in the file."""
+    names = {n: build_closure(symkin.load(n)).parameter_names for n in symkin.shipped_names()}
+    assert {"leg1.base.x", "leg6.platform.z", "leg3.offset"} <= set(names["zhang2009"])
+    assert {"trt1.theta1.point.z", "trt2.theta2.zero", "trt3.radial3.axis.x", "op.base.y"} <= set(names["zhao2000"])
+    assert {"dh.3.a", "dh.1.theta", "dh.6.alpha"} <= set(names["gluon_6l3"])
+    assert {"theta4.point.x", "L6.axis.x", "tool.position.z"} <= set(names["yao2020"])
+    assert "limb1.rod2.length" in build_closure(delta()).parameter_names
+
+
+@pytest.mark.parametrize("name", ["ren2008", "ren2008_true"])
+def test_ren2008_has_the_papers_42_parameters(name):
+    """Six limbs of two points and a length offset, 6 (3 + 3 + 1) = 42 (Ren 2008)."""
+    closure = build_closure(symkin.load(name))
+    assert len(closure.parameter_names) == 42
+    ends = [f"{end}.{k}" for end in ("base", "platform") for k in "xyz"]
+    assert set(closure.parameter_names) == {f"leg{i}.{key}" for i in range(1, 7) for key in [*ends, "offset"]}
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_parameters_are_the_geometry(name):
+    """Names are unique, values finite; the rows with the values bound contain coordinates only, and do not change."""
+    closure = build_closure(SAMPLES[name]())
+    assert len(set(closure.parameter_names)) == len(closure.parameter_names) == len(closure.parameter_values)
+    assert np.all(np.isfinite(closure.parameter_values))
+    values = random_values(closure.coordinates, closure.size, np.random.default_rng(1))
+    free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
+    assert np.allclose(np.ravel(free(values, closure.parameter_values)) / closure.size, evaluated(closure, values)[0], atol=1e-12)
+
+
+@given(seeds)
+@settings(max_examples=15)
+def test_a_parameter_is_the_number_in_the_file(rng):
+    """Moving leg1.base.x in the closure equals moving it in the mechanism."""
+    ends = rng.uniform(-100, 100, (3, 2, 3))
+    legs = [RodLimb(f"leg{k}", tuple(b), tuple(p), float(k)) for k, (b, p) in enumerate(ends, start=1)]
+    mechanism = Mechanism("m", legs, platform_position=(1.0, 2.0, 3.0))
+    closure = build_closure(mechanism)
+    k = closure.parameter_names.index("leg1.base.x")
+    moved = closure.parameter_values.copy()
+    moved[k] += 7.0
+    legs[0] = RodLimb("leg1", tuple(ends[0, 0] + [7.0, 0, 0]), tuple(ends[0, 1]), 1.0)
+    other = build_closure(Mechanism("m", legs, platform_position=(1.0, 2.0, 3.0)))
+    values = random_values(closure.coordinates, closure.size, rng)
+    free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
+    assert np.allclose(
+        np.ravel(free(values, moved)), evaluated(other, values)[0] * other.size * other.size / closure.size, atol=1e-9
+    )
+
+
+# --- restricted motions --------------------------------------------------------------------------------------------
+
+MOTIONS = {
+    "spatial": ["pose.x", "pose.y", "pose.z", "pose.quaternion"],
+    "schoenflies": ["pose.x", "pose.y", "pose.z", "pose.gamma"],
+    "planar": ["pose.x", "pose.y", "pose.gamma"],
+    "translation": ["pose.x", "pose.y", "pose.z"],
+    "spherical": ["pose.quaternion"],
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@settings(max_examples=10)
+@given(rng=seeds)
+def test_a_restricted_pose_stays_in_its_group(motion, rng):
+    """The pose has the coordinates stated, the reference among its values, and moves only in the group from there."""
+    mechanism = random_mechanism(rng, ["SPS", "rRS"], motion=motion)
+    closure = build_closure(mechanism)
+    assert [c.name for c in closure.role("pose")] == MOTIONS[motion]
+    values = random_values(closure.coordinates, closure.size, rng)
+    function = ca.Function("pose", [closure.variables], [closure.bound(closure.pose.matrix)])
+    reference = frame(mechanism.platform_position, mechanism.platform_quaternion)
+    assert np.allclose(np.array(function(closure.reference)), reference, atol=1e-12)
+    moved = np.array(function(values))
+    turn, shift = moved[:3, :3] @ reference[:3, :3].T, moved[:3, 3] - reference[:3, 3]
+    if motion in ("schoenflies", "planar"):
+        assert np.allclose(turn @ [0, 0, 1], [0, 0, 1], atol=1e-12)
+    if motion == "translation":
+        assert np.allclose(turn, np.eye(3), atol=1e-12)
+    if motion == "planar":
+        assert abs(shift[2]) < 1e-12
+    if motion == "spherical":
+        assert np.allclose(shift, 0, atol=1e-12)
+
+
+def spherical_rrr():
+    """Three limbs of three revolutes through the origin."""
+    rng = np.random.default_rng(5)
+    limbs = []
+    for k in range(3):
+        axes = [tuple(symkin_direction(rng)) for _ in range(3)]
+        joints = [Joint(f"j{k}{i}", "R", axis=a, actuated=i == 0) for i, a in enumerate(axes)]
+        limbs.append(Limb(f"limb{k}", joints))
+    return Mechanism("spherical", limbs, motion="spherical")
+
+
+@pytest.mark.parametrize(
+    ("make", "rows"),
+    [(lambda: three_rrr("planar"), 3 * 2), (spherical_rrr, 3 * 2), (lambda: symkin.load("zhao2000"), 3 * 3 + 1), (delta, 6)],
+    ids=["planar", "spherical", "schoenflies", "translation"],
+)
+def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
+    """Planar: a revolute's point in the plane; spherical: its axis; Schoenflies: its point; each row left can be nonzero."""
+    closure = build_closure(make())
+    assert closure.rows.shape[0] == rows == len(closure.row_sources)
+    rng = np.random.default_rng(0)
+    samples = [evaluated(closure, random_values(closure.coordinates, closure.size, rng))[0] for _ in range(4)]
+    assert np.all(np.max(np.abs(samples), axis=0) > 1e-6)

@@ -1,0 +1,87 @@
+"""Joints: coordinates, freedoms, and every description that cannot be right."""
+
+import math
+from dataclasses import FrozenInstanceError
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from samples import random_joint, seeds
+
+from symkin import Joint, MechanismError
+from symkin.model.joint import FREEDOMS, JOINT_TYPES
+
+X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+NAMES = {"R": [""], "P": [""], "H": [""], "C": [".angle", ".slide"], "U": [".1", ".2"], "S": [""]}
+
+
+@pytest.mark.parametrize("kind", JOINT_TYPES)
+@given(rng=seeds)
+def test_coordinates_carry_the_freedom(kind, rng):
+    """The coordinates' freedoms sum to the joint's: 1 for R, P and H, 2 for C and U, 3 for S; names as documented."""
+    joint = random_joint(rng, kind, "j")
+    assert sum(c.freedom for c in joint.coordinates) == joint.freedom == FREEDOMS[kind]
+    assert [c.name for c in joint.coordinates] == ["j" + suffix for suffix in NAMES[kind]]
+    assert all(len(c.reference) == c.width for c in joint.coordinates)
+    if joint.freedom == 1:
+        assert joint.coordinates[0].reference == (joint.zero,)
+
+
+@given(st.tuples(*[st.floats(-1e3, 1e3)] * 3).filter(lambda v: math.hypot(*v) > 1e-3))
+def test_axes_are_normalised_and_stay_so(axis):
+    """|axis| = 1, the direction stays, and normalising again changes no bit (files come back equal)."""
+    once = Joint("j", "R", axis=axis).axis
+    assert math.isclose(math.hypot(*once), 1.0, rel_tol=1e-15)
+    assert all(math.isclose(a * math.hypot(*axis), b, rel_tol=1e-12, abs_tol=1e-12) for a, b in zip(once, axis, strict=True))
+    assert Joint("j", "R", axis=once).axis == once
+
+
+@given(seeds, st.sampled_from(JOINT_TYPES))
+def test_a_joint_is_a_frozen_value(rng, kind):
+    """Equal descriptions are equal and hash alike, lists or tuples; no field can be set."""
+    joint = random_joint(rng, kind, "j")
+    fields = {k: list(v) if isinstance(v, tuple) else v for k, v in vars(joint).items()}
+    again = Joint(**fields)
+    assert again == joint
+    assert hash(again) == hash(joint)
+    with pytest.raises(FrozenInstanceError):
+        joint.name = "other"
+
+
+BAD = {
+    "unknown type": ({"type": "Q"}, ["'Q'", "R, P, H, C, U, S"]),
+    "zero axis": ({"axis": [0, 0, 0]}, ["axis", "[0.0, 0.0, 0.0]", "direction"]),
+    "no axis": ({"axis": None}, ["axis", "missing", "R"]),
+    "axis of two numbers": ({"axis": [0, 1]}, ["axis", "[0, 1]", "three"]),
+    "axis is no list": ({"axis": 3}, ["axis", "3", "three"]),
+    "point is text": ({"point": ["a", 0, 0]}, ["point", "'a'", "number"]),
+    "NaN point": ({"point": [math.nan, 0, 0]}, ["point", "nan", "finite"]),
+    "infinite axis": ({"axis": [math.inf, 0, 0]}, ["axis", "inf", "finite"]),
+    "axis of a ball": ({"type": "S", "axis": X}, ["axis", "S"]),
+    "axis2 of a revolute": ({"axis2": X}, ["axis2", "R"]),
+    "universal without axis2": ({"type": "U"}, ["axis2", "missing", "U"]),
+    "universal with parallel axes": ({"type": "U", "axis2": [0, 0, -2]}, ["axis2", "parallel"]),
+    "actuated ball": ({"type": "S", "axis": None, "actuated": True}, ["actuated", "R, P and H", "S"]),
+    "actuated universal": ({"type": "U", "axis2": X, "actuated": True}, ["actuated", "R, P and H", "U"]),
+    "zero of a cylinder": ({"type": "C", "zero": 1.0}, ["zero", "R, P, H"]),
+    "limits of a cylinder": ({"type": "C", "limits": [0, 1]}, ["limits", "R, P, H"]),
+    "pitch of a revolute": ({"pitch": 2.0}, ["pitch", "H", "R"]),
+    "infinite pitch": ({"type": "H", "pitch": math.inf}, ["pitch", "inf"]),
+    "NaN zero": ({"zero": math.nan}, ["zero", "nan"]),
+    "limits reversed": ({"limits": [2.0, 1.0]}, ["limits", "[2.0, 1.0]", "low < high"]),
+    "limits empty": ({"limits": [1.0, 1.0]}, ["limits", "[1.0, 1.0]", "low < high"]),
+    "limits of three": ({"limits": [1.0, 2.0, 3.0]}, ["limits", "[1.0, 2.0, 3.0]"]),
+    "limits NaN": ({"limits": [math.nan, 1.0]}, ["limits", "nan"]),
+    "limits no list": ({"limits": 3.0}, ["limits", "3.0"]),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_mistake_names_offender_value_and_choice(case):
+    """MechanismError in one line: which joint, which key, its value, what is allowed."""
+    change, fragments = BAD[case]
+    with pytest.raises(MechanismError) as error:
+        Joint(**({"name": "j", "type": "R", "axis": Z} | change))
+    for fragment in [*fragments, "'j'"]:
+        assert fragment in str(error.value)
+    assert "\n" not in str(error.value)

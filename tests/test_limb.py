@@ -1,0 +1,65 @@
+"""Limbs: rods, chains, and every description that cannot be right."""
+
+import math
+
+import pytest
+from hypothesis import given
+from samples import point, random_joint, seeds
+
+from symkin import Joint, Limb, MechanismError, Rod, RodLimb
+
+
+@given(seeds)
+def test_limbs_are_values(rng):
+    """Lists and tuples make equal limbs with equal hashes."""
+    joints = [random_joint(rng, kind, f"j{k}") for k, kind in enumerate("RPHCUS")]
+    start, end = point(rng), point(rng)
+    one, other = Limb("l", joints, [Rod(start, end)]), Limb("l", tuple(joints), (Rod(list(start), list(end)),))
+    assert one == other
+    assert hash(one) == hash(other)
+    assert RodLimb("l", start, end) == RodLimb("l", list(start), list(end))
+    assert hash(RodLimb("l", start, end)) == hash(RodLimb("l", list(start), list(end)))
+
+
+def test_type_spells_the_joints():
+    """The type is the joints' letters from base to platform; rods are counted behind."""
+    revolute, ball = Joint("r", "R", axis=(0, 0, 1)), Joint("s", "S")
+    assert Limb("l", [revolute, ball]).type == "RS"
+    rods = Limb("l", [revolute], [Rod((0, 0, 0), (1, 0, 0)), Rod((0, 1, 0), (1, 1, 0))]).type
+    assert rods.startswith("R")
+    assert "2" in rods
+
+
+@pytest.mark.parametrize("kind", ["SPS", "UPS", "SPU"])
+def test_a_rod_limb_has_one_actuated_length(kind):
+    """Its coordinate is named as the limb, and its least value makes a rod of length zero: offset + value = 0."""
+    limb = RodLimb("leg", (0, 0, 0), (0, 0, 1), offset=3.0, limits=[1, 2], type=kind)
+    c = limb.coordinate(7.0)
+    assert (c.name, c.kind, c.role, c.reference, c.limits) == ("leg", "length", "actuated", (7.0,), (1.0, 2.0))
+    assert c.least + limb.offset == 0.0
+
+
+BAD = {
+    "type": (lambda: RodLimb("leg", (0, 0, 0), (0, 0, 1), type="RPS"), ["'leg'", "'RPS'", "SPS, UPS, SPU"]),
+    "base": (lambda: RodLimb("leg", (0, 0), (0, 0, 1)), ["'leg'", "base", "[0, 0]", "three"]),
+    "platform": (lambda: RodLimb("leg", (0, 0, 0), "abc"), ["'leg'", "platform", "'a'", "number"]),
+    "offset": (lambda: RodLimb("leg", (0, 0, 0), (0, 0, 1), math.nan), ["'leg'", "offset", "nan", "finite"]),
+    "limits": (lambda: RodLimb("leg", (0, 0, 0), (0, 0, 1), limits=(2, 1)), ["'leg'", "limits", "[2.0, 1.0]"]),
+    "no joints": (lambda: Limb("arm", []), ["'arm'", "no joint"]),
+    "rod from": (lambda: Rod((0, math.inf, 0), (0, 0, 0)), ["rod", "from", "inf"]),
+    "rod platform": (lambda: Rod((0, 0, 0), (0, 0)), ["rod", "platform", "three"]),
+    "rod length negative": (lambda: Rod((0, 0, 0), (0, 0, 1), -2.0), ["rod", "length", "-2.0", "positive"]),
+    "rod length zero": (lambda: Rod((0, 0, 0), (0, 0, 1), 0.0), ["rod", "length", "0.0", "positive"]),
+    "rod length NaN": (lambda: Rod((0, 0, 0), (0, 0, 1), math.nan), ["rod", "length", "nan"]),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_mistake_names_offender_value_and_choice(case):
+    """MechanismError in one line."""
+    make, fragments = BAD[case]
+    with pytest.raises(MechanismError) as error:
+        make()
+    for fragment in fragments:
+        assert fragment in str(error.value)
+    assert "\n" not in str(error.value)

@@ -1,0 +1,212 @@
+"""The studies of the arms and of XJ-HEXAS run, and their tables say what the sources and computation say."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+
+STUDIES = Path(__file__).parent.parent / "studies"
+
+
+def study(name: str, folder: Path, *options: str) -> dict:
+    """Run a study as a user does; its JSON, once the picture is there."""
+    command = [sys.executable, str(STUDIES / f"{name}.py"), "-o", str(folder), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+    return json.loads((folder / f"{name}.json").read_text())
+
+
+def row(content: dict, start: str) -> dict:
+    """The one row whose quantity begins with `start`."""
+    found = [r for r in content["rows"] if r["quantity"].startswith(start)]
+    assert len(found) == 1, [r["quantity"] for r in content["rows"]]
+    return found[0]
+
+
+def computed(content: dict, start: str) -> np.ndarray:
+    return np.asarray(row(content, start)["computed"], dtype=float)
+
+
+def assert_errata(content: dict, *words: str) -> None:
+    """Each erratum is named once, and there is no other."""
+    assert len(content["errata"]) == len(words)
+    for word in words:
+        assert sum(word in text for text in content["errata"]) == 1, (word, content["errata"])
+
+
+def assert_close(values: np.ndarray, expected: object, tolerance: float) -> None:
+    np.testing.assert_allclose(values, expected, rtol=0, atol=tolerance)
+
+
+# --- Gluon-6L3 ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def gluon(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    return study("gluon_6l3", tmp_path_factory.mktemp("gluon"), "--poses", "40")
+
+
+def test_gluon_example(gluon: dict) -> None:
+    """The page's example, 15 degrees each: the pose by the DH product, and two solutions of its inverse problem (the page
+    gives the first), by the closed form, Newton, IPOPT and multistart."""
+    assert_close(computed(gluon, "tool position"), [-144.03182, -161.2822, 489.30956], 1e-5)
+    assert computed(gluon, "symkin's forward less") < 1e-9
+    assert_close(computed(gluon, "inverse, closed form, solution 1"), [15] * 6, 1e-9)
+    assert_close(computed(gluon, "inverse, closed form, solution 2"), [15, 30, -15, 30, 15, 15], 1e-9)
+    assert not [r for r in gluon["rows"] if r["quantity"].startswith("inverse, closed form, solution 3")]
+    assert_close(computed(gluon, "inverse, newton"), [15] * 6, 1e-8)
+    assert_close(computed(gluon, "inverse, ipopt"), [15, 30, -15, 30, 15, 15], 1e-8)
+    assert computed(gluon, "inverse by multistart") == 2
+
+
+def test_gluon_closed_form_is_multistart(gluon: dict) -> None:
+    """Law: on every random pose both routes give the same set."""
+    assert computed(gluon, "random poses where closed form = multistart") == 40
+
+
+def test_gluon_jacobian(gluon: dict) -> None:
+    """Law: the symbolic Jacobian is the derivative, and its determinant the product of the three singularities' factors."""
+    assert computed(gluon, "symbolic Jacobian less") < 1e-6
+    assert_close(computed(gluon, "det J"), [1, 1], 1e-6)
+    assert computed(gluon, "rank of J") == 5
+
+
+def test_gluon_errata(gluon: dict) -> None:
+    assert_errata(gluon, "[3,1] and [3,2]")
+
+
+def test_gluon_inverse_is_that_of_eaik() -> None:
+    """Oracle: EAIK (subproblem decomposition) finds the same solutions on 25 random poses."""
+    eaik = pytest.importorskip("eaik.IK_DH")
+    arm = symkin.load("gluon_6l3")
+    table = arm.dh.rows
+    offset = np.array([r.theta for r in table])
+    robot = eaik.DhRobot(*(np.array([getattr(r, key) for r in table]) for key in ("alpha", "a", "d")))
+    rng = np.random.default_rng(25)
+    for q in rng.uniform(-180, 180, (25, 6)):
+        pose = symkin.solve(arm, joints=q).solution.pose
+        answer = robot.IK(np.asarray(pose.matrix))
+        exact = [np.asarray(v) - offset for v, least in zip(answer.Q, answer.is_LS, strict=True) if not least]
+        found = [np.radians(s.actuated) for s in symkin.modes(arm, pose=pose, starts=2000)]
+        assert len(found) == len(exact)
+        assert all(min(turned(a, b) for b in exact) < 1e-6 for a in found)
+        assert all(min(turned(a, b) for b in found) < 1e-6 for a in exact)
+
+
+def turned(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference of angles modulo turns, in rad."""
+    return float(np.abs((a - b + np.pi) % (2 * np.pi) - np.pi).max())
+
+
+# --- the telescopic Pieper robot ---------------------------------------------------------------------------------
+
+SOLUTIONS = (
+    (-35.5964, 2.7296, 22.5391, 7.7660, 62.2486, -51.5743),
+    (144.4036, 177.2704, -157.4609, 7.7660, 62.2486, -51.5743),
+    (-89.7350, 16.6451, 4.5028, 7.7660, 117.7514, -407.5519),
+    (90.2650, 163.3549, -175.4972, 7.7660, 117.7514, -407.5519),
+)
+"""Computed by two independent means; the paper prints the first, to 0.02."""
+
+
+@pytest.fixture(scope="module")
+def yao(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    return study("yao2020", tmp_path_factory.mktemp("yao"))
+
+
+def test_yao_forward_and_lengths(yao: dict) -> None:
+    """Forward example (joint values of the paper) and the lengths behind the printed points D0, E0, F0."""
+    for name in ("forward, A", "the same by symkin"):
+        assert_close(computed(yao, name), [-513.6785, -105.8242, -77.5586], 1e-4)
+    assert_close(computed(yao, "a3, d1, a2"), [160, 105, 85], 3e-5)
+    assert_close(computed(yao, "a1 from"), 300.003, 1e-3)
+
+
+def test_yao_solutions(yao: dict) -> None:
+    """All four solutions of the worked example; the printed one (paper, section 3.2) is the first, to its own error."""
+    for k, expected in enumerate(SOLUTIONS, start=1):
+        assert_close(computed(yao, f"inverse, solution {k}"), expected, 6e-5)
+    assert row(yao, "inverse, solution 1")["paper"] == [-35.5954, 2.7289, 22.5392, 7.7657, 62.2462, -51.556]
+    assert_close(np.array(row(yao, "inverse, solution 1")["difference"]), np.zeros(6), 0.02)
+    assert_close(computed(yao, "solutions by return"), [4, 4], 0)
+    assert_close(computed(yao, "symkin.solve"), SOLUTIONS[0], 6e-5)
+    assert computed(yao, "random poses with equal sets") == 40
+
+
+def test_yao_search(yao: dict) -> None:
+    """What the printed loop does on [-500, 0]."""
+    assert_close(computed(yao, "f at -500, -250, 0"), [50.4, -42.9, 26.3], 0.06)
+    assert_close(computed(yao, "printed loop, left")[0], -407.5519, 1e-4)
+    assert_close(computed(yao, "printed loop, right"), [-51.5743, 33], 1e-4)
+    assert_close(computed(yao, "|OF| - a1 at"), 8.4e-3, 1e-4)
+    assert_close(computed(yao, "distance from A"), 0.0114, 1e-4)
+    assert_close(computed(yao, "L6 moved by"), [1.6e-4, 7.3e-3], 1e-4)
+    assert_close(computed(yao, "L6 in closed form"), [-407.5519, -51.5743], 1e-4)
+
+
+def test_yao_errata(yao: dict) -> None:
+    assert_errata(yao, "1e-8 was not met", "no bracket", "33 steps", "no iterative search", "equation (11)")
+
+
+# --- XJ-HEXAS ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ren(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    return study("ren2008", tmp_path_factory.mktemp("ren"))
+
+
+def test_ren_geometry(ren: dict) -> None:
+    """42 parameters (paper, section 1.2), tables 1 and 2, and the circles that the joints of table 1 lie on."""
+    assert computed(ren, "geometric parameters") == 42
+    assert computed(ren, "mechanism files less") == 0
+    assert_close(computed(ren, "platform joint circle"), [0.38435, 0.28757, 0.48, 0], 2e-5)
+    assert_close(computed(ren, "base joint circle"), [0.0752, 0.59525, 0.6, 0], 2e-5)
+
+
+def test_ren_round_trips(ren: dict) -> None:
+    """Law: the direct problem of the inverse problem's rods is the pose again."""
+    assert computed(ren, "inverse: symkin less") < 1e-12
+    assert computed(ren, "direct, Newton from home") == 200
+    modes, above = computed(ren, "direct problem at home")
+    assert modes == 2 * above == 16
+
+
+def test_ren_error_before_calibration(ren: dict) -> None:
+    """The paper says 9 mm and 0.8 deg; computed in the assumed workspace: at most 18 to 20 mm and 1.35 to 1.6 deg."""
+    assert 18 < computed(ren, "position error before") < 20
+    assert 1.35 < computed(ren, "orientation error before") < 1.6
+    assert_close(computed(ren, "position error: mean")[0], 12, 0.5)
+    assert_close(computed(ren, "assumed workspace"), 33, 5)
+
+
+def test_ren_errata(ren: dict) -> None:
+    assert_errata(ren, "9 mm and 0.8 deg")
+
+
+# --- solvers -----------------------------------------------------------------------------------------------------
+
+
+def test_solvers(tmp_path: Path) -> None:
+    """200 batched starts find every mode known of the four mechanisms; every solver finds some."""
+    content = study("solvers", tmp_path)
+    known = {"zhang2009": 4, "zhao2000": 4, "gluon_6l3": 2, "yao2020": 4}
+    for name, count in known.items():
+        batched = row(content, f"{name}, batched, 200 starts: modes found")
+        assert batched["computed"] == count
+        assert batched["quantity"].endswith(f"of {count} known")
+        for solver in ("newton", "ipopt"):
+            assert (
+                0
+                < row(content, f"{name}, {solver}, {100 if solver == 'ipopt' else 200} starts: modes found")["computed"]
+                <= count
+            )
+    assert_errata(content)
