@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+import warnings
+from dataclasses import replace
 from functools import cache
 from itertools import combinations, product
 
@@ -289,6 +291,19 @@ def test_pictures_are_written(tmp_path, suffix):
     target = tmp_path / f"modes.{suffix}"
     assert draw_modes(modes_of("zhang2009"), target) == 4
     assert target.stat().st_size > 5000
+
+
+def test_titles_in_other_scripts_and_long_titles(tmp_path):
+    """Neither a missing glyph nor a long title stops or overfills a picture; matplotlib's mathematics is off."""
+    mechanism = replace(symkin.load("gluon_6l3"), title="六自由度机械臂 $x_1$ " + 40 * "long ")
+    modes = symkin.modes(mechanism)
+    assert draw_modes(modes, tmp_path / "modes.png") == 1
+    figure = figure_of_modes(modes)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        titles = [text.get_window_extent() for text in figure.texts]
+    assert len(titles) >= 3
+    assert all(box.x0 >= 0 and box.x1 <= figure.canvas.get_width_height()[0] for box in titles)
 
 
 def test_more_modes_than_panels():

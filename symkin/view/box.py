@@ -25,18 +25,8 @@ COLOURS = {
     "pane": "#fafbfc",
     "axis": "#9aa5b1",
 }
-STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "grid.color": COLOURS["grid"],
-    "grid.linewidth": 0.6,
-    "axes3d.xaxis.panecolor": COLOURS["pane"],
-    "axes3d.yaxis.panecolor": COLOURS["pane"],
-    "axes3d.zaxis.panecolor": COLOURS["pane"],
-    "axes.edgecolor": COLOURS["axis"],
-    "savefig.bbox": None,
-    "text.usetex": False,
-}
-"""Matplotlib settings under which a figure is made and saved."""
+_FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "WenQuanYi Micro Hei", "Microsoft YaHei", "PingFang SC")
+"""Fonts in order, as far as they are there: those after the first for titles in other scripts."""
 
 _FLAT = 1e-6
 """Extent (of the largest) below which a mechanism is flat and is seen from above."""
@@ -99,6 +89,17 @@ class View:
         )
 
 
+def style() -> Any:
+    """Matplotlib settings under which a figure is made and saved, whatever the user's own are."""
+    from matplotlib.font_manager import get_font_names
+
+    there = set(get_font_names())
+    panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
+    grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
+    fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
+    return panes | grid | fonts | {"savefig.bbox": None, "savefig.transparent": False}
+
+
 def set_axes(ax: Any, view: View, share: float) -> None:
     """Set up Axes3D: the view's limits to equal scales, the box seen over `share` of the axes' width, ticks and labels."""
     ax.computed_zorder = False
@@ -142,17 +143,14 @@ def _label_edge(ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarra
     """Write tick values at `places` (0 to 1 along an edge of the box) and the axis's name, on the side away from the box."""
     start, end = _project(ax, edge)
     along = (end - start) / np.linalg.norm(end - start)
-    outward = np.array([along[1], -along[0]])
-    if abs(along[0]) < _UPRIGHT:
-        outward = np.array([math.copysign(1.0, start[0]), 0.0])
-    texts = [f"{v + 0.0:g}".replace("-", "\N{MINUS SIGN}") for v in values]
-    style: dict[str, Any] = {"textcoords": "offset points", "color": COLOURS["quiet"], "annotation_clip": False}
     upright = abs(along[0]) < _UPRIGHT
+    outward = np.array([math.copysign(1.0, start[0]), 0.0]) if upright else np.array([along[1], -along[0]])
     side = "center" if not upright else "left" if outward[0] > 0.0 else "right"
+    texts = [f"{value:g}".replace("-", "\N{MINUS SIGN}") for value in values + 0.0]
+    look: dict[str, Any] = {"textcoords": "offset points", "color": COLOURS["quiet"], "annotation_clip": False, "va": "center"}
+    offset = (6.0 if upright else 10.0) * outward
     for place, text in zip(places, texts, strict=True):
-        ax.annotate(
-            text, start + place * (end - start), (6.0 if upright else 10.0) * outward, fontsize=7.0, ha=side, va="center", **style
-        )
+        ax.annotate(text, start + place * (end - start), offset, fontsize=7.0, ha=side, **look)
     distance = 12.0 + 4.6 * max(map(len, texts), default=0) if upright else 25.0
     turn = float(np.degrees(np.arctan2(along[1], along[0])))
-    ax.annotate(name, 0.5 * (start + end), distance * outward, fontsize=8.0, rotation=turn, ha="center", va="center", **style)
+    ax.annotate(name, 0.5 * (start + end), distance * outward, fontsize=8.0, rotation=turn, ha="center", **look)

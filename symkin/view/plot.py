@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.view.box import COLOURS, STYLE, View
+from symkin.view.box import COLOURS, View, style
 from symkin.view.panel import draw_skeleton, legend_entries
 from symkin.view.skeleton import Skeleton, reference_skeleton, skeleton
 
@@ -33,10 +35,13 @@ def draw_modes(modes: Modes, path: Path | str, *, most: int = 12) -> int:
 
     Raises InputError for a format that matplotlib cannot write and for a folder that is missing or not writable.
     """
+    from matplotlib import rc_context
+
     target = check_picture_path(path)
     figure = figure_of_modes(modes, most)
     try:
-        figure.savefig(target, dpi=_DPI)
+        with rc_context(style()), _missing_glyphs_allowed():
+            figure.savefig(target, dpi=_DPI)
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
     return len(figure.axes)
@@ -75,7 +80,7 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     titles = titles or [(_nothing(modes), "drawn at the reference configuration")]
     view = View.around(bodies, mechanism.length_unit)
     grid = _Grid.for_panels(len(bodies), view, max(text.count("\n") for _, text in titles) + 1)
-    with rc_context(STYLE):
+    with rc_context(style()):
         figure = Figure(figsize=grid.figure_size, facecolor="white")
         FigureCanvasAgg(figure)
         for k, (body, title) in enumerate(zip(bodies, titles, strict=True)):
@@ -104,7 +109,7 @@ class _Grid:
     def for_panels(count: int, view: View, title_lines: int) -> _Grid:
         columns = count if count <= 3 else math.ceil(math.sqrt(count))
         width = {1: 5.6, 2: 4.6, 3: 3.9}.get(columns, 3.4)
-        margin = (0.62, 0.2, 0.62) if view.flat else (0.3, 0.55, 0.42)
+        margin = (0.62, 0.2, 0.62) if view.flat else (0.3, 0.62, 0.42)
         wide, high = view.picture
         scale = min((width - margin[0] - margin[1]) / wide, 1.05 * width / high)
         return _Grid(count, columns, width, 0.38 + 0.17 * title_lines, (scale * wide, scale * high), margin)
@@ -145,13 +150,26 @@ def _heading(figure: Figure, modes: Modes, shown: int) -> None:
     mechanism = modes.problem.mechanism
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
     part = f" \N{EM DASH} {shown} of {len(modes)} modes shown" if shown < len(modes) else ""
-    room = int(width * 8.5) - len(part)
-    figure.suptitle(
-        textwrap.shorten(title, room, placeholder=" \N{HORIZONTAL ELLIPSIS}") + part, y=1.0 - 0.12 / height, va="top",
-        fontsize=14, fontweight="bold", color=COLOURS["text"], parse_math=False,
+    heading = figure.suptitle(
+        _shortened(title, int(10 * width) - len(part)) + part, y=1.0 - 0.12 / height, va="top", fontsize=14,
+        fontweight="bold", color=COLOURS["text"], parse_math=False,
     )  # fmt: skip
-    lines = [textwrap.shorten(line, int(width * 15), placeholder=" \N{HORIZONTAL ELLIPSIS}") for line in _facts(modes)]
+    with _missing_glyphs_allowed():
+        heading.set_fontsize(14.0 * min(1.0, 0.94 * width * figure.dpi / heading.get_window_extent().width))
+    lines = [_shortened(line, int(width * 14)) for line in _facts(modes)]
     _text(figure, 0.5, height - 0.42, "\n".join(lines), ha="center", fontsize=9.5, color=COLOURS["quiet"])
+
+
+def _shortened(text: str, room: int) -> str:
+    return text if len(text) <= room else text[: room - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+
+
+@contextmanager
+def _missing_glyphs_allowed() -> Iterator[None]:
+    """A character that no font has is drawn as a box, without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")
+        yield
 
 
 def _legend(figure: Figure, bodies: Sequence[Skeleton]) -> None:
@@ -163,9 +181,9 @@ def _legend(figure: Figure, bodies: Sequence[Skeleton]) -> None:
     )  # fmt: skip
 
 
-def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
+def _text(figure: Figure, x: float, y: float, text: str, **look: Any) -> None:
     """Text whose top is `y` inches above the figure's foot, taken as it is (no mathematics)."""
-    options: dict[str, Any] = {"va": "top", "linespacing": 1.4, "color": COLOURS["text"], "parse_math": False} | style
+    options: dict[str, Any] = {"va": "top", "linespacing": 1.4, "color": COLOURS["text"], "parse_math": False} | look
     figure.text(x, y / figure.get_figheight(), text, **options)
 
 
