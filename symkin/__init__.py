@@ -13,7 +13,7 @@ from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
 from symkin.position.least_squares import LeastSquares
-from symkin.position.multistart import modes
+from symkin.position.modes import modes
 from symkin.position.newton import Newton
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose

@@ -32,6 +32,7 @@ def whole_number(text: str) -> int:
 
 
 class Method(StrEnum):
+    continuation = "continuation"
     multistart = "multistart"
 
 
@@ -84,7 +85,9 @@ def modes(
     mech: MechArgument,
     joints: JointsOption = None,
     pose: PoseOption = None,
-    method: Annotated[Method, typer.Option(help="How modes are searched.")] = Method.multistart,  # noqa: ARG001 - one method yet
+    method: Annotated[
+        Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
+    ] = Method.continuation,
     starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of starts.")] = 2000,
     seed: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of the starts.")] = 0,
     as_json: JsonOption = False,
@@ -92,16 +95,22 @@ def modes(
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.model.file import load
-    from symkin.position.multistart import modes as find_modes
+    from symkin.position.modes import modes as find_modes
 
     mechanism = load(mech)
     if plot is not None:
         from symkin.view.plot import check_picture_path
 
         check_picture_path(plot)
-    with _progress("starts") as progress:
+    with _progress("solutions") as progress:
         found = find_modes(
-            mechanism, joints=_values(joints, "joints"), pose=_values(pose, "pose"), starts=starts, seed=seed, progress=progress
+            mechanism,
+            joints=_values(joints, "joints"),
+            pose=_values(pose, "pose"),
+            method=method.value,
+            starts=starts,
+            seed=seed,
+            progress=progress,
         )
     if plot is not None:
         from symkin.view.plot import draw_modes

@@ -12,8 +12,15 @@ import casadi as ca
 
 from symkin.model.joint import Joint
 from symkin.model.parameters import ParameterTable
+from symkin.model.platform import PlatformPose
 from symkin.spatial.backend import cross, dot
-from symkin.spatial.rotation import conjugate, multiply, quaternion_from_axis_angle, rotate
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import (
+    conjugate,
+    multiply,
+    quaternion_from_axis_angle,
+    rotate,
+)
 
 
 @dataclass(frozen=True)
@@ -67,22 +74,7 @@ class Ball:
         return Ball(self.point, conjugate(self.quaternion))
 
 
-@dataclass(frozen=True)
-class PlatformMotion:
-    """The platform's displacement from its reference: x -> position + R (x - reference_position)."""
-
-    position: ca.SX
-    quaternion: ca.SX
-    reference_position: ca.SX
-
-    def direction(self, v: ca.SX) -> ca.SX:
-        return rotate(self.quaternion, v)
-
-    def move(self, p: ca.SX) -> ca.SX:
-        return self.position + self.direction(p - self.reference_position)
-
-
-Step = Turn | Ball | PlatformMotion
+Step = Turn | Ball
 
 
 @dataclass(frozen=True)
@@ -107,6 +99,35 @@ class Chain:
         for step in self.steps:
             total = multiply(total, step.quaternion)
         return total
+
+
+@dataclass(frozen=True)
+class PlatformSide:
+    """What hangs on the platform: joints beyond a cut, then the pose. Values are weighted by the pose's weight N."""
+
+    pose: PlatformPose
+    reference: Pose
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def weight(self) -> ca.SX:
+        return self.pose.weight
+
+    def local(self, p: ca.SX) -> ca.SX:
+        """A point of the reference configuration, moved by the joints, in the platform frame."""
+        return rotate(conjugate(self.reference.quaternion), Chain(self.steps).move(p) - self.reference.position)
+
+    def move(self, p: ca.SX) -> ca.SX:
+        """N times the moved point."""
+        return self.pose.point(self.local(p))
+
+    def direction(self, v: ca.SX) -> ca.SX:
+        """N times the turned direction."""
+        return self.pose.direction(rotate(conjugate(self.reference.quaternion), Chain(self.steps).direction(v)))
+
+    @property
+    def quaternion(self) -> ca.SX:
+        return multiply(multiply(self.pose.quaternion, conjugate(self.reference.quaternion)), Chain(self.steps).quaternion)
 
 
 @dataclass(frozen=True)

@@ -14,16 +14,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Literal
 
 import casadi as ca
 import numpy as np
 
-from symkin.model.chain import Chain, JointSymbols, PlatformMotion, Step
+from symkin.model.chain import Chain, JointSymbols, PlatformSide, Step
 from symkin.model.dh import reference_frames
 from symkin.model.joint import Coordinate
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.model.parameters import ParameterTable
+from symkin.model.platform import HomogeneousPose, PlatformPose, StudyPose, UnitPose
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
@@ -69,6 +71,7 @@ class Closure:
     pose: Pose
     forward: Pose | None
     idle: tuple[str, ...]
+    kept: tuple[int, ...]
 
     @property
     def size(self) -> float:
@@ -102,18 +105,66 @@ def build_closure(mechanism: Mechanism) -> Closure:
     return _Builder(mechanism).build()
 
 
+PoseForm = Literal["study", "homogeneous"]
+
+
+@dataclass(frozen=True, eq=False)
+class AlgebraicClosure:
+    """The closure's rows, geometry bound, over joints and a pose whose quaternion has any length.
+
+    `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a quaternion it is the closure's
+    own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
+    point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
+    point of each row (7 numbers a row) as expressions of the joints.
+    """
+
+    closure: Closure
+    joints: ca.SX
+    pose: ca.SX
+    rows: ca.SX
+    form: PoseForm | None
+    distances: ca.SX | None
+
+
+@lru_cache(maxsize=128)
+def build_algebraic_closure(mechanism: Mechanism, form: PoseForm) -> AlgebraicClosure:
+    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`."""
+    return _Builder(mechanism, form).build_algebraic(build_closure(mechanism))
+
+
 class _Builder:
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, form: PoseForm | None = None) -> None:
         self.mechanism = mechanism
+        self.form = form if mechanism.motion in ("spatial", "spherical") else None
         self.table = ParameterTable()
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
         self.errors: list[ca.SX] = []
         self.idle: list[str] = []
+        self.distances: list[ca.SX] = []
         self.forward: Pose | None = None
 
     def build(self) -> Closure:
+        self._build_rows()
+        return self._assemble()
+
+    def build_algebraic(self, closure: Closure) -> AlgebraicClosure:
+        self._build_rows()
+        rows = ca.vertcat(*(self.rows[k] for k in closure.kept))
+        joints = ca.vertcat(*(self.coordinates[c.name][1] for c in closure.role("actuated", "passive")))
+        everything = ca.vertcat(*self.table.symbols)
+        bound = ca.substitute(rows, everything, ca.SX(ca.DM(self.table.values)))
+        if self.form is None:
+            pose = ca.vertcat(*(self.coordinates[c.name][1] for c in closure.role("pose")))
+        else:
+            pose = self.pose_symbols
+        distances = None
+        if len(self.distances) == len(self.rows) and not closure.role("passive"):
+            distances = ca.substitute(ca.vertcat(*self.distances), everything, ca.SX(ca.DM(self.table.values)))
+        return AlgebraicClosure(closure, joints, pose, bound, self.form, distances)
+
+    def _build_rows(self) -> None:
         m = self.mechanism
         joints, tool = self._geometry()
         self.limb_joints = joints
@@ -123,7 +174,6 @@ class _Builder:
                 self._rod_limb(limb)
             else:
                 self._limb(limb, joints[limb.name])
-        return self._assemble()
 
     # --- geometry and pose ---------------------------------------------------------------------------------------
 
@@ -150,6 +200,10 @@ class _Builder:
         return joints, Pose(position, quaternion / ca.sqrt(ca.dot(quaternion, quaternion)))
 
     def _declare_pose(self, reference: Pose) -> None:
+        self.reference = reference
+        if self.form is not None:
+            self._declare_algebraic_pose(reference)
+            return
         m = self.mechanism
         values: dict[str, ca.SX] = {}
         nominal = {"x": 0, "y": 1, "z": 2}
@@ -163,14 +217,22 @@ class _Builder:
         position = ca.vertcat(*(values.get(name, reference.position[i]) for name, i in nominal.items()))
         if "quaternion" in values:
             quaternion = values["quaternion"]
-            displacement = multiply(quaternion, conjugate(reference.quaternion))
         else:
             half = 0.5 * values.get("gamma", ca.SX(0))
-            displacement = ca.vertcat(ca.cos(half), 0, 0, ca.sin(half))
-            quaternion = multiply(displacement, reference.quaternion)
+            quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion)
         self.pose = Pose(position, quaternion)
-        self.platform = PlatformMotion(position, displacement, reference.position)
-        self.reference = reference
+        self.platform_pose: PlatformPose = UnitPose(position, quaternion)
+
+    def _declare_algebraic_pose(self, reference: Pose) -> None:
+        e = ca.SX.sym("e", 4)
+        if self.mechanism.motion == "spherical":
+            self.pose_symbols, self.platform_pose = e, HomogeneousPose(reference.position, e)
+        elif self.form == "study":
+            g = ca.SX.sym("g", 4)
+            self.pose_symbols, self.platform_pose = ca.vertcat(e, g), StudyPose(e, g)
+        else:
+            t = ca.SX.sym("t", 3)
+            self.pose_symbols, self.platform_pose = ca.vertcat(t, e), HomogeneousPose(t, e)
 
     def _symbol(self, coordinate: Coordinate) -> ca.SX:
         symbol = ca.SX.sym(coordinate.name, coordinate.width)
@@ -194,11 +256,13 @@ class _Builder:
         self.sources.extend(Row(limb, relation) for _ in rows)
         self.errors.extend(errors)
 
-    def _distance(self, limb: str, difference: ca.SX, length: ca.SX, squared: ca.SX | None = None) -> None:
-        """(d.d - length^2) / (2 size) = 0, checked as |d| - length."""
-        d2 = dot(difference, difference)
-        l2 = length * length if squared is None else squared
-        self._add(limb, "distance", [(d2 - l2) / (2 * self.mechanism.size)], [ca.sqrt(d2) - length])
+    def _distance(self, limb: str, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None) -> None:
+        """N (d.d - length^2) / (2 size) = 0 for a platform point and a base point, checked as |d| - length."""
+        squared = self.platform_pose.squared_distance(*ends)
+        self.distances.append(ca.vertcat(length, ends[1], ends[0]))
+        target = length * length if length_squared is None else length_squared
+        row = (squared - self.platform_pose.weight * target) / (2 * self.mechanism.size)
+        self._add(limb, "distance", [row], [ca.sqrt(squared) - length])
 
     def _rod_limb(self, limb: RodLimb) -> None:
         table = self.table
@@ -206,7 +270,7 @@ class _Builder:
         end = table.vector(f"{limb.name}.platform", limb.platform)
         offset = table.scalar(f"{limb.name}.offset", limb.offset)
         value = self._symbol(limb.coordinate(self.mechanism.reference_rod_value(limb)))
-        self._distance(limb.name, self.pose.apply(end) - base, offset + value)
+        self._distance(limb.name, (end, base), offset + value)
         self.idle.append(f"{limb.name}: spin of the rod" if limb.type == "SPS" else "")
 
     def _limb(self, limb: Limb, joints: list[JointSymbols]) -> None:
@@ -220,7 +284,7 @@ class _Builder:
         cut = _cut_index(joints)
         base = Chain(self._steps(joints if cut is None else joints[:cut]))
         after = () if cut is None else self._steps(joints[cut + 1 :])
-        platform = Chain((self.platform, *(step.inverse() for step in reversed(after))))  # type: ignore[union-attr]
+        platform = self._platform_side(after)
         if cut is None:
             self._none_cut(limb.name, base, platform)
         else:
@@ -235,21 +299,24 @@ class _Builder:
             end = self.table.vector(f"{path}.platform", rod.platform)
             at_reference = np.array(rod.start) - self.mechanism.reference_pose.apply(np.array(rod.platform))
             length = rod.length if rod.length is not None else float(np.linalg.norm(at_reference))
-            self._distance(limb.name, self.pose.apply(end) - chain.move(start), self.table.scalar(f"{path}.length", length))
+            self._distance(limb.name, (end, chain.move(start)), self.table.scalar(f"{path}.length", length))
             self.idle.append(f"{limb.name}: spin of rod {k}")
 
     def _two_balls(self, limb: Limb, joints: list[JointSymbols], first: int, last: int) -> None:
         base = Chain(self._steps(joints[:first])).move(joints[first].point)
         between = Chain(self._steps(joints[first + 1 : last])).move(joints[last].point) - joints[first].point
         after = self._steps(joints[last + 1 :])
-        platform = Chain((self.platform, *(step.inverse() for step in reversed(after))))  # type: ignore[union-attr]
+        platform = self._platform_side(after)
         squared = dot(between, between)
-        self._distance(limb.name, platform.move(joints[last].point) - base, ca.sqrt(squared), squared)
+        self._distance(limb.name, (platform.local(joints[last].point), base), ca.sqrt(squared), squared)
         self.idle.append(f"{limb.name}: {joints[first].joint.name}, {joints[last].joint.name} (cut)")
 
-    def _none_cut(self, name: str, base: Chain, platform: Chain) -> None:
+    def _platform_side(self, after: Sequence[Step]) -> PlatformSide:
+        return PlatformSide(self.platform_pose, self.reference, tuple(step.inverse() for step in reversed(after)))
+
+    def _none_cut(self, name: str, base: Chain, platform: PlatformSide) -> None:
         size, origin = self.mechanism.size, self.reference.position
-        gap = platform.move(origin) - base.move(origin)
+        gap = platform.move(origin) - platform.weight * base.move(origin)
         e = multiply(conjugate(base.quaternion), platform.quaternion)
         full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
         if all(c.role == "actuated" for step in self.limb_joints[name] for c in step.joint.coordinates):
@@ -259,9 +326,9 @@ class _Builder:
             [*ca.vertsplit(gap), *ca.vertsplit(size * full)],
         )  # fmt: skip
 
-    def _cut(self, name: str, symbols: JointSymbols, base: Chain, platform: Chain) -> None:
+    def _cut(self, name: str, symbols: JointSymbols, base: Chain, platform: PlatformSide) -> None:
         size, point, axis = self.mechanism.size, symbols.point, symbols.axis
-        gap = platform.move(point) - base.move(point)
+        gap = platform.move(point) - platform.weight * base.move(point)
         kind = symbols.joint.type
         if kind in "SRU":
             self._add(name, "point", ca.vertsplit(gap), ca.vertsplit(gap))
@@ -269,7 +336,7 @@ class _Builder:
             return
         assert axis is not None  # noqa: S101 - every cut joint but S has an axis
         if kind == "U":
-            angle = dot(base.direction(axis), platform.direction(symbols.axis2)) - dot(axis, symbols.axis2)
+            angle = dot(base.direction(axis), platform.direction(symbols.axis2)) - platform.weight * dot(axis, symbols.axis2)
             self._add(name, "axes' angle", [size * angle], [size * angle])
             return
         u, v = _normals(axis, symbols.joint.axis)
@@ -297,10 +364,11 @@ class _Builder:
         coordinates = tuple(pair[0] for pair in pairs)
         variables = ca.vertcat(*(pair[1] for pair in pairs))
         symbols, names, values = self._used_parameters()
-        rows, sources = self._nonzero_rows(coordinates, variables, symbols, values)
+        kept = self._nonzero_rows(coordinates, variables, symbols, values)
+        rows, sources = ca.vertcat(*(self.rows[k] for k in kept)), tuple(self.sources[k] for k in kept)
         return Closure(
             self.mechanism, coordinates, variables, symbols, names, values, rows, sources,
-            ca.vertcat(*self.errors), self.pose, self.forward, tuple(text for text in self.idle if text),
+            ca.vertcat(*self.errors), self.pose, self.forward, tuple(text for text in self.idle if text), kept,
         )  # fmt: skip
 
     def _used_parameters(self) -> tuple[ca.SX, tuple[str, ...], np.ndarray]:
@@ -314,19 +382,18 @@ class _Builder:
 
     def _nonzero_rows(
         self, coordinates: Sequence[Coordinate], variables: ca.SX, symbols: ca.SX, values: np.ndarray
-    ) -> tuple[ca.SX, tuple[Row, ...]]:
-        """Rows that a restricted motion leaves: those that vanish identically at the nominal geometry are dropped."""
+    ) -> tuple[int, ...]:
+        """Numbers of the rows that a restricted motion leaves: those that vanish identically at the nominal geometry are dropped."""
         rows = ca.vertcat(*self.rows)
         if self.mechanism.motion == "spatial":
-            return rows, tuple(self.sources)
+            return tuple(range(rows.shape[0]))
         evaluate = ca.Function("rows", [variables, symbols], [rows])
         rng = np.random.default_rng(0)
         largest = np.zeros(rows.shape[0])
         for _ in range(3):
             sample = random_values(coordinates, self.mechanism.size, rng)
             largest = np.maximum(largest, np.abs(np.asarray(evaluate(sample, values))).ravel())
-        keep = [int(k) for k in np.flatnonzero(largest > _ZERO_ROW * self.mechanism.size)]
-        return rows[keep, 0], tuple(self.sources[k] for k in keep)
+        return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * self.mechanism.size))
 
 
 def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:

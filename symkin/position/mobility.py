@@ -79,7 +79,7 @@ def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     closure = build_closure(mechanism)
     system = whole_system(closure)
     nothing = np.zeros(0)
-    candidates = _closed_configurations(closure, system, seed)
+    candidates = closed_configurations(closure, seed)
     ranks = [Rank.of(system.linearise_one(z, nothing)[1]) for z in candidates]
     best = max(range(len(ranks)), key=lambda k: ranks[k].value)
     generic = ranks[best]
@@ -122,8 +122,9 @@ def gruebler_kutzbach(mechanism: Mechanism) -> int:
     return 6 * (links - joints - 1) + freedoms
 
 
-def _closed_configurations(closure: Closure, system: System, seed: int) -> list[np.ndarray]:
+def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     """Closed configurations from random steps off the reference; the reference itself where none closes."""
+    system = whole_system(closure)
     rng = np.random.default_rng(seed)
     begin = np.tile(closure.reference, (24, 1))
     radii = np.repeat([0.03, 0.1, 0.3], 8)[:, None] * closure.size

@@ -15,8 +15,20 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Iterate, Solution, SolveResult, make_solution, pose_of
-from symkin.position.starts import is_singular, off_singularity, random_starts, start_values
+from symkin.position.roots import ACCEPTED
+from symkin.position.solution import (
+    Iterate,
+    Solution,
+    SolveResult,
+    make_solution,
+    pose_of,
+)
+from symkin.position.starts import (
+    is_singular,
+    off_singularity,
+    random_starts,
+    start_values,
+)
 from symkin.spatial.pose import Pose
 
 Solver = Newton | LeastSquares
@@ -26,8 +38,6 @@ SOLVERS: dict[str, Solver] = {
     "ipopt": LeastSquares(),
 }
 RESTARTS = 20
-ACCEPTED = 1e-9
-"""A configuration is a solution when no closure error exceeds this times the size."""
 
 
 def solve(

@@ -167,7 +167,7 @@ class System:
 def split_blocks(system: System) -> tuple[System, ...]:
     """Independent parts: the connected components of the graph of rows and unknown coordinates. A limb whose
     platform pose is given is one part; its branches are found alone and combined afterwards."""
-    groups = _components(_incidence(system.rows, system), len(system.unknowns))
+    groups = components(_incidence(system.rows, system), len(system.unknowns))
     errors_of = _incidence(system.errors, system)
     rows_of = _incidence(system.rows, system)
     blocks = []
@@ -193,7 +193,7 @@ def _incidence(rows: ca.SX, system: System) -> list[set[int]]:
     return [{k for k, place in enumerate(system.slices) if pattern[i, place].any()} for i in range(int(rows.shape[0]))]
 
 
-def _components(incidence: Sequence[set[int]], count: int) -> list[set[int]]:
+def components(incidence: Sequence[set[int]], count: int) -> list[set[int]]:
     groups: list[set[int]] = [{k} for k in range(count)]
     for used in incidence:
         joined = [g for g in groups if g & used]

@@ -53,6 +53,8 @@ def _statement(modes: Modes) -> str:
     head = f"{count} {_plural('mode', count)}" + (f" at {poses} {_plural('pose', poses)}" if poses != count else "")
     head = head if count else "no isolated solution" if modes.positive_dimensional else "no real solution"
     parts = [f"{head}; completeness: {modes.completeness}"]
+    if modes.complex_count is not None and modes.method != "forward":
+        parts.append(f"{modes.complex_count} complex solutions, {modes.unresolved_paths} unresolved paths")
     if modes.estimated_unseen is not None and count:
         parts.append(
             f"{modes.starts} starts, seed {modes.seed}; estimated still unseen: {modes.estimated_unseen:.3g} or more (Chao), "

@@ -1,0 +1,104 @@
+"""The platform's pose in the forms in which closure rows take it.
+
+Each form gives points, directions and squared distances times a weight N, so that rows stay polynomial in the pose:
+N = 1 for a unit quaternion, N = q.q for quaternions of any length. Quaternions may then be complex and projective, which
+path tracking needs; where N = 0 there is no pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import casadi as ca
+
+from symkin.spatial.backend import cross, dot
+from symkin.spatial.rotation import conjugate, multiply, rotate
+
+
+class PlatformPose(Protocol):
+    """A pose X whose points x -> position + R x come times `weight`."""
+
+    @property
+    def quaternion(self) -> ca.SX: ...
+    @property
+    def weight(self) -> ca.SX: ...
+    def point(self, m: ca.SX) -> ca.SX: ...
+    def direction(self, v: ca.SX) -> ca.SX: ...
+    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX: ...
+
+
+@dataclass(frozen=True)
+class UnitPose:
+    """Position and unit quaternion; N = 1."""
+
+    position: ca.SX
+    quaternion: ca.SX
+
+    @property
+    def weight(self) -> ca.SX:
+        return ca.SX(1)
+
+    def point(self, m: ca.SX) -> ca.SX:
+        return self.position + rotate(self.quaternion, m)
+
+    def direction(self, v: ca.SX) -> ca.SX:
+        return rotate(self.quaternion, v)
+
+    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        difference = self.point(m) - other
+        return dot(difference, difference)
+
+
+@dataclass(frozen=True)
+class HomogeneousPose:
+    """Position and a quaternion of any length; N = q.q."""
+
+    position: ca.SX
+    quaternion: ca.SX
+
+    @property
+    def weight(self) -> ca.SX:
+        return dot(self.quaternion, self.quaternion)
+
+    def point(self, m: ca.SX) -> ca.SX:
+        return self.weight * self.position + self.direction(m)
+
+    def direction(self, v: ca.SX) -> ca.SX:
+        return rotate_homogeneous(self.quaternion, v)
+
+    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        offset = self.position - other
+        return self.weight * (dot(offset, offset) + dot(m, m)) + 2 * dot(offset, self.direction(m))
+
+
+@dataclass(frozen=True)
+class StudyPose:
+    """Study coordinates (e; g), e.g = 0: rotation e of any length, position 2 g e* / N, N = e.e.
+
+    N times the squared distance of p + R m to b is |2 g + e m - b e|^2, a quadratic form (Husty 1996).
+    """
+
+    quaternion: ca.SX
+    dual: ca.SX
+
+    @property
+    def weight(self) -> ca.SX:
+        return dot(self.quaternion, self.quaternion)
+
+    def point(self, m: ca.SX) -> ca.SX:
+        return 2 * multiply(self.dual, conjugate(self.quaternion))[1:] + self.direction(m)
+
+    def direction(self, v: ca.SX) -> ca.SX:
+        return rotate_homogeneous(self.quaternion, v)
+
+    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        e = self.quaternion
+        difference = 2 * self.dual + multiply(e, ca.vertcat(0, m)) - multiply(ca.vertcat(0, other), e)
+        return dot(difference, difference)
+
+
+def rotate_homogeneous(q: ca.SX, v: ca.SX) -> ca.SX:
+    """q v q* for a quaternion of any length: (w^2 - u.u) v + 2 (u.v) u + 2 w u x v."""
+    w, u = q[0], q[1:]
+    return (w * w - dot(u, u)) * v + 2 * (dot(u, v) * u + w * cross(u, v))

@@ -1,0 +1,186 @@
+"""All modes of a problem: parts found by continuation or multistart, combined, with what can be said of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from math import prod
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.position.given import Given, given_from, pose_from
+from symkin.position.least_squares import LeastSquares
+from symkin.position.levenberg import Progress
+from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
+from symkin.position.newton import Newton
+from symkin.position.problem import Problem, build_problem
+from symkin.position.roots import ACCEPTED, MOST_MODES, Roots
+from symkin.position.solution import Completeness, Modes, Solution, make_solution
+from symkin.position.starts import start_values
+from symkin.spatial.pose import Pose
+
+METHODS = ("continuation", "multistart")
+
+
+def modes(
+    mechanism: Mechanism,
+    *,
+    joints: Sequence[float] | None = None,
+    pose: Sequence[float] | Pose | None = None,
+    method: str | None = None,
+    starts: int = DEFAULT_STARTS,
+    seed: int = 0,
+    solver: str | Newton | LeastSquares = "batched",
+    progress: Progress | None = None,
+) -> Modes:
+    """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
+
+    `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
+    complete the list is; "multistart" keeps what `starts` random starts reach. `solver`, for multistart, is "batched"
+    (Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. A part that has
+    no start system is sampled, and a note says why. Raises InputError for values that do not fit.
+    """
+    chosen = method or ("continuation" if solver == "batched" else "multistart")
+    _check_options(chosen, starts, seed)
+    begin = time.perf_counter()
+    given = given_from(mechanism, joints, pose)
+    problem = build_problem(mechanism, given.kind)
+    _refuse_redundant(problem)
+    found = _known_without_search(problem, given, chosen, seed)
+    if found is None:
+        rng = np.random.default_rng(seed)
+        if chosen == "continuation":
+            from symkin.position.continuation import by_continuation
+
+            blocks, notes = by_continuation(problem, given, starts, rng, progress)
+        elif solver == "batched":
+            blocks, notes = [batched(problem, block, given, starts, rng, progress) for block in problem.blocks], ()
+        else:
+            blocks, notes = [one_by_one(problem, given, starts, rng, solver, progress)], ()
+        name = chosen if solver == "batched" else f"{chosen} {solver}"
+        found = _result(problem, given, blocks, name, seed, notes)
+    return replace(found, elapsed_s=time.perf_counter() - begin)
+
+
+def _check_options(method: str, starts: int, seed: int) -> None:
+    if method not in METHODS:
+        raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
+    if starts < 1:
+        raise InputError(f"starts = {starts} must be at least 1")
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
+
+
+def _refuse_redundant(problem: Problem) -> None:
+    free = problem.system.freedom - problem.generic_rank
+    if free > 0:
+        raise InputError(
+            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, "
+            "so that its solutions are no isolated modes; use solve with a start for one of them"
+        )
+
+
+def _known_without_search(problem: Problem, given: Given, method: str, seed: int) -> Modes | None:
+    """What needs no search: a pose off the motion, the direct problem of a serial arm, given values that contradict
+    rows without unknowns."""
+    if given.off_motion > 0.0:
+        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
+    if problem.is_explicit:
+        values = problem.assemble(start_values(problem, given, None), given.values)
+        note = "forward kinematics of a serial arm is a function of its joints: one pose"
+        solution = make_solution(problem, values)
+        return Modes(
+            problem,
+            given.echo,
+            (solution,),
+            "proved",
+            "forward",
+            None,
+            0.0,
+            complex_count=1,
+            unresolved_paths=0,
+            notes=(*given.notes, note),
+        )
+    conditions = problem.conditions
+    off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
+    if off > ACCEPTED * problem.closure.size:
+        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
+    return None
+
+
+def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, seed: int, notes: tuple[str, ...]) -> Modes:
+    found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
+    continuum = [b for b in blocks if b.continuum is not None]
+    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum)]
+    smallest = None
+    if not found and not continuum:
+        smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
+    counts = [b.complex_count for b in blocks]
+    sampled = [b for b in blocks if b.hits is not None]
+    return Modes(
+        problem, given.echo, tuple(found), _completeness(blocks), method, seed, 0.0,
+        starts=max((b.starts for b in blocks if b.starts is not None), default=None),
+        estimated_unseen=_unseen(blocks) if sampled else None,
+        next_new=max((b.next_new for b in sampled), default=None),
+        complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
+        unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
+        smallest_residual=smallest, positive_dimensional=bool(continuum), notes=tuple(texts),
+    )  # fmt: skip
+
+
+def _completeness(blocks: list[Roots]) -> Completeness:
+    """The weakest statement among the parts."""
+    if not blocks or any(b.sampled for b in blocks):
+        return "sampled"
+    return "incomplete" if any(b.unresolved or b.continuum is not None for b in blocks) else "probability one"
+
+
+def _unseen(blocks: list[Roots]) -> float:
+    return prod(len(b.points) + b.unseen for b in blocks) - prod(len(b.points) for b in blocks)
+
+
+def _continuum_note(problem: Problem, block: Roots) -> str:
+    names = ", ".join(c.name for c in block.system.unknowns)
+    return (
+        f"positive-dimensional set: the {problem.kind} problem has solutions that are not isolated (in {names}); "
+        "the modes listed are the isolated ones only"
+    )
+
+
+def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Solution]:
+    """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its rarest part's."""
+    count = prod(len(b.points) for b in blocks)
+    if count > MOST_MODES:
+        raise InputError(
+            f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
+            "listed; solve for one of them near a start"
+        )
+    found = []
+    for parts in product(*(range(len(b.points)) for b in blocks)):
+        values = np.empty(int(problem.closure.variables.shape[0]))
+        for roots, k in zip(blocks, parts, strict=True):
+            for c, place in zip(roots.system.unknowns, roots.system.slices, strict=True):
+                values[problem.closure.slices[c.name]] = roots.points[k][place]
+        start = 0
+        for c in problem.known_coordinates:
+            values[problem.closure.slices[c.name]] = given.values[start : start + c.width]
+            start += c.width
+        hits = [int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None]
+        found.append(make_solution(problem, values, hits=min(hits, default=None), notes=given.notes))
+    return sorted(found, key=lambda s: _sort_key(problem, s))
+
+
+def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:
+    """Nearest to the example's start or the reference pose first; ties by joint values, all rounded."""
+    mechanism, size = problem.mechanism, problem.closure.size
+    reference = mechanism.reference_pose
+    if problem.kind == "direct" and mechanism.example is not None and mechanism.example.start is not None:
+        reference = pose_from(mechanism.example.start) if mechanism.example.joints is not None else reference
+    turn = float(np.sum((solution.rotation - reference.rotation) ** 2))
+    away = float(np.linalg.norm(solution.position - np.asarray(reference.position))) / size
+    flat = np.concatenate([np.atleast_1d(np.asarray(v, dtype=float)) for v in solution.values.values()])
+    return (round(turn + away**2, 6), *np.round(flat, 6))

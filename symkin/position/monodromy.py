@@ -1,0 +1,254 @@
+"""All roots of a generic instance, found by moving the known values around loops.
+
+The mechanism is its own start system: random complex unknowns fix the known values that they need, which gives one root
+of one generic instance. Loops in the space of known values permute the roots and reveal new ones (Duff et al. 2019).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from symkin.model.joint import Coordinate
+from symkin.position.algebraic import AlgebraicSystem
+from symkin.position.levenberg import Progress
+from symkin.position.problem import Problem
+from symkin.position.tracker import newton, track
+from symkin.spatial.rotation import multiply
+
+Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
+"""Draws a complex point (z, k), near the reference or not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fibre:
+    """Roots z (width, n) of F(., k); `orbits` labels the roots by what the loops have connected; `evidence` is
+    sum -log10(1 - share of roots moved) over the loops since the last new root."""
+
+    z: np.ndarray
+    k: np.ndarray
+    orbits: np.ndarray
+    evidence: float
+    loops: int
+    seed: int
+
+
+@dataclass
+class _Found:
+    system: AlgebraicSystem
+    z: np.ndarray
+    features: np.ndarray
+    parents: list[int] = field(default_factory=list)
+
+    def match(self, z: np.ndarray, tolerance: float = 1e-6) -> np.ndarray:
+        """Index of the known root that equals each column of z, or -1."""
+        distance = np.max(np.abs(self.system.features(z)[:, None] - self.features[None]), axis=2)
+        nearest = np.argmin(distance, axis=1)
+        return np.where(distance[np.arange(len(nearest)), nearest] < tolerance, nearest, -1)
+
+    def add(self, column: np.ndarray) -> int:
+        self.z = np.concatenate([self.z, column[:, None]], axis=1)
+        self.features = np.concatenate([self.features, self.system.features(column[:, None])])
+        self.parents.append(len(self.parents))
+        return len(self.parents) - 1
+
+    def root(self, i: int) -> int:
+        while self.parents[i] != i:
+            i = self.parents[i]
+        return i
+
+    def join(self, i: int, j: int) -> None:
+        self.parents[self.root(i)] = self.root(j)
+
+
+def truncated_step(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
+    """Least Newton step that uses the `rank` largest singular values."""
+    try:
+        left, s, right = np.linalg.svd(jacobian, full_matrices=False)
+    except np.linalg.LinAlgError:
+        return np.full(jacobian.shape[1], np.nan, dtype=complex)
+    kept = min(rank, int(np.sum(s > 1e-13 * s[0])))
+    return np.asarray(-np.conj(right[:kept].T) @ ((np.conj(left[:, :kept].T) @ f) / s[:kept]))
+
+
+def seed_root(
+    system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, attempts: int = 60
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """One root (z, k) of a generic instance: unknowns and known values both move, by least steps, from a random complex
+    point near or far from the reference; singular values below the generic rank are cut."""
+    for attempt in range(attempts):
+        z, k = points(rng, attempt % 2 == 0)
+        for _ in range(40):
+            f, jz, jk = full_linearisation(system, z, k)
+            jacobian = np.hstack([jz, jk])
+            step = truncated_step(*_with_ray(system, z, jacobian, f), rank + (1 if system.projective else 0))
+            length = float(np.linalg.norm(step))
+            step *= min(1.0, 1.0 / max(length, 1e-300))
+            z, k = z + step[: len(z)], k + step[len(z) :]
+            z = system.normalise(z[:, None])[:, 0]
+            if not np.all(np.isfinite(z)) or length > 1e6:
+                break
+            if length < 1e-13:
+                break
+        if np.all(np.isfinite(z)) and np.max(np.abs(full_linearisation(system, z, k)[0])) < 1e-11 and _is_regular(system, z, k):
+            return system.normalise(z[:, None])[:, 0], k
+    return None
+
+
+def _with_ray(system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A row that keeps the step orthogonal to the ray, whose length means nothing."""
+    if not system.projective:
+        return jacobian, f
+    row = np.zeros(jacobian.shape[1], dtype=complex)
+    row[list(system.projective)] = np.conj(z[list(system.projective)])
+    return np.vstack([jacobian, row]), np.append(f, 0.0)
+
+
+def full_linearisation(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F, dF/dz and dF/dk at one point."""
+    columns = []
+    f = jz = None
+    for i in range(len(k)):
+        unit = np.zeros(len(k), dtype=complex)
+        unit[i] = 1.0
+        f, jz, t = system.evaluate(z[:, None], k[:, None], unit)
+        columns.append(t[0])
+    assert f is not None and jz is not None  # noqa: S101, PT018 - there is at least one known value
+    return f[0], jz[0], np.array(columns).T
+
+
+def random_point(
+    problem: Problem, system: AlgebraicSystem, rng: np.random.Generator, *, near: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """A complex point: about the reference with imaginary parts of about a half (of the size, of a radian), or
+    anywhere."""
+    size = problem.closure.size
+    reference = problem.closure.reference
+    spread = 0.5 if near else 1.5
+
+    def noise(count: int) -> np.ndarray:
+        gauss = rng.normal(size=count) + 1j * rng.normal(size=count)
+        return np.asarray(spread * gauss / np.sqrt(2) + 0.3j * rng.choice([-1, 1], count))
+
+    def values(coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+        parts = []
+        for c in coordinates:
+            value = reference[problem.closure.slices[c.name]]
+            parts.append(value / (1.0 if c.is_angular or c.kind == "quaternion" else size))
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    z = values(system.unknowns).astype(complex)
+    z = z + noise(len(z))
+    if system.projective:
+        width = len(system.projective)
+        pose = problem.mechanism.reference_pose
+        e = np.asarray(pose.quaternion)
+        ray = noise(4) + (e if near else 0.0)
+        if width == 8:
+            t = np.concatenate([[0.0], np.asarray(pose.position) / size + noise(3)])
+            ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
+        z = np.concatenate([z, ray])
+    known = problem.known_coordinates
+    k = values(known).astype(complex)
+    return z, k + noise(len(k))
+
+
+def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
+    """The root is isolated at fixed k."""
+    _, jz, _ = full_linearisation(system, z, k)
+    singular = np.linalg.svd(jz, compute_uv=False)
+    need = system.width - (1 if system.projective else 0)
+    return bool(len(singular) >= need and singular[need - 1] > 1e-7 * singular[0])
+
+
+def fibre(
+    system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int,
+    *, bound: int | None = None, known: tuple[np.ndarray, np.ndarray] | None = None, needed: float = 6.0,
+    most_loops: int = 200, most_roots: int = 600, progress: Progress | None = None,
+) -> Fibre | None:  # fmt: skip
+    """Loop until a bound is reached or the evidence is `needed`. None where no seed was found. `known` are roots and
+    base to begin with."""
+    found, k0 = _begin(system, points, rng, rank, known)
+    if found is None:
+        return None
+    evidence, loops = 0.0, 0
+    while loops < most_loops and evidence < needed and (bound is None or found.z.shape[1] < bound):
+        loops += 1
+        before = found.z.shape[1]
+        ends, arrived = _loop(system, found.z, k0, rng)
+        moved, new = _absorb(found, ends, arrived)
+        if new:
+            evidence = 0.0
+        elif arrived.sum() > 0:
+            share = min(moved / before, 1 - 1e-3)
+            evidence += -np.log10(1 - share)
+        if progress is not None:
+            progress(int(100 * min(1.0, evidence / needed)), 100)
+        if found.z.shape[1] >= most_roots:
+            break
+        if before == 1 and not new and loops >= 25:
+            break
+    orbits = np.array([found.root(i) for i in range(found.z.shape[1])])
+    return Fibre(found.z, k0, np.unique(orbits, return_inverse=True)[1], evidence, loops, seed)
+
+
+def _begin(
+    system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, known: tuple[np.ndarray, np.ndarray] | None
+) -> tuple[_Found | None, np.ndarray]:
+    """The known roots, or a first seed and what six more of them give at the same base."""
+    if known is not None:
+        z, k0 = known
+        return _Found(system, z, system.features(z), list(range(z.shape[1]))), k0
+    start = seed_root(system, points, rng, rank)
+    if start is None:
+        return None, np.zeros(0)
+    z0, k0 = start
+    found = _Found(system, z0[:, None], system.features(z0[:, None]), [0])
+    for _ in range(8):
+        other = _carry(system, seed_root(system, points, rng, rank), k0)
+        if other is not None and found.match(other[:, None])[0] < 0:
+            found.add(other)
+    return found, k0
+
+
+def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, k0: np.ndarray) -> np.ndarray | None:
+    """A root of another generic instance, tracked to k0."""
+    if root is None:
+        return None
+    tracked = track(system, root[0][:, None], root[1], k0)
+    return tracked.z[:, 0] if tracked.arrived[0] else None
+
+
+def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
+    radius = 0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform()
+    corners = [k0 + radius * (rng.normal(size=len(k0)) + 1j * rng.normal(size=len(k0))) / np.sqrt(2) for _ in range(2)]
+    arrived = np.ones(z.shape[1], dtype=bool)
+    path = [k0, *corners, k0]
+    for begin, end in pairwise(path):
+        tracked = track(system, z[:, arrived], begin, end)
+        next_z = z.copy()
+        next_z[:, np.flatnonzero(arrived)] = tracked.z
+        z = next_z
+        arrived[np.flatnonzero(arrived)[~tracked.arrived]] = False
+    if arrived.any():
+        polished, last = newton(system, z[:, arrived], k0)
+        z[:, np.flatnonzero(arrived)] = polished
+        arrived[np.flatnonzero(arrived)[last > 1e-9]] = False
+    return z, arrived
+
+
+def _absorb(found: _Found, ends: np.ndarray, arrived: np.ndarray) -> tuple[int, int]:
+    moved = new = 0
+    for i in np.flatnonzero(arrived):
+        j = int(found.match(ends[:, [i]])[0])
+        if j < 0:
+            j = found.add(ends[:, i])
+            new += 1
+        if j != i:
+            moved += 1
+        found.join(int(i), j)
+    return moved, new

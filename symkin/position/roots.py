@@ -1,0 +1,122 @@
+"""Distinct roots of one independent part of a problem, and how roots are told apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.position.system import System
+
+ACCEPTED = 1e-9
+"""A configuration is a solution when no closure error exceeds this times the size."""
+MOST_MODES = 20_000
+_SINGULAR = 1e8
+"""Condition above which a root is examined for being one of a continuum."""
+_CONTINUUM_SAMPLE = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """Distinct real roots of one block: points (n, width) and what is known of them.
+
+    From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
+    both: the least error reached where there is no root, members of a continuum that were met, and notes a root.
+    """
+
+    system: System
+    points: np.ndarray
+    hits: np.ndarray | None
+    smallest_residual: float
+    starts: int | None = None
+    continuum: np.ndarray | None = None
+    complex_count: int | None = None
+    unresolved: int = 0
+    sampled: bool = True
+
+    @property
+    def unseen(self) -> float:
+        """Chao's lower bound f1^2 / (2 f2) of the roots not yet hit, with f2 at least 1."""
+        if self.hits is None:
+            return 0.0
+        once, twice = int(np.sum(self.hits == 1)), int(np.sum(self.hits == 2))
+        return once * once / (2 * max(twice, 1))
+
+    @property
+    def next_new(self) -> float:
+        """Good-Turing: the share of hits that are single, the probability that the next hit is a new root."""
+        total = 0 if self.hits is None else int(np.sum(self.hits))
+        return float(np.sum(self.hits == 1)) / total if total else 1.0
+
+
+def features(system: System, points: np.ndarray) -> np.ndarray:
+    """Coordinates in which equal configurations are equal: lengths, size (cos, sin) of angles, size times the
+    products q_i q_j of quaternions."""
+    columns = []
+    for c, place in zip(system.unknowns, system.slices, strict=True):
+        part = points[:, place]
+        if c.kind == "quaternion":
+            outer = part[:, :, None] * part[:, None, :]
+            columns.append(system.size * outer.reshape(len(part), 16))
+        elif c.kind == "angle":
+            columns += [system.size * np.cos(part), system.size * np.sin(part)]
+        else:
+            columns.append(system.size * part if c.kind == "turns" else part)
+    return np.hstack(columns)
+
+
+def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Representatives and the label of each row of `points` (features); rows within `tolerance` are one. At most
+    `MOST_MODES` are told apart; rows beyond have the label -1."""
+    labels = np.full(len(points), -1)
+    chosen: list[int] = []
+    left = np.arange(len(points))
+    while left.size and len(chosen) < MOST_MODES:
+        same = np.max(np.abs(points[left] - points[left[0]]), axis=1) <= tolerance
+        labels[left[same]] = len(chosen)
+        chosen.append(int(left[0]))
+        left = left[~same]
+    return np.array(chosen, dtype=int), labels
+
+
+def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Roots:
+    """Merge ends, polish the representatives to full precision, drop what fails the check, merge again. Roots of a
+    continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
+    ends = system.fold(ends)
+    first, labels = merge(features(system, ends), 1e-5 * system.size)
+    hits = np.bincount(labels[labels >= 0], minlength=len(first))
+    order = np.argsort(-hits, kind="stable")
+    roots: list[np.ndarray] = []
+    counts, continuum, smallest = [], [], np.inf
+    for index, count in zip(first[order], hits[order], strict=True):
+        z = system.polish(ends[index], known, steps=8)
+        left = system.residual(z, known)
+        smallest = min(smallest, left)
+        if left > ACCEPTED * system.size:
+            continue
+        if system.condition(z, known) > _SINGULAR and moves_freely(system, z, known):
+            continuum.append(z)
+            if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) > len(roots):
+                break
+        else:
+            roots.append(z)
+            counts.append(count)
+    points = np.array(roots).reshape(len(roots), system.width)
+    first, labels = merge(features(system, points), 1e-6 * system.size) if roots else (np.zeros(0, int), np.zeros(0, int))
+    totals = np.bincount(labels, weights=counts, minlength=len(first)).astype(int)
+    members = np.array(continuum) if continuum else None
+    return Roots(system, points[first], totals, smallest, starts, members)
+
+
+def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
+    """Whether the root z lies on a continuum: a step of 1e-3 of the size along the free direction of the Jacobian
+    closes again nearby without coming back (from an isolated double root it comes back)."""
+    _, jacobian = system.linearise_one(z, known)
+    free = np.linalg.svd(jacobian)[2][-1]
+    length = 1e-3 * system.size
+    begin = system.move(z[None], length * free[None])[0]
+    end = system.polish(begin, known, steps=30)
+    if system.residual(end, known) > 1e-10 * system.size:
+        return False
+    moved = np.max(np.abs(features(system, end[None]) - features(system, z[None])))
+    return bool(moved > 0.1 * np.max(np.abs(features(system, begin[None]) - features(system, z[None]))))

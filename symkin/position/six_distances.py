@@ -1,0 +1,73 @@
+"""Platforms held by six distances: one start system for all of them.
+
+In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |2 g + e m - b e|^2 - L^2 |e|^2 = 0
+(Husty 1996). With lengths L and all points b, m complex and random there are 40 roots, the most that any such platform
+has (Ronga and Vust 1992). Its roots are tracked to any machine; those of special machines that run to e = 0 are at
+infinity.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.platform import StudyPose
+from symkin.position.algebraic import AlgebraicSystem
+from symkin.position.monodromy import Fibre, fibre
+from symkin.position.tracker import TrackSettings, track
+from symkin.spatial.rotation import multiply
+
+BOUND = 40
+DATA = Path(__file__).resolve().parent / "six_distances.npz"
+
+
+@lru_cache(maxsize=1)
+def universal_system() -> AlgebraicSystem:
+    """Rows over z = (e, g) and k = (L, b, m) of each distance, all lengths in one unit."""
+    e, g, k = ca.SX.sym("e", 4), ca.SX.sym("g", 4), ca.SX.sym("k", 42)
+    pose = StudyPose(e, g)
+    rows = [ca.dot(e, g)]
+    for i in range(6):
+        length, b, m = k[7 * i], k[7 * i + 1 : 7 * i + 4], k[7 * i + 4 : 7 * i + 7]
+        rows.append((pose.squared_distance(m, b) - pose.weight * length**2) / 2)
+    return AlgebraicSystem(1.0, (), ca.vertcat(e, g), k, ca.vertcat(*rows), tuple(range(8)))
+
+
+@lru_cache(maxsize=1)
+def universal_start() -> Fibre:
+    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
+    data = np.load(DATA)
+    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+
+
+def compute_universal_start(seed: int = 0) -> Fibre:
+    """Monodromy in lengths and geometry until the bound of 40 is reached."""
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
+        def noise(n: int) -> np.ndarray:
+            return np.asarray((rng.normal(size=n) + 1j * rng.normal(size=n)) / np.sqrt(2))
+
+        e = noise(4)
+        t = np.concatenate([[0.0], noise(3)])
+        return np.concatenate([e, 0.5 * multiply(t, e)]), noise(42)
+
+    system = universal_system()
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
+    if found is None or found.z.shape[1] != BOUND:
+        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
+    return found
+
+
+def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
+    """Roots z (8, n) of a machine's complex instance `data` (6, 7), which holds L, b, m of each distance; how many of
+    the 40 paths ran to e = 0, and how many are unresolved."""
+    start, system = universal_start(), universal_system()
+    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
+    tracked = track(system, start.z, start.k, data.ravel(), settings)
+    rotation = np.linalg.norm(tracked.z[:4], axis=0)
+    arrived = tracked.arrived & (rotation > 1e-6)
+    infinite = ~arrived & (rotation < 0.05) & (tracked.s > 0.99)
+    return tracked.z[:, arrived], int(infinite.sum()), int(np.sum(~arrived & ~infinite))

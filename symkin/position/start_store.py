@@ -1,0 +1,261 @@
+"""Generic roots of a mechanism's problems: computed once, then read from the shipped data or the user's cache.
+
+A start belongs to a closure: its key is a hash of the closure's instructions and constants. The shipped mechanisms'
+starts lie in `symkin/position/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import build_algebraic_closure
+from symkin.position.algebraic import AlgebraicSystem, algebraic_point, known_values
+from symkin.position.given import Given
+from symkin.position.levenberg import Progress
+from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.monodromy import (
+    Fibre,
+    Points,
+    fibre,
+    full_linearisation,
+    random_point,
+)
+from symkin.position.multistart import batched
+from symkin.position.problem import Problem
+from symkin.position.rank import Rank
+from symkin.position.roots import merge
+from symkin.position.six_distances import machine_start
+from symkin.position.system import System
+from symkin.position.tracker import TrackSettings, newton, track
+
+SHIPPED = Path(__file__).resolve().parent / "starts"
+_VERSION = 1
+_INSTANCES = 5
+_CHECK_STARTS = 600
+_RUNS = 4
+"""Second searches at most; the first that agrees settles the generic count."""
+
+
+def start_of(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
+) -> tuple[Fibre | None, str]:
+    """The generic roots of a block, or None and the reason."""
+    key = closure_key(system)
+    kept = _read(key, system)
+    if kept is None:
+        kept = compute_start(problem, system, block, progress)
+        _write(cache_folder(), key, *kept)
+    return kept
+
+
+def compute_start(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
+) -> tuple[Fibre | None, str]:
+    """Generic roots from the universal start of six distances where the closure is that, else by monodromy."""
+    algebraic = build_algebraic_closure(problem.mechanism, "study")
+    if problem.kind == "direct" and system.projective and algebraic.distances is not None and algebraic.rows.shape[0] == 6:
+        for seed in range(3):
+            found = _from_six_distances(problem, system, algebraic.joints, algebraic.distances, seed)
+            if found is not None:
+                return found, ""
+    return _by_monodromy(problem, system, block, progress)
+
+
+def _from_six_distances(problem: Problem, system: AlgebraicSystem, joints: ca.SX, distances: ca.SX, seed: int) -> Fibre | None:
+    """Track the 40 universal roots to this mechanism at random complex joint values."""
+    from symkin.position.algebraic import vectorise
+
+    rng = np.random.default_rng(seed)
+    _, k = random_point(problem, system, rng, near=True)
+    scale = np.array([1.0 if c.is_angular else system.size for c in problem.known_coordinates])
+    data = np.zeros((1, int(distances.shape[0]), 1), dtype=complex)
+    vectorise(ca.Function("distances", [joints], [ca.densify(distances)]))((k * scale)[:, None], data)
+    z, _, unresolved = machine_start(data[0, :, 0].reshape(6, 7) / system.size)
+    if unresolved:
+        return None
+    ends, last = newton(system, z, k)
+    if z.shape[1] == 0 or np.max(last) > 1e-9:
+        return None
+    return Fibre(ends, k, np.zeros(z.shape[1], dtype=int), float("inf"), 0, seed)
+
+
+def _by_monodromy(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
+) -> tuple[Fibre | None, str]:
+    rank = system.count - (analyse_mobility(problem.mechanism).redundant if problem.kind == "direct" else 0)
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
+        return random_point(problem, system, rng, near=near)
+
+    if not _is_determined(system, points):
+        return None, "the given values must satisfy conditions of their own"
+    bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
+    first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, progress=progress)
+    if first is None:
+        return None, "no generic complex solution was found"
+    if bound is not None:
+        return first, ""
+    for seed in range(1, 1 + _RUNS):
+        grown = _agree(system, points, rank, first, seed)
+        fresh = missing_roots(problem, system, block, grown or first, seed)
+        if grown is None and fresh.shape[1] == 0:
+            return first, ""
+        best = grown or first
+        known = (np.concatenate([best.z, fresh], axis=1), best.k)
+        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known) or best
+    return None, "independent searches for the generic count disagree"
+
+
+def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int) -> np.ndarray:
+    """Roots (width, n) at the start's base that real instances show to be missing there.
+
+    At random closed configurations the roots must come in conjugate pairs, and must hold every real root that random
+    starts find; what is missing is tracked back to the base.
+    """
+    missing = np.zeros((system.width, 0), dtype=complex)
+    settings = TrackSettings(tolerance=1e-5)
+    for values in closed_configurations(problem.closure, seed)[:_INSTANCES]:
+        known = problem.take(values, problem.known_coordinates)
+        k = known_values(problem, known)
+        tracked = track(system, start.z, start.k, k, settings)
+        if not tracked.arrived.any():
+            continue
+        ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
+        wanted = np.concatenate([np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1)
+        distance = np.max(np.abs(system.features(wanted)[:, None] - system.features(ends)[None]), axis=2).min(axis=1)
+        back = track(system, wanted[:, distance > 1e-6], k.astype(complex), start.k, settings)
+        missing = np.concatenate([missing, back.z[:, back.arrived]], axis=1)
+    if missing.shape[1] == 0:
+        return missing
+    everything = np.concatenate([start.z, missing], axis=1)
+    f = system.features(everything)
+    first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
+    return np.asarray(everything[:, first[first >= start.z.shape[1]]])
+
+
+def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known: np.ndarray, seed: int) -> np.ndarray:
+    """Regular real roots of an instance that random starts reach, as points of the algebraic system."""
+    given = Given(problem.kind, known, {})
+    found = batched(problem, block, given, _CHECK_STARTS, np.random.default_rng(seed))
+    columns = []
+    for z in found.points:
+        if block.condition(z, known) < 1e7:
+            columns.append(
+                algebraic_point(system, {c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)})
+            )
+    return np.array(columns).T.reshape(system.width, len(columns))
+
+
+def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
+    """Whether the rows can be met for known values near given ones: they are no more than the unknowns, or depend on
+    each other where they are met."""
+    rng = np.random.default_rng(11)
+    redundant = system.count - (system.width - (1 if system.projective else 0))
+    if redundant <= 0 or system.projective:
+        return True
+    _, jz, jk = full_linearisation(system, *points(rng, True))
+    return Rank.of(jz).value == Rank.of(np.hstack([jz, jk])).value
+
+
+def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int) -> Fibre | None:
+    """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
+    union, grown by more loops."""
+    second = fibre(system, points, np.random.default_rng(seed), seed, rank, bound=first.z.shape[1])
+    if second is None:
+        return None
+    tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
+    known = system.features(first.z)
+    ends = tracked.z[:, tracked.arrived]
+    distance = np.max(np.abs(system.features(ends)[:, None] - known[None]), axis=2).min(axis=1)
+    fresh = ends[:, distance > 1e-6]
+    if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
+        return None
+    start = np.concatenate([first.z, fresh], axis=1)
+    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, known=(start, first.k))
+
+
+# --- files -------------------------------------------------------------------------------------------------------
+
+
+def closure_key(system: AlgebraicSystem) -> str:
+    """Hash of the block's rows: instructions, places and constants."""
+    function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
+    digest = hashlib.sha256(f"{_VERSION} {system.projective} {[c.kind for c in system.unknowns]}".encode())
+    for i in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
+        constant = f"{function.instruction_constant(i):.12g}" if op == ca.OP_CONST else ""
+        digest.update(f"{op} {inputs} {outputs} {constant};".encode())
+    return digest.hexdigest()[:32]
+
+
+def cache_folder() -> Path:
+    """Where starts of the user's own mechanisms are kept."""
+    named = os.environ.get("SYMKIN_CACHE")
+    if named:
+        return Path(named)
+    from platformdirs import user_cache_path
+
+    return Path(user_cache_path("symkin"))
+
+
+def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
+    """A kept start whose roots still satisfy the rows, or the reason why there is none; anything else is ignored."""
+    for folder in (SHIPPED, cache_folder()):
+        try:
+            with np.load(folder / f"{key}.npz") as data:
+                if str(data["reason"]):
+                    return None, str(data["reason"])
+                kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]))
+            f, _ = system.linearise(kept.z, np.repeat(kept.k[:, None], kept.z.shape[1], axis=1))
+        except (OSError, ValueError, KeyError, IndexError, EOFError):
+            continue
+        if np.max(np.abs(f)) < 1e-8:
+            return kept, ""
+    return None
+
+
+def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
+    """Write at once or not at all; a folder that cannot be written only costs time."""
+    content: dict[str, np.ndarray | float | str] = {"reason": reason}
+    if start is not None:
+        content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=folder, suffix=".part")
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, **content)  # type: ignore[arg-type]
+        os.replace(name, folder / f"{key}.npz")
+    except OSError:
+        return
+
+
+def write_shipped() -> None:
+    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.position.start_store`."""
+    from symkin.model.file import load, shipped_names
+    from symkin.position.algebraic import algebraic_systems
+    from symkin.position.problem import build_problem
+
+    for name in shipped_names():
+        for kind in ("direct", "inverse"):
+            problem = build_problem(load(name), kind)
+            if problem.is_explicit:
+                continue
+            for system, block in zip(algebraic_systems(problem), problem.blocks, strict=True):
+                start, reason = compute_start(problem, system, block)
+                _write(SHIPPED, closure_key(system), start, reason)
+                print(
+                    name,
+                    kind,
+                    ", ".join(c.name for c in block.unknowns),
+                    reason or f"{start.z.shape[1]} roots" if start else reason,
+                )
+
+
+if __name__ == "__main__":
+    write_shipped()
