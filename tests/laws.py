@@ -204,7 +204,9 @@ def solution_coordinates(solution: Any) -> Sequence[Any]:
 # --- groups and derivatives ----------------------------------------------------------------------------------------
 
 
-def is_group(product: Callable[[Any, Any], Any], inverse: Callable[[Any], Any], one: Any, elements: Sequence[Any], same: Any) -> None:
+def is_group(
+    product: Callable[[Any, Any], Any], inverse: Callable[[Any], Any], one: Any, elements: Sequence[Any], same: Any
+) -> None:
     """Associativity, identity and inverses on three elements."""
     a, b, c = elements
     assert same(product(product(a, b), c), product(a, product(b, c)))

@@ -203,3 +203,16 @@ def pieper() -> Mechanism:
     spec = [((0, 0, 0), Z), ((0, 0, 80), y), ((0, 0, 180), y), ((90, 0, 180), Z), ((90, 0, 180), y), ((90, 0, 180), Z)]
     joints = [Joint(f"q{k}", "R", p, a, actuated=True) for k, (p, a) in enumerate(spec, start=1)]
     return Mechanism("pieper", [Limb("pieper", joints)], serial=True, platform_position=(90.0, 0.0, 220.0))
+
+
+def parallel_rrr(motion: str = "spatial") -> Mechanism:
+    """Planar 3-RRR whose second links (40) are parallel and whose elbows make a triangle equal to the platform's
+    (circle of 50): with the first links held, the platform moves on a circle."""
+    limbs = []
+    for k in range(3):
+        angle = 2 * math.pi * k / 3 + 0.3
+        direction = np.array([math.cos(angle), math.sin(angle)])
+        base, elbow, end = 100 * direction, 50 * direction, 50 * direction + [40.0, 0.0]
+        first = Joint(f"q{k + 1}", "R", (base[0], base[1], 0.0), Z, actuated=True)
+        limbs.append(Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)]))
+    return Mechanism("parallel_rrr", limbs, platform_position=(40.0, 0.0, 0.0), motion=motion)  # type: ignore[arg-type]

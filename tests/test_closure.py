@@ -6,7 +6,6 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
 from samples import (
     BENNETT,
     delta,
@@ -19,6 +18,7 @@ from samples import (
 )
 
 import symkin
+from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
 from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse
@@ -180,6 +180,20 @@ def test_the_cut_leaves_what_its_joint_constrains(kinds, rng):
     assert [source.limb for source in closure.row_sources] == ["limb0"] * CUTS[kinds][1]
 
 
+@pytest.mark.parametrize("kinds", CUTS)
+@given(rng=seeds)
+@settings(max_examples=4)
+def test_each_row_takes_a_freedom_of_the_platform(kinds, rng):
+    """At a closed configuration of one limb, its joints held but the cut one, the rows' differential in the pose has full
+    rank: 6 less the cut joint's freedom."""
+    mechanism = random_mechanism(rng, [kinds])
+    problem = build_problem(mechanism, "direct")
+    values = variables(problem.closure, forward_configuration(rng, mechanism))
+    z, known = problem.take(values, problem.system.unknowns), problem.take(values, problem.known_coordinates)
+    _, jacobian = problem.system.linearise_one(z, known)
+    assert np.linalg.matrix_rank(jacobian[:, -6:], tol=1e-6) == CUTS[kinds][1]
+
+
 @settings(max_examples=10)
 @given(seeds)
 def test_rows_of_limbs_add(rng):
@@ -300,7 +314,9 @@ def test_parameters_are_the_geometry(name):
     assert np.all(np.isfinite(closure.parameter_values))
     values = random_values(closure.coordinates, closure.size, np.random.default_rng(1))
     free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
-    assert np.allclose(np.ravel(free(values, closure.parameter_values)) / closure.size, evaluated(closure, values)[0], atol=1e-12)
+    assert np.allclose(
+        np.array(free(values, closure.parameter_values)).ravel() / closure.size, evaluated(closure, values)[0], atol=1e-12
+    )
 
 
 @given(seeds)
@@ -319,7 +335,7 @@ def test_a_parameter_is_the_number_in_the_file(rng):
     values = random_values(closure.coordinates, closure.size, rng)
     free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
     assert np.allclose(
-        np.ravel(free(values, moved)), evaluated(other, values)[0] * other.size * other.size / closure.size, atol=1e-9
+        np.array(free(values, moved)).ravel(), evaluated(other, values)[0] * other.size * other.size / closure.size, atol=1e-9
     )
 
 

@@ -6,10 +6,10 @@ from functools import reduce
 import numpy as np
 import pytest
 from hypothesis import given
-from laws import axis_turn, frame
 from samples import seeds
 
 import symkin
+from laws import axis_turn, frame
 from symkin import DHRow, DHTable, Joint, Limb, Mechanism, MechanismError, serial_arm_from_dh
 
 X, Z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
@@ -92,7 +92,14 @@ def test_standard_is_modified_shifted_by_one_link(rng):
 @given(seeds)
 def test_gluon_is_its_table(rng):
     """The shipped arm at random angles (degrees) is the product of its printed rows, R for every joint."""
-    rows = [(0, 105.03, 0, 90), (-90, 0, -174.42, 0), (0, 0, -174.42, 0), (-90, 75.66, 0, 90), (0, 80.09, 0, -90), (0, 44.36, 0, 0)]
+    rows = [
+        (0, 105.03, 0, 90),
+        (-90, 0, -174.42, 0),
+        (0, 0, -174.42, 0),
+        (-90, 75.66, 0, 90),
+        (0, 80.09, 0, -90),
+        (0, 44.36, 0, 0),
+    ]
     q = rng.uniform(-180, 180, 6)
     matrices = [
         screw_motion(Z, math.radians(theta + v), d) @ screw_motion(X, math.radians(alpha), a)
