@@ -70,8 +70,8 @@ def problem_of(name: str) -> tuple[symkin.Mechanism, dict]:
 
 def attempt(name: str, solver: str, starts: int) -> Trial:
     mechanism, given = problem_of(name)
-    symkin.modes(mechanism, **given, starts=2, seed=SEED, solver=solver)
-    found = symkin.modes(mechanism, **given, starts=starts, seed=SEED, solver=solver)
+    symkin.modes(mechanism, **given, starts=2, seed=SEED, solver=solver, method="multistart")
+    found = symkin.modes(mechanism, **given, starts=starts, seed=SEED, solver=solver, method="multistart")
     return Trial(tuple(mode.hits for mode in found), starts, found.elapsed_s)
 
 

@@ -64,7 +64,7 @@ def test_solve_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: s
 
 def test_table_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
     """The table counts modes and states completeness, starts and seed."""
-    _, out, _ = run(capsys, "modes", "zhao2000", "--seed", "7", "--starts", "300")
+    _, out, _ = run(capsys, "modes", "zhao2000", "--method", "multistart", "--seed", "7", "--starts", "300")
     assert "4 modes" in out
     assert "sampled" in out
     assert "seed 7" in out

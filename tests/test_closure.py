@@ -6,6 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
+
+import symkin
+from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
 from samples import (
     BENNETT,
     delta,
@@ -16,9 +19,6 @@ from samples import (
     seeds,
     three_rrr,
 )
-
-import symkin
-from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
 from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse

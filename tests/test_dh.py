@@ -6,10 +6,10 @@ from functools import reduce
 import numpy as np
 import pytest
 from hypothesis import given
-from samples import seeds
 
 import symkin
 from laws import axis_turn, frame
+from samples import seeds
 from symkin import DHRow, DHTable, Joint, Limb, Mechanism, MechanismError, serial_arm_from_dh
 
 X, Z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])

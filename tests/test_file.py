@@ -9,9 +9,9 @@ import pytest
 import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from samples import BENNETT, delta, pieper
 
 import symkin
+from samples import BENNETT, delta, pieper
 from symkin import (
     DHRow,
     DHTable,

@@ -6,8 +6,8 @@ from dataclasses import FrozenInstanceError
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from samples import random_joint, seeds
 
+from samples import random_joint, seeds
 from symkin import Joint, MechanismError
 from symkin.model.joint import FREEDOMS, JOINT_TYPES
 

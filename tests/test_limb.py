@@ -4,8 +4,8 @@ import math
 
 import pytest
 from hypothesis import given
-from samples import point, random_joint, seeds
 
+from samples import point, random_joint, seeds
 from symkin import Joint, Limb, MechanismError, Rod, RodLimb
 
 

@@ -7,10 +7,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 from hypothesis import given
-from samples import delta, pieper, point, random_mechanism, seeds, unit
 
 import symkin
 from laws import act, frame
+from samples import delta, pieper, point, random_mechanism, seeds, unit
 from symkin import DHTable, Joint, Limb, Mechanism, MechanismError, RodLimb
 
 LIMBS = ["rRS", "SPS", "pU", "hC", "SPS"]

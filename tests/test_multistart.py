@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+import symkin
+from laws import all_distinct, ball_turn, closes, frame, matched, same_angle, same_modes, same_pose, solution_coordinates
 from samples import (
     BENNETT,
     DELTA,
@@ -27,9 +30,6 @@ from samples import (
     seeds,
     three_rrr,
 )
-
-import symkin
-from laws import all_distinct, ball_turn, closes, frame, matched, same_angle, same_modes, same_pose, solution_coordinates
 from symkin import InputError, Joint, Limb, Mechanism, Pose
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse

@@ -4,9 +4,9 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given
-from samples import point, seeds, unit
 
 from laws import axis_turn, frame, is_group, same_pose
+from samples import point, seeds, unit
 from symkin import Pose
 
 

@@ -7,9 +7,9 @@ import casadi as ca
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from samples import point, seeds, unit
 
 from laws import act, axis_turn, displacement, frame, same_pose
+from samples import point, seeds, unit
 from symkin import Pose
 from symkin.spatial import screw as sc
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.joint import Joint
+from symkin.model.joint import Joint, interval
 from symkin.model.limb import Limb, Rod, RodLimb
-from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
+from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh, unit_quaternion
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
@@ -46,8 +46,8 @@ def read(path: Path) -> Mechanism:
         raise InputError(f"{path}: there is no such file") from None
     except UnicodeDecodeError:
         raise MechanismError(f"{path}: the file is not UTF-8 text") from None
-    except OSError as error:
-        raise InputError(f"{path}: the file cannot be read ({error.strerror})") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})") from None
     return parse(text, str(path))
 
 
@@ -55,8 +55,8 @@ def parse(text: str, file: str = "mechanism") -> Mechanism:
     """The mechanism that a TOML text describes; `file` names it in messages."""
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise MechanismError(f"{file}: not TOML: {error}") from None
+    except (ValueError, RecursionError) as error:
+        raise MechanismError(f"{file}: not TOML: {' '.join(str(error).split())}") from None
     if not data:
         raise MechanismError(f"{file}: the file is empty; format = 1, name, units and at least one limb are needed")
     try:
@@ -122,8 +122,14 @@ class _Builder:
     def limb(self, table: Any) -> Limb | RodLimb:
         if hasattr(table, "base"):
             return RodLimb(table.name, table.base, table.platform, table.offset, table.limits, table.type)
-        rods = [Rod(rod.from_, rod.platform, rod.length) for rod in table.rod]
+        rods = [self.rod(table.name, k, rod) for k, rod in enumerate(table.rod)]
         return Limb(table.name, [self.joint(joint) for joint in table.joint], rods)
+
+    def rod(self, limb: str, k: int, table: Any) -> Rod:
+        try:
+            return Rod(table.from_, table.platform, table.length)
+        except MechanismError as error:
+            raise MechanismError(f"limb {limb!r}, rod[{k}]: {error}") from None
 
     def joint(self, table: Any, *, serial: bool = False) -> Joint:
         if table.point is None and table.type != "P":
@@ -140,16 +146,16 @@ class _Builder:
             table.pitch,
             serial or bool(table.actuated),
             self.angle(table.zero) if angular else table.zero,
-            self.range(table.limits, angular=angular),
+            self.range(table.limits, f"joint {table.name!r}", angular=angular),
         )
 
     def dh_row(self, table: Any, k: int) -> DHRow:
-        limits = self.range(table.limits, angular=table.type == "R")
-        return DHRow(
-            table.name or f"q{k}", table.type, self.angle(table.theta), table.d, table.a, self.angle(table.alpha), limits
-        )
+        name = table.name or f"q{k}"
+        limits = self.range(table.limits, f"dh row {name!r}", angular=table.type == "R")
+        return DHRow(name, table.type, self.angle(table.theta), table.d, table.a, self.angle(table.alpha), limits)
 
-    def range(self, limits: list[float] | None, *, angular: bool) -> list[float] | None:
+    def range(self, limits: list[float] | None, where: str, *, angular: bool) -> list[float] | None:
+        interval(limits, f"{where}: limits")
         return [self.angle(v) for v in limits] if limits and angular else limits
 
 
@@ -175,14 +181,33 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
 
 
 def _check_example(mechanism: Mechanism) -> None:
-    """The example must be input that `solve` would take."""
+    """The example must be input that `solve` takes."""
     example = mechanism.example
-    if example is None or example.joints is None:
+    if example is None:
         return
-    if len(example.joints) != len(mechanism.actuated):
-        raise MechanismError(
-            f"example.joints: {len(example.joints)} values given, the mechanism has {len(mechanism.actuated)} actuated joints"
-        )
+    starts_with_pose = example.joints is not None
+    if example.joints is not None:
+        _check_joints("example.joints", mechanism, example.joints)
+    if example.pose is not None:
+        unit_quaternion(example.pose[3:], "example.pose: the quaternion")
+    if example.start is None:
+        return
+    if not starts_with_pose:
+        _check_joints("example.start", mechanism, example.start)
+        return
+    if len(example.start) != 7:
+        raise MechanismError(f"example.start: {len(example.start)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
+    unit_quaternion(example.start[3:], "example.start: the quaternion")
+
+
+def _check_joints(where: str, mechanism: Mechanism, values: Sequence[float]) -> None:
+    if len(values) != len(mechanism.actuated):
+        raise MechanismError(f"{where}: {len(values)} values given, the mechanism has {len(mechanism.actuated)} actuated joints")
+    for c, value in zip(mechanism.actuated, values, strict=True):
+        if c.least is not None and value < c.least:
+            raise MechanismError(
+                f"{where}: {c.name} = {value:g} makes a rod of negative length; allowed: {c.least + 0.0:g} and above"
+            )
 
 
 def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict[str, Any]) -> Any:

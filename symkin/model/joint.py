@@ -154,7 +154,10 @@ def unit3(value: Sequence[float], where: str) -> tuple[float, float, float]:
 def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] | None:
     if value is None:
         return None
-    bounds = tuple(finite(bound, where) for bound in value)
+    try:
+        bounds = tuple(finite(bound, where) for bound in value)
+    except TypeError:
+        raise MechanismError(f"{where} = {value!r} is no range; two numbers [low, high] with low < high are needed") from None
     if len(bounds) != 2 or not bounds[0] < bounds[1]:
         raise MechanismError(f"{where} = {list(bounds)} is no range; two numbers [low, high] with low < high are needed")
     return (bounds[0], bounds[1])

@@ -55,9 +55,10 @@ class Mechanism:
     example: Example | None = None
 
     def __post_init__(self) -> None:
+        frame = "tool" if self.serial else "platform"
         object.__setattr__(self, "limbs", tuple(self.limbs))
-        object.__setattr__(self, "platform_position", vector3(self.platform_position, "platform.position"))
-        object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, "platform.quaternion"))
+        object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{frame}.position"))
+        object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{frame}.quaternion"))
         _check_names(self)
         _check_choice("motion", self.motion, MOTIONS)
         _check_choice("length_unit", self.length_unit, LENGTH_UNITS)
@@ -172,6 +173,14 @@ def _check_names(mechanism: Mechanism) -> None:
     limb_names = [limb.name for limb in mechanism.limbs]
     coordinate_names = [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
     coordinate_names += [joint.name for _, joint in mechanism.joints]
+    made = [c.name for _, joint in mechanism.joints for c in joint.coordinates]
+    made += [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    for name in made:
+        if name.startswith("pose."):
+            raise MechanismError(f"joint {name!r}: names that begin with 'pose.' are the platform's own")
+    for name in made:
+        if made.count(name) > 1 and coordinate_names.count(name) < 2:
+            raise MechanismError(f"the coordinate {name!r} belongs to two joints; C and U joints make names such as 'u.1'")
     for what, names in (("limbs", limb_names), ("joints or rod limbs", coordinate_names)):
         for name in names:
             if not name:

@@ -36,6 +36,13 @@ Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Name = Annotated[str, Field(min_length=1)]
 
 
+def _whole(value: Any) -> Any:
+    """A whole number as such: neither 1.0 nor true."""
+    if type(value) is not int:
+        raise PydanticCustomError("format", "the whole number 1 is needed")
+    return value
+
+
 class Table(BaseModel):
     """A TOML table without unknown keys."""
 
@@ -107,7 +114,7 @@ class ExampleTable(Table):
 
 
 class MechanismTable(Table):
-    format: Literal[1]
+    format: Annotated[Literal[1], BeforeValidator(_whole)]
     name: Name
     title: str = ""
     source: str = ""

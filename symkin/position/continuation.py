@@ -25,12 +25,15 @@ from symkin.position.levenberg import Progress
 from symkin.position.monodromy import Fibre
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import ACCEPTED, Roots, features, merge
+from symkin.position.roots import ACCEPTED, Roots, is_of_continuum, merge, unite
 from symkin.position.start_store import start_of
 from symkin.position.system import System
 from symkin.position.tracker import TrackSettings, newton, track
 
 _AT_INFINITY = 1e-7
+_FADING = 5e-3
+_GROWN_ANGLE = 4.0
+_GROWN_LENGTH = 50.0
 _REAL = 1e-5
 """Largest imaginary part of a root that is tried as a real one; the closure decides."""
 _RETRIES = 3
@@ -145,10 +148,11 @@ def _without_collisions(system: AlgebraicSystem, z: np.ndarray, arrived: np.ndar
 
 
 def _classify(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, done: np.ndarray, target: np.ndarray) -> Ends:
-    near = ~done & (s > 1 - 1e-3) & np.isfinite(z).all(axis=0)
+    failed = ~done & np.isfinite(z).all(axis=0)
+    leaving = failed & _leaves(system, z, s)
+    near = failed & ~leaving & (s > 1 - 1e-3)
     ends, last = newton(system, z[:, near], target, 60) if near.any() else (z[:, near], np.zeros(0))
-    infinite_near = rotation_share(system, z[:, near]) < 1e-2
-    singular = (last < 1e-6) & ~infinite_near
+    singular = last < 1e-6
     finite, _ = newton(system, z[:, done], target)
     at_infinity = rotation_share(system, finite) < _AT_INFINITY
     everything = np.concatenate([finite[:, ~at_infinity], ends[:, singular]], axis=1)
@@ -156,13 +160,19 @@ def _classify(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, done: np.nd
     if everything.shape[1]:
         f = system.features(everything)
         first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
-    gone = int(at_infinity.sum() + np.sum(infinite_near & ~singular))
-    return Ends(
-        everything[:, first],
-        gone,
-        int(singular.sum()),
-        len(done) - int(done.sum()) - int(singular.sum()) - int(np.sum(infinite_near)),
-    )
+    unresolved = int(np.sum(~done)) - int(leaving.sum()) - int(singular.sum())
+    return Ends(everything[:, first], int(at_infinity.sum() + leaving.sum()), int(singular.sum()), unresolved)
+
+
+def _leaves(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """Paths that stalled on their way to infinity: a rotation part that fades beside the dual one, or, without
+    projective coordinates, angles or lengths that have grown beyond all others close to the end."""
+    if system.projective:
+        return (s > 0.9) & (rotation_share(system, z) < _FADING)
+    angles = [i for i, c in enumerate(system.unknowns) if c.is_angular]
+    lengths = [i for i, c in enumerate(system.unknowns) if not c.is_angular]
+    grown = np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _GROWN_ANGLE
+    return (s > 1 - 1e-4) & (grown | (np.max(np.abs(z[lengths]), axis=0, initial=0.0) > _GROWN_LENGTH))
 
 
 # --- from complex to real ----------------------------------------------------------------------------------------
@@ -175,6 +185,7 @@ def _real_roots(
     singular, random starts look for what they missed and for sets that are not isolated."""
     candidates = np.flatnonzero(imaginary_part(algebraic, ends.z) < _REAL)
     points: list[np.ndarray] = []
+    members: list[np.ndarray] = []
     smallest = np.inf
     for i in candidates:
         named = real_values(algebraic, ends.z[:, i])
@@ -182,16 +193,16 @@ def _real_roots(
         left = block.residual(block.fold(z[None])[0], given.values)
         smallest = min(smallest, left)
         if left <= ACCEPTED * block.size:
-            points.append(block.fold(z[None])[0])
+            (members if is_of_continuum(block, z, given.values) else points).append(block.fold(z[None])[0])
     found = np.array(points).reshape(len(points), block.width)
-    continuum = None
+    continuum = np.array(members) if members else None
     if ends.unresolved or ends.singular or not points:
         sampled = batched(problem, block, given, starts, rng)
-        found, continuum = np.concatenate([found, sampled.points]), sampled.continuum
+        found = np.concatenate([found, sampled.points])
+        continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
-    if len(found):
-        first, _ = merge(features(block, found), 1e-6 * block.size)
-        found = found[first]
+    first, _ = unite(block, found, given.values, continuum_met=continuum is not None)
+    found = found[first]
     return Roots(
         block,
         found,

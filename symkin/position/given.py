@@ -124,8 +124,12 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
 
 
 def _numbers(values: Sequence[float], what: str) -> list[float]:
+    try:
+        listed = list(values)
+    except TypeError:
+        raise InputError(f"{what} = {values!r} is no list of numbers") from None
     numbers = []
-    for k, value in enumerate(values, start=1):
+    for k, value in enumerate(listed, start=1):
         try:
             number = float(value)
         except (TypeError, ValueError):

@@ -77,6 +77,7 @@ def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Rec
     recorder = _Recorder(system.width, len(norms), int(system.known.shape[0]))
     options = {
         "print_time": False,
+        "show_eval_warnings": False,
         "iteration_callback": recorder,
         "ipopt": {"print_level": 0, "sb": "yes", "tol": settings.tolerance, "max_iter": settings.max_iterations},
     }

@@ -75,6 +75,7 @@ def levenberg_marquardt(
 def _damped_steps(values: np.ndarray, jacobians: np.ndarray, damping: np.ndarray, freedom: int) -> np.ndarray:
     transposed = jacobians.transpose(0, 2, 1)
     normal = transposed @ jacobians
-    normal[:, range(freedom), range(freedom)] += (damping**2)[:, None] + 1e-30
+    diagonal = normal[:, range(freedom), range(freedom)]
+    normal[:, range(freedom), range(freedom)] += (damping**2 + 1e-13 * np.max(diagonal, axis=1, initial=0.0) + 1e-30)[:, None]
     steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
     return np.asarray(steps[:, :, 0])

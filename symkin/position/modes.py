@@ -44,6 +44,14 @@ def modes(
     (Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. A part that has
     no start system is sampled, and a note says why. Raises InputError for values that do not fit.
     """
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _modes(mechanism, joints, pose, method, starts, seed, solver, progress)
+
+
+def _modes(
+    mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None, method: str | None,
+    starts: int, seed: int, solver: str | Newton | LeastSquares, progress: Progress | None,
+) -> Modes:  # fmt: skip
     chosen = method or ("continuation" if solver == "batched" else "multistart")
     _check_options(chosen, starts, seed)
     begin = time.perf_counter()
@@ -109,6 +117,11 @@ def _known_without_search(problem: Problem, given: Given, method: str, seed: int
     off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
     if off > ACCEPTED * problem.closure.size:
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
+    if not problem.blocks:
+        solution = make_solution(problem, problem.assemble(np.zeros(0), given.values), notes=given.notes)
+        return Modes(
+            problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
+        )
     return None
 
 

@@ -11,9 +11,10 @@ from symkin.position.system import System
 ACCEPTED = 1e-9
 """A configuration is a solution when no closure error exceeds this times the size."""
 MOST_MODES = 20_000
-_SINGULAR = 1e8
+_SINGULAR = 1e6
 """Condition above which a root is examined for being one of a continuum."""
 _CONTINUUM_SAMPLE = 5
+_LOST = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,7 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
         smallest = min(smallest, left)
         if left > ACCEPTED * system.size:
             continue
-        if system.condition(z, known) > _SINGULAR and moves_freely(system, z, known):
+        if is_of_continuum(system, z, known):
             continuum.append(z)
             if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) > len(roots):
                 break
@@ -102,21 +103,54 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
             roots.append(z)
             counts.append(count)
     points = np.array(roots).reshape(len(roots), system.width)
-    first, labels = merge(features(system, points), 1e-6 * system.size) if roots else (np.zeros(0, int), np.zeros(0, int))
-    totals = np.bincount(labels, weights=counts, minlength=len(first)).astype(int)
+    first, labels = unite(system, points, known, continuum_met=bool(continuum))
+    weights, labels = np.array(counts)[labels >= 0], labels[labels >= 0]
+    totals = np.bincount(labels, weights=weights, minlength=len(first)).astype(int)
     members = np.array(continuum) if continuum else None
     return Roots(system, points[first], totals, smallest, starts, members)
 
 
+def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_met: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Representatives and labels of polished roots: regular ones are one within 1e-6 of the size, singular ones, whose
+    digits are few, within 1e-3. Where a continuum was met, singular roots are counted with it (label -1)."""
+    if not len(points):
+        return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
+    f = features(system, points)
+    singular = np.array([system.condition(z, known) > _SINGULAR for z in points])
+    first, labels = merge(f[~singular], 1e-6 * system.size)
+    everything = np.full(len(points), -1)
+    everything[~singular] = labels
+    chosen = np.flatnonzero(~singular)[first].tolist()
+    if not continuum_met:
+        more, more_labels = merge(f[singular], 1e-3 * system.size)
+        everything[singular] = more_labels + len(chosen)
+        chosen += np.flatnonzero(singular)[more].tolist()
+    return np.array(chosen, dtype=int), everything
+
+
+def is_of_continuum(system: System, z: np.ndarray, known: np.ndarray) -> bool:
+    """Whether a root is not isolated."""
+    return system.condition(z, known) > _SINGULAR and moves_freely(system, z, known)
+
+
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
-    """Whether the root z lies on a continuum: a step of 1e-3 of the size along the free direction of the Jacobian
-    closes again nearby without coming back (from an isolated double root it comes back)."""
+    """Whether the root z lies on a continuum: a step of 1e-3 of the size along a direction in which the Jacobian has
+    lost its rank closes again nearby without coming back (from an isolated multiple root it comes back)."""
     _, jacobian = system.linearise_one(z, known)
-    free = np.linalg.svd(jacobian)[2][-1]
-    length = 1e-3 * system.size
-    begin = system.move(z[None], length * free[None])[0]
-    end = system.polish(begin, known, steps=30)
+    _, singular, right = np.linalg.svd(jacobian)
+    lost = right[int(np.sum(singular > _LOST * max(singular[0], 1e-300))) :]
+    if len(lost) == 0:
+        lost = right[-1:]
+    mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
+    directions = np.vstack([lost, -lost, mixed / np.linalg.norm(mixed, axis=1, keepdims=True)])
+    return any(_closes_beside(system, z, direction, known) for direction in directions)
+
+
+def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: np.ndarray) -> bool:
+    here = features(system, z[None])
+    begin = system.move(z[None], 1e-3 * system.size * direction[None])
+    end = system.polish(begin[0], known, steps=30)
     if system.residual(end, known) > 1e-10 * system.size:
         return False
-    moved = np.max(np.abs(features(system, end[None]) - features(system, z[None])))
-    return bool(moved > 0.1 * np.max(np.abs(features(system, begin[None]) - features(system, z[None]))))
+    moved = np.max(np.abs(features(system, end[None]) - here))
+    return bool(moved > 0.1 * np.max(np.abs(features(system, begin) - here)))

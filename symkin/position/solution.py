@@ -28,6 +28,11 @@ REMEDIES: dict[str, str] = {
 }
 
 
+SINGULAR = 1e8
+"""Condition above which a solution is called singular."""
+_SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """One configuration that closes all loops, in radians and the mechanism's length unit.
@@ -92,7 +97,7 @@ class Solution:
             },
             "joints": self.joints,
             "residual": self.residual,
-            "condition": self.condition if math.isfinite(self.condition) else None,
+            "condition": _finite(self.condition),
             "certified": self.certified,
             "radius": self.radius,
             "within_limits": self.within_limits,
@@ -145,7 +150,7 @@ class SolveResult:
             "solution": None if self.solution is None else self.solution.to_json(),
             "status": self.status,
             "iterations": self.iterations,
-            "smallest_residual": self.smallest_residual,
+            "smallest_residual": _finite(self.smallest_residual),
             "method": self.method,
             "elapsed_s": self.elapsed_s,
             "notes": list(self.notes),
@@ -209,7 +214,7 @@ class Modes:
             "complex_count": self.complex_count,
             "completeness": self.completeness,
             "unresolved_paths": self.unresolved_paths,
-            "smallest_residual": self.smallest_residual,
+            "smallest_residual": _finite(self.smallest_residual),
             "method": self.method,
             "seed": self.seed,
             "elapsed_s": self.elapsed_s,
@@ -231,6 +236,7 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
     closure, system = problem.closure, problem.system
     unknown = problem.take(values, system.unknowns)
     known = problem.take(values, problem.known_coordinates)
+    condition = system.condition(unknown, known)
     named: dict[str, Any] = {}
     for c in closure.coordinates:
         part = values[closure.slices[c.name]]
@@ -240,10 +246,10 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
         named,
         pose_of(closure, values),
         system.residual(unknown, known),
-        system.condition(unknown, known),
+        condition,
         _within_limits(closure, values),
         hits,
-        notes=notes,
+        notes=notes if condition < SINGULAR else (*notes, _SINGULAR_NOTE),
     )
 
 
@@ -313,6 +319,11 @@ def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     from symkin.model.closure import build_closure
 
     return build_closure(mechanism).coordinates
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has no infinity: null stands for it."""
+    return value if value is not None and math.isfinite(value) else None
 
 
 def _heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:

@@ -61,11 +61,12 @@ def solve(
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
         raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
-    begin = start_values(problem, given, start)
-    if start is None:
-        result = _from_default(problem, given, chosen, off_singularity(problem, begin, given.values))
-    else:
-        result = solve_problem(problem, given, chosen, begin)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        begin = start_values(problem, given, start)
+        if start is None:
+            result = _from_default(problem, given, chosen, off_singularity(problem, begin, given.values))
+        else:
+            result = solve_problem(problem, given, chosen, begin)
     if check and result.solution is None:
         raise SolveError(result.message, result)
     return result

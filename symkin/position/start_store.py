@@ -7,9 +7,11 @@ starts lie in `symkin/position/starts`, others in the cache folder (SYMKIN_CACHE
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import tempfile
 from pathlib import Path
+from zipfile import BadZipFile
 
 import casadi as ca
 import numpy as np
@@ -208,12 +210,13 @@ def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
     """A kept start whose roots still satisfy the rows, or the reason why there is none; anything else is ignored."""
     for folder in (SHIPPED, cache_folder()):
         try:
-            with np.load(folder / f"{key}.npz") as data:
+            content = io.BytesIO((folder / f"{key}.npz").read_bytes())
+            with np.load(content) as data:
                 if str(data["reason"]):
                     return None, str(data["reason"])
                 kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]))
             f, _ = system.linearise(kept.z, np.repeat(kept.k[:, None], kept.z.shape[1], axis=1))
-        except (OSError, ValueError, KeyError, IndexError, EOFError):
+        except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
             continue
         if np.max(np.abs(f)) < 1e-8:
             return kept, ""

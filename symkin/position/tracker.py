@@ -50,7 +50,7 @@ def track(
         steps += 1
         step = np.minimum(h[active], 1.0 - s[active])
         predicted = _predict(system, z[:, active], s[active], step, begin, direction)
-        s_new = s[active] + step
+        s_new = np.where(h[active] >= 1.0 - s[active], 1.0, s[active] + step)
         k_new = begin[:, None] + s_new * direction[:, None]
         trial, first, last = _correct(system, predicted, k_new, settings.corrections)
         good = np.isfinite(first) & (first <= settings.tolerance) & (last <= 1e-9)

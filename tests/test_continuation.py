@@ -1,0 +1,281 @@
+"""Continuation: the algebraic closure, the tracker's roots, generic counts, and completeness that says no more than it
+knows."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import symkin
+from samples import delta, five_bar, hexapod, three_rrr
+from symkin import Joint, Limb, Mechanism, Pose, RodLimb
+from symkin.model.closure import build_algebraic_closure, build_closure, random_values
+from symkin.position import start_store
+from symkin.position.algebraic import (
+    algebraic_point,
+    algebraic_systems,
+    known_values,
+    real_values,
+    vectorise,
+)
+from symkin.position.continuation import instance
+from symkin.position.problem import build_problem
+from symkin.position.six_distances import BOUND, universal_start, universal_system
+
+DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())
+
+
+def dietmaier() -> Mechanism:
+    """The platform with 40 real modes: P. Dietmaier, The Stewart-Gough platform of general geometry can have 40 real
+    postures, Advances in Robot Kinematics 1998, 1-10."""
+    pairs = zip(DATA["base"], DATA["platform"], strict=True)
+    return Mechanism("dietmaier1998", [RodLimb(f"leg{i}", b, p) for i, (b, p) in enumerate(pairs, start=1)])
+
+
+def three_rps() -> Mechanism:
+    """Three limbs R P S on equilateral triangles; each R is tangential, each P leans inwards."""
+    limbs = []
+    for i, angle in enumerate(np.radians([0, 120, 240]), start=1):
+        c, s = math.cos(angle), math.sin(angle)
+        lean = np.array([-100 * c, -100 * s, 300.0])
+        length = float(np.linalg.norm(lean))
+        foot, ball = (200 * c, 200 * s, 0.0), (100 * c, 100 * s, 300.0)
+        joints = [Joint(f"r{i}", "R", foot, (-s, c, 0)), Joint(f"p{i}", "P", foot, lean / length, actuated=True, zero=length)]
+        limbs.append(Limb(f"limb{i}", [*joints, Joint(f"s{i}", "S", ball)]))
+    return Mechanism("three_rps", limbs, platform_position=(0, 0, 300))
+
+
+# --- the algebraic closure ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", ["study", "homogeneous"])
+@pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links", "yao2020"])
+def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
+    """With |e| = 1 and g = t e / 2 the weighted rows are the closure's own."""
+    mechanism = symkin.load(name)
+    closure, algebraic = build_closure(mechanism), build_algebraic_closure(mechanism, form)
+    rng = np.random.default_rng(1)
+    for _ in range(5):
+        values = random_values(closure.coordinates, closure.size, rng)
+        joints = np.concatenate([values[closure.slices[c.name]] for c in closure.role("actuated", "passive")])
+        t, e = values[closure.slices["pose.x"].start :][:3], values[closure.slices["pose.quaternion"]]
+        product = symkin.spatial.rotation.multiply(np.array([0.0, *t]), e)
+        pose = np.concatenate([e, 0.5 * product]) if form == "study" else np.concatenate([t, e])
+        rows = ca.Function("a", [algebraic.joints, algebraic.pose], [algebraic.rows])(joints, pose)
+        expected = ca.Function("c", [closure.variables], [closure.bound(closure.rows)])(values)
+        np.testing.assert_allclose(np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.size)
+
+
+@pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links"])
+def test_study_rows_are_homogeneous(name):
+    """A ray is a pose: scaling (e, g) by any complex number keeps roots roots (rows scale by its powers 1 or 2)."""
+    (system,) = algebraic_systems(build_problem(symkin.load(name), "direct"))
+    rng = np.random.default_rng(2)
+    z = rng.normal(size=(system.width, 1)) + 1j * rng.normal(size=(system.width, 1))
+    k = rng.normal(size=(int(system.k.shape[0]), 1)) + 0j
+    factor = 0.7 - 0.4j
+    scaled = z.copy()
+    scaled[list(system.projective)] *= factor
+    ratio = system.linearise(scaled, k)[0] / system.linearise(z, k)[0]
+    assert np.all(np.isclose(ratio, factor) | np.isclose(ratio, factor**2))
+
+
+def test_vectorised_code_is_the_function():
+    """The written NumPy code gives CasADi's values on real points, lane by lane, and is analytic on complex ones."""
+    x = ca.SX.sym("x", 2)
+    expression = ca.vertcat(ca.sin(x[0]) * x[1] ** 2 / (1 + x[0]), ca.sqrt(x[0] + 3) - 2 * ca.cos(x[1]))
+    code = vectorise(ca.Function("f", [x], [expression]))
+    points = np.random.default_rng(0).uniform(0.1, 1, (2, 7))
+    out = np.zeros((7, 2, 1), dtype=complex)
+    code(points + 0j, out)
+    expected = np.array([np.asarray(ca.Function("f", [x], [expression])(p)).ravel() for p in points.T])
+    np.testing.assert_allclose(out[:, :, 0], expected, rtol=1e-14)
+    step, shifted = 1e-20, np.zeros((7, 2, 1), dtype=complex)
+    code(points + step * np.array([[1j], [0]]), shifted)
+    slope = np.array([np.asarray(ca.Function("j", [x], [ca.jacobian(expression, x)])(p))[:, 0] for p in points.T])
+    np.testing.assert_allclose(shifted[:, :, 0].imag / step, slope, rtol=1e-12)
+
+
+def test_real_points_come_back():
+    """algebraic_point and real_values are inverse to each other."""
+    problem = build_problem(symkin.load("zhao2000_links"), "direct")
+    (system,) = algebraic_systems(problem)
+    mode = symkin.modes(problem.mechanism)[0]
+    values = {c.name: np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns}
+    back = real_values(system, algebraic_point(system, values))
+    for name, value in values.items():
+        assert np.allclose(back[name], value) or np.allclose(back[name], -value), name
+
+
+def test_the_universal_start_has_forty_distinct_roots():
+    """40 roots of six random complex distances, the bound of Ronga and Vust (1992), each to rounding."""
+    start, system = universal_start(), universal_system()
+    rows, _ = system.linearise(start.z, np.repeat(start.k[:, None], BOUND, axis=1))
+    assert np.max(np.abs(rows)) < 1e-12
+    f = system.features(start.z)
+    distance = np.max(np.abs(f[:, None] - f[None]), axis=2) + np.eye(BOUND)
+    assert distance.min() > 1e-4
+
+
+# --- counts -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "given", "complex_count", "real"),
+    [
+        (dietmaier(), {"joints": DATA["legs"]}, 40, 40),
+        (symkin.load("zhang2009"), {}, 28, 4),
+        (symkin.load("zhao2000"), {}, 4, 4),
+        (symkin.load("zhao2000_links"), {}, 32, 16),
+        (symkin.load("yao2020"), {}, 8, 4),
+        (symkin.load("gluon_6l3"), {"pose": symkin.modes(symkin.load("gluon_6l3"))[0].pose}, 8, 2),
+        (symkin.load("zhang2009"), {"pose": [10, 20, 300, 1, 0, 0, 0]}, 1, 1),
+        (symkin.load("zhao2000"), {"pose": [5, 5, 105, 1, 0, 0, 0]}, 8, 8),
+    ],
+    ids=["dietmaier", "zhang2009", "zhao2000", "zhao2000_links", "yao2020", "gluon_6l3", "zhang inverse", "zhao inverse"],
+)
+def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, complex_count, real):
+    """Published or twice computed counts: Dietmaier 40 of 40; 28 and 4; 4 lines' poses; 32 = 4 poses x 8; 8 for a Pieper
+    arm with a slide; 8 for three parallel axes; rods one; 2 branches a plane."""
+    found = symkin.modes(mechanism, **given)
+    assert (found.complex_count, len(found), found.unresolved_paths) == (complex_count, real, 0)
+    assert (found.completeness, found.method) == ("probability one", "continuation")
+    assert max(mode.residual for mode in found) < 1e-12 * mechanism.size
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "complex_count"),
+    [(five_bar(), 2), (three_rrr("planar"), 6), (delta(), 2), (replace(delta(), motion="spatial"), 40), (three_rps(), 16)],
+    ids=["five-bar", "3-RRR", "delta", "delta spatial", "3-RPS"],
+)
+def test_generic_counts_by_the_same_code(mechanism, complex_count, cache):
+    """Known counts: five-bar 2, planar 3-RRR 6 (Gosselin 1992), delta 2, and 40 when its platform may turn; 3-RPS 16,
+    in two operation modes of 8 (Schadlbauer, Walter, Husty 2014). Nothing lost against multistart."""
+    shift = np.random.default_rng(3).uniform(-0.15, 0.15, len(mechanism.actuated))
+    joints = [
+        mechanism.angle_out(c.reference[0] + d) if c.is_angular else c.reference[0] * (1 + 0.3 * d)
+        for c, d in zip(mechanism.actuated, shift, strict=True)
+    ]
+    found = symkin.modes(mechanism, joints=joints)
+    sampled = symkin.modes(mechanism, joints=joints, method="multistart", starts=2000)
+    assert (found.complex_count, found.unresolved_paths) == (complex_count, 0)
+    assert len(found) >= len(sampled)
+    if mechanism.name == "three_rps":
+        assert any("2 operation modes of 8, 8" in note for note in found.notes)
+
+
+def test_random_platforms_lose_nothing(cache):
+    """Random 6-6 geometries: 40 complex roots, an even number of real ones, the pose that made the lengths among them."""
+    rng = np.random.default_rng(4)
+    for _ in range(8):
+        platform = hexapod(rng.normal(size=(6, 3)), 0.6 * rng.normal(size=(6, 3)), 1.5)
+        q, t = rng.normal(size=4), rng.normal(size=3)
+        pose = Pose(t, q / np.linalg.norm(q))
+        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+        assert (found.complex_count, found.unresolved_paths, len(found) % 2) == (40, 0, 0)
+        errors = [max(np.max(np.abs(m.position - t)), np.max(np.abs(m.rotation - pose.rotation))) for m in found]
+        assert min(errors) < 1e-8
+
+
+def test_random_legs_of_a_symmetric_platform():
+    """Base and platform in parallel planes of one symmetry: 28 complex roots, real ones in mirror pairs z -> -z."""
+    platform = symkin.load("zhang2009")
+    rng = np.random.default_rng(6)
+    for _ in range(12):
+        q = np.array([1.0, 0, 0, 0]) + 0.2 * rng.normal(size=4)
+        pose = Pose(rng.normal(size=3) * 80 + [0, 0, 300], q / np.linalg.norm(q))
+        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+        assert (found.complex_count, found.unresolved_paths) == (28, 0)
+        heights = sorted(m.position[2] for m in found)
+        np.testing.assert_allclose(heights, [-h for h in reversed(heights)], atol=1e-6)
+
+
+def test_complex_roots_come_in_conjugate_pairs():
+    """At real known values the conjugate of a root is a root."""
+    problem = build_problem(symkin.load("zhang2009"), "direct")
+    (system,) = algebraic_systems(problem)
+    start, _ = start_store.start_of(problem, system, problem.blocks[0])
+    ends = instance(system, start, known_values(problem, np.array(symkin.load("zhang2009").example.joints)))
+    f, g = system.features(ends.z), system.features(np.conj(ends.z))
+    assert np.max(np.min(np.max(np.abs(f[:, None] - g[None]), axis=2), axis=0)) < 1e-8
+
+
+# --- what is not claimed ------------------------------------------------------------------------------------------
+
+
+def test_symmetric_joint_values_are_not_claimed(cache):
+    """At the delta's symmetric reference with a free platform, roots run to infinity together: what is listed closes, and
+    completeness is claimed only if no path is unresolved."""
+    found = symkin.modes(replace(delta(), motion="spatial"))
+    assert all(mode.residual < 1e-9 * found.problem.closure.size for mode in found)
+    assert (found.completeness == "probability one") == (found.unresolved_paths == 0)
+
+
+def test_helical_joints_are_sampled_with_the_reason():
+    """A closure with an unknown helix angle is not algebraic: multistart, and the note names the joint."""
+    z = (0, 0, 1)
+    left = Limb("left", [Joint("a", "R", (0, 0, 0), z, actuated=True), Joint("h", "H", (1, 0, 0), z, pitch=0.3)])
+    right = Limb("right", [Joint("b", "R", (4, 0, 0), z), Joint("s", "S", (2, 1, 0))])
+    found = symkin.modes(Mechanism("helix", [left, right], platform_position=(2, 1, 0)), starts=200)
+    assert found.completeness == "sampled"
+    assert any("helical" in note and "h" in note for note in found.notes)
+
+
+def test_a_continuum_is_incomplete_and_named(cache):
+    """Equal base and platform, parallel legs: a sphere of translations. No mode of it is counted, nothing is claimed."""
+    ends = np.random.default_rng(0).uniform(-100, 100, (6, 3))
+    found = symkin.modes(hexapod(ends, ends), joints=[150.0] * 6)
+    assert found.positive_dimensional
+    assert found.completeness == "incomplete"
+    assert not any(np.allclose(mode.rotation, np.eye(3), atol=1e-4) for mode in found)
+
+
+def test_a_double_root_is_one_and_flagged():
+    """All legs at the flat, coincident position: one multiple root, returned once, called singular."""
+    platform = symkin.load("zhang2009")
+    reference = [c.reference[0] for c in platform.actuated]
+    found = symkin.modes(platform, joints=reference)
+    assert len(found) == 1
+    assert any("singular" in note for note in found[0].notes)
+
+
+# --- the store ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """A cache folder of the test's own."""
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
+    return tmp_path
+
+
+def test_starts_are_kept_and_damage_is_survived(cache):
+    """A start is written once, read again, and computed anew where its file is damaged; the answer is the same."""
+    mechanism = five_bar()
+    first = symkin.modes(mechanism)
+    (file,) = cache.glob("*.npz")
+    for content in (b"", b"no zip", file.read_bytes()[:100]):
+        file.write_bytes(content)
+        again = symkin.modes(mechanism)
+        assert len(again) == len(first)
+    assert list(cache.glob("*.part")) == []
+
+
+def test_every_shipped_start_is_read():
+    """The wheel carries a start for each problem of each shipped mechanism: none is computed."""
+    for name in symkin.shipped_names():
+        for kind in ("direct", "inverse"):
+            problem = build_problem(symkin.load(name), kind)
+            if not problem.is_explicit:
+                for system in algebraic_systems(problem):
+                    assert (start_store.SHIPPED / f"{start_store.closure_key(system)}.npz").exists(), (name, kind)
+
+
+def test_an_unwritable_cache_only_costs_time(monkeypatch):
+    """A cache folder that cannot be made changes nothing in the answer."""
+    monkeypatch.setenv("SYMKIN_CACHE", "/dev/null/cache")
+    assert len(symkin.modes(five_bar())) == 2
