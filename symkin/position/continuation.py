@@ -172,7 +172,7 @@ def _leaves(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray) -> np.ndarray
     angles = [i for i, c in enumerate(system.unknowns) if c.is_angular]
     lengths = [i for i, c in enumerate(system.unknowns) if not c.is_angular]
     grown = np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _GROWN_ANGLE
-    return (s > 1 - 1e-4) & (grown | (np.max(np.abs(z[lengths]), axis=0, initial=0.0) > _GROWN_LENGTH))
+    return np.asarray((s > 1 - 1e-4) & (grown | (np.max(np.abs(z[lengths]), axis=0, initial=0.0) > _GROWN_LENGTH)))
 
 
 # --- from complex to real ----------------------------------------------------------------------------------------
