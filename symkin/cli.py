@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -50,6 +51,23 @@ PoseOption = Annotated[
     str | None, typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.")
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from symkin._version import __version__
+
+        print(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description."""
 
 
 @app.command(name="list")
@@ -149,13 +167,17 @@ def main(arguments: list[str] | None = None) -> None:
     """Run a command; every mistake of the user's becomes one line on stderr and exit status 2."""
     try:
         status = app(args=arguments, prog_name="symkin", standalone_mode=False)
+        sys.stdout.flush()
     except SymkinError as error:
         sys.exit(_complain(error))
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(_complain(f"the output cannot be written ({error.strerror})"))
     except Exception as error:
         if not hasattr(error, "exit_code"):
             raise

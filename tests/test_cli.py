@@ -118,6 +118,7 @@ def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
         (["modes", "zhao2000", "--pose", "0,0,0,1,0,0"], ["6 values", "7"]),
         (["modes", "zhao2000", "--pose", "0,0,0,1,0,0,0.5"], ["norm"]),
         (["modes", "zhao2000", "--starts", "0"], ["starts", "1"]),
+        (["modes", "zhao2000", "--starts", "100000000000"], ["starts", "1000000"]),
         (["modes", "zhao2000", "--starts", "many"], ["starts", "many"]),
         (["modes", "zhao2000", "--plot", "no/such/folder/x.png"], ["no/such/folder"]),
         (["modes", "zhao2000", "--plot", "picture.xyz"], ["xyz"]),
@@ -133,6 +134,32 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: li
     assert (status, out) == (2, "")
     assert len(err.strip().splitlines()) == 1
     assert all(word in err for word in words), err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["modes", "gluon_6l3", "--joints", "1e300,1e300,1e300,1e300,1e300,1e300"],
+        ["modes", "gluon_6l3", "--joints", "1e15,0,0,0,0,0"],
+        ["modes", "zhang2009", "--joints", "1e7,1e7,1e7,1e7,1e7,1e7", "--method", "multistart", "--starts", "200"],
+        ["modes", "zhang2009", "--pose", "1e160,0,100,1,0,0,0"],
+        ["solve", "zhang2009", "--start", "1e300,0,100,1,0,0,0"],
+    ],
+    ids=" ".join,
+)
+def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
+    """Status 0 or 3 and valid JSON; what is listed satisfies the closure, and nothing else is called a solution."""
+    status, data = run_json(capsys, *arguments)
+    assert status in (0, 3)
+    found = data["modes"] if "modes" in data else [data["solution"]] if data["solution"] else []
+    size = symkin.load(data["mechanism"]).size
+    assert all(mode["residual"] <= 1e-9 * size for mode in found)
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    """`--version` prints the version of the package."""
+    status, out, _ = run(capsys, "--version")
+    assert (status, out.strip()) == (0, symkin.__version__)
 
 
 def test_bad_input_leaves_files_alone(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

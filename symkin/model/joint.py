@@ -81,6 +81,8 @@ class Joint:
             raise MechanismError(f"{where}: actuated = true is allowed for R, P and H joints only, not for {self.type}")
         if FREEDOMS[self.type] > 1 and (self.zero != 0.0 or self.limits is not None):
             raise MechanismError(f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only")
+        if self.type == "H" and self.pitch == 0.0:
+            raise MechanismError(f"{where}: pitch is missing or 0; a helical joint needs its length per turn")
         if self.type != "H" and self.pitch != 0.0:
             raise MechanismError(f"{where}: pitch is allowed for H joints only, not for {self.type}")
         object.__setattr__(self, "point", vector3(self.point, f"{where}: point"))

@@ -78,11 +78,20 @@ class AlgebraicSystem:
         return int(self.rows.shape[0])
 
     @cached_property
+    def cost(self) -> int:
+        """Instructions of one evaluation of the rows and their derivatives."""
+        return int(self._function.n_instructions())
+
+    @cached_property
     def _code(self) -> Callable[..., None]:
+        return vectorise(self._function)
+
+    @cached_property
+    def _function(self) -> ca.Function:
         direction = ca.SX.sym("dk", self.k.shape[0])
         along = ca.jtimes(self.rows, self.k, direction)
         outputs = [self.rows, ca.jacobian(self.rows, self.z), along]
-        return vectorise(ca.Function("f", [self.z, self.k, direction], outputs, {"cse": True}))
+        return ca.Function("f", [self.z, self.k, direction], outputs, {"cse": True})
 
     @cached_property
     def _residual(self) -> Callable[..., None]:

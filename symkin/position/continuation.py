@@ -25,7 +25,7 @@ from symkin.position.levenberg import Progress
 from symkin.position.monodromy import Fibre
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import ACCEPTED, Roots, is_of_continuum, merge, unite
+from symkin.position.roots import ACCEPTED, SINGULAR_ROOT, Roots, is_of_continuum, merge, unite
 from symkin.position.start_store import start_of
 from symkin.position.system import System
 from symkin.position.tracker import TrackSettings, newton, track
@@ -198,7 +198,8 @@ def _real_roots(
     continuum = np.array(members) if members else None
     if ends.unresolved or ends.singular or not points:
         sampled = batched(problem, block, given, starts, rng)
-        found = np.concatenate([found, sampled.points])
+        regular = [z for z in sampled.points if block.condition(z, given.values) < SINGULAR_ROOT]
+        found = np.concatenate([found, np.array(regular).reshape(len(regular), block.width)])
         continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, found, given.values, continuum_met=continuum is not None)

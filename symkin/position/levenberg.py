@@ -77,5 +77,8 @@ def _damped_steps(values: np.ndarray, jacobians: np.ndarray, damping: np.ndarray
     normal = transposed @ jacobians
     diagonal = normal[:, range(freedom), range(freedom)]
     normal[:, range(freedom), range(freedom)] += (damping**2 + 1e-13 * np.max(diagonal, axis=1, initial=0.0) + 1e-30)[:, None]
-    steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
+    try:
+        steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
+    except np.linalg.LinAlgError:
+        return np.zeros(values.shape[:1] + (freedom,))
     return np.asarray(steps[:, :, 0])

@@ -23,6 +23,8 @@ from symkin.position.solution import Completeness, Modes, Solution, make_solutio
 from symkin.position.starts import start_values
 from symkin.spatial.pose import Pose
 
+MOST_STARTS = 1_000_000
+_NEARLY_CLOSED = 1e-4
 METHODS = ("continuation", "multistart")
 
 
@@ -57,7 +59,12 @@ def _modes(
     begin = time.perf_counter()
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
-    _refuse_redundant(problem)
+    free = _free_unknowns(problem)
+    if free is not None and mechanism.serial:
+        raise InputError(free)
+    if free is not None:
+        empty = _result(problem, given, [], chosen, seed, (f"positive-dimensional set: {free}",))
+        return replace(empty, positive_dimensional=True, elapsed_s=time.perf_counter() - begin)
     found = _known_without_search(problem, given, chosen, seed)
     if found is None:
         rng = np.random.default_rng(seed)
@@ -77,19 +84,21 @@ def _modes(
 def _check_options(method: str, starts: int, seed: int) -> None:
     if method not in METHODS:
         raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
-    if starts < 1:
-        raise InputError(f"starts = {starts} must be at least 1")
+    if not 1 <= starts <= MOST_STARTS:
+        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     if seed < 0:
         raise InputError(f"seed = {seed} must not be negative")
 
 
-def _refuse_redundant(problem: Problem) -> None:
+def _free_unknowns(problem: Problem) -> str | None:
+    """What to say where the rows leave unknowns free, so that no solution is isolated."""
     free = problem.system.freedom - problem.generic_rank
-    if free > 0:
-        raise InputError(
-            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, "
-            "so that its solutions are no isolated modes; use solve with a start for one of them"
-        )
+    if free <= 0:
+        return None
+    return (
+        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, so that "
+        "its solutions are no isolated modes; use solve with a start for one of them"
+    )
 
 
 def _known_without_search(problem: Problem, given: Given, method: str, seed: int) -> Modes | None:
@@ -101,6 +110,8 @@ def _known_without_search(problem: Problem, given: Given, method: str, seed: int
         values = problem.assemble(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
+        if not solution.residual <= ACCEPTED * problem.closure.size:
+            return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
         return Modes(
             problem,
             given.echo,
@@ -132,6 +143,11 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
+    if smallest is not None and ACCEPTED < smallest / problem.closure.size < _NEARLY_CLOSED:
+        texts.append(
+            f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
+            'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
+        )
     counts = [b.complex_count for b in blocks]
     sampled = [b for b in blocks if b.hits is not None]
     return Modes(

@@ -19,8 +19,16 @@ from symkin.position.problem import Problem
 from symkin.position.tracker import newton, track
 from symkin.spatial.rotation import multiply
 
+MOST_ROOTS = 130
+MOST_WORK = 1.5e7
+"""More roots than MOST_ROOTS, or steps of all loops times the instructions of a step's evaluation, weighed by the count of paths, beyond which a search
+is given up: about a minute. A count, not a clock, so that the same input gives the same answer."""
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
 """Draws a complex point (z, k), near the reference or not."""
+
+
+class TooManyRootsError(Exception):
+    """A search that was given up; holds how many roots had been met."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +175,7 @@ def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
 def fibre(
     system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int,
     *, bound: int | None = None, known: tuple[np.ndarray, np.ndarray] | None = None, needed: float = 6.0,
-    most_loops: int = 200, most_roots: int = 600, progress: Progress | None = None,
+    most_loops: int = 200, progress: Progress | None = None,
 ) -> Fibre | None:  # fmt: skip
     """Loop until a bound is reached or the evidence is `needed`. None where no seed was found. `known` are roots and
     base to begin with."""
@@ -175,10 +183,14 @@ def fibre(
     if found is None:
         return None
     evidence, loops = 0.0, 0
+    work = 0.0
     while loops < most_loops and evidence < needed and (bound is None or found.z.shape[1] < bound):
         loops += 1
         before = found.z.shape[1]
-        ends, arrived = _loop(system, found.z, k0, rng)
+        ends, arrived, steps = _loop(system, found.z, k0, rng)
+        work += steps * system.cost * (1 + before / 100)
+        if work > MOST_WORK or found.z.shape[1] > MOST_ROOTS:
+            raise TooManyRootsError(found.z.shape[1])
         moved, new = _absorb(found, ends, arrived)
         if new:
             evidence = 0.0
@@ -187,8 +199,6 @@ def fibre(
             evidence += -np.log10(1 - share)
         if progress is not None:
             progress(int(100 * min(1.0, evidence / needed)), 100)
-        if found.z.shape[1] >= most_roots:
-            break
         if before == 1 and not new and loops >= 25:
             break
     orbits = np.array([found.root(i) for i in range(found.z.shape[1])])
@@ -222,14 +232,16 @@ def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, 
     return tracked.z[:, 0] if tracked.arrived[0] else None
 
 
-def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:
     """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
     radius = 0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform()
     corners = [k0 + radius * (rng.normal(size=len(k0)) + 1j * rng.normal(size=len(k0))) / np.sqrt(2) for _ in range(2)]
+    steps = 0
     arrived = np.ones(z.shape[1], dtype=bool)
     path = [k0, *corners, k0]
     for begin, end in pairwise(path):
         tracked = track(system, z[:, arrived], begin, end)
+        steps += tracked.steps
         next_z = z.copy()
         next_z[:, np.flatnonzero(arrived)] = tracked.z
         z = next_z
@@ -238,7 +250,7 @@ def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random
         polished, last = newton(system, z[:, arrived], k0)
         z[:, np.flatnonzero(arrived)] = polished
         arrived[np.flatnonzero(arrived)[last > 1e-9]] = False
-    return z, arrived
+    return z, arrived, steps
 
 
 def _absorb(found: _Found, ends: np.ndarray, arrived: np.ndarray) -> tuple[int, int]:

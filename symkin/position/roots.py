@@ -11,7 +11,7 @@ from symkin.position.system import System
 ACCEPTED = 1e-9
 """A configuration is a solution when no closure error exceeds this times the size."""
 MOST_MODES = 20_000
-_SINGULAR = 1e6
+SINGULAR_ROOT = 1e6
 """Condition above which a root is examined for being one of a continuum."""
 _CONTINUUM_SAMPLE = 5
 _LOST = 1e-5
@@ -116,7 +116,7 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     f = features(system, points)
-    singular = np.array([system.condition(z, known) > _SINGULAR for z in points])
+    singular = np.array([system.condition(z, known) > SINGULAR_ROOT for z in points])
     first, labels = merge(f[~singular], 1e-6 * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
@@ -130,7 +130,7 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
 
 def is_of_continuum(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     """Whether a root is not isolated."""
-    return system.condition(z, known) > _SINGULAR and moves_freely(system, z, known)
+    return system.condition(z, known) > SINGULAR_ROOT and moves_freely(system, z, known)
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:

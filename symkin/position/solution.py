@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import casadi as ca
@@ -193,16 +194,23 @@ class Modes:
     def __getitem__(self, index: int) -> Solution:
         return self.modes[index]
 
+    @cached_property
+    def representatives(self) -> list[Solution]:
+        """The first mode at each distinct pose."""
+        size = self.problem.closure.size
+        kept: list[Solution] = []
+        known = np.zeros((0, 12))
+        for mode in self.modes:
+            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
+            if np.all(np.max(np.abs(known - feature), axis=1, initial=0.0) > 1e-6 * size):
+                kept.append(mode)
+                known = np.vstack([known, feature])
+        return kept
+
     @property
     def poses(self) -> int:
         """Count of distinct poses among the modes."""
-        size = self.problem.closure.size
-        kept: list[np.ndarray] = []
-        for mode in self.modes:
-            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
-            if all(np.max(np.abs(feature - other)) > 1e-6 * size for other in kept):
-                kept.append(feature)
-        return len(kept)
+        return len(self.representatives)
 
     def to_json(self) -> dict[str, Any]:
         """The object of contract 3, with `starts`, `hits`, `estimated_unseen` and `notes` beside it."""

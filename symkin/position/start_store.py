@@ -21,13 +21,7 @@ from symkin.position.algebraic import AlgebraicSystem, algebraic_point, known_va
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.mobility import analyse_mobility, closed_configurations
-from symkin.position.monodromy import (
-    Fibre,
-    Points,
-    fibre,
-    full_linearisation,
-    random_point,
-)
+from symkin.position.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_point
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.rank import Rank
@@ -66,7 +60,10 @@ def compute_start(
             found = _from_six_distances(problem, system, algebraic.joints, algebraic.distances, seed)
             if found is not None:
                 return found, ""
-    return _by_monodromy(problem, system, block, progress)
+    try:
+        return _by_monodromy(problem, system, block, progress)
+    except TooManyRootsError as error:
+        return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
 
 
 def _from_six_distances(problem: Problem, system: AlgebraicSystem, joints: ca.SX, distances: ca.SX, seed: int) -> Fibre | None:

@@ -23,6 +23,8 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
     if start is None and mechanism.example is not None:
         start = _example_start(mechanism, given)
     values = closure.reference.copy()
+    if given.kind == "direct" and start is not None:
+        pose_from(start, "start")
     forward = problem.forward(given.values)
     if forward is not None:
         return np.concatenate([problem.take(values, closure.role("passive")), forward])

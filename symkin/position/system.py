@@ -141,12 +141,12 @@ class System:
         return folded
 
     def condition(self, z: np.ndarray, known: np.ndarray) -> float:
-        """Largest over smallest singular value of dF/dd; infinite at a singularity."""
+        """Largest over smallest of the min(rows, freedom) singular values of dF/dd; infinite at a singularity."""
         _, jacobian = self.linearise_one(z, known)
         if not np.all(np.isfinite(jacobian)) or min(jacobian.shape) == 0:
             return float("inf") if jacobian.size else 1.0
         singular = np.linalg.svd(jacobian, compute_uv=False)
-        smallest = singular[-1] if jacobian.shape[0] >= jacobian.shape[1] else 0.0
+        smallest = singular[-1]
         return float(singular[0] / smallest) if smallest > 1e-15 * singular[0] else float("inf")
 
     def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:

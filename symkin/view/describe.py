@@ -125,4 +125,4 @@ def _plain(values: np.ndarray) -> str:
 
 
 def _vector(values: object) -> str:
-    return "(" + ", ".join(f"{v + 0.0:.6g}" for v in np.asarray(values, dtype=float)) + ")"
+    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float)) + ")"

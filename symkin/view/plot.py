@@ -74,7 +74,7 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     if most < 1:
         raise InputError(f"most = {most} must be at least 1")
     mechanism = modes.problem.mechanism
-    shown = modes.modes[:most]
+    shown = modes.modes if len(modes) <= most else modes.representatives[:most]
     bodies = [skeleton(mechanism, s.values, s.pose) for s in shown] or [reference_skeleton(mechanism)]
     titles = [(f"mode {k}", _mode_text(modes, s)) for k, s in enumerate(shown, start=1)]
     titles = titles or [(_nothing(modes), "drawn at the reference configuration")]

@@ -21,9 +21,10 @@ def modes_text(modes: Modes) -> str:
     heading = mechanism.name + (f" ({mechanism.title})" if mechanism.title else "")
     lines = [f"{heading}: {modes.problem.kind} problem, {_given(modes.given)}"]
     if modes.modes:
-        lines.append(_render(_table(modes.problem.kind, list(modes.modes)[:_MOST_ROWS])))
-    if len(modes) > _MOST_ROWS:
-        lines.append(f"... {len(modes) - _MOST_ROWS} more, all of them with --json")
+        shown = list(modes.modes) if len(modes) <= _MOST_ROWS else modes.representatives[:_MOST_ROWS]
+        lines.append(_render(_table(modes.problem.kind, shown)))
+        if len(shown) < len(modes):
+            lines.append(f"one of the modes at each of {len(shown)} poses of {modes.poses}; all {len(modes)} modes with --json")
     lines.append(_statement(modes))
     lines.extend(f"note: {note}" for note in modes.notes)
     return "\n".join(lines)
