@@ -65,7 +65,7 @@ def check_picture_path(path: Path | str) -> Path:
 
 
 def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
-    """One panel per mode, the first `most` of them, all with the same limits and equal axes; without modes the
+    """One panel per mode, `most` of them, poses before branches, all with the same limits and equal axes; without modes the
     mechanism's reference configuration. Raises InputError for `most` below 1."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -74,9 +74,10 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     if most < 1:
         raise InputError(f"most = {most} must be at least 1")
     mechanism = modes.problem.mechanism
-    shown = modes.modes if len(modes) <= most else modes.representatives[:most]
+    numbered = _chosen(modes, most)
+    shown = [s for _, s in numbered]
     bodies = [skeleton(mechanism, s.values, s.pose) for s in shown] or [reference_skeleton(mechanism)]
-    titles = [(f"mode {k}", _mode_text(modes, s)) for k, s in enumerate(shown, start=1)]
+    titles = [(f"mode {k}", _mode_text(modes, s)) for k, s in numbered]
     titles = titles or [(_nothing(modes), "drawn at the reference configuration")]
     view = View.around(bodies, mechanism.length_unit)
     grid = _Grid.for_panels(len(bodies), view, max(text.count("\n") for _, text in titles) + 1)
@@ -88,6 +89,16 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
         _heading(figure, modes, len(shown))
         _legend(figure, bodies)
     return figure
+
+
+def _chosen(modes: Modes, most: int) -> list[tuple[int, Solution]]:
+    """Numbers and modes to draw: all, or one for each pose first and then others, in their order."""
+    numbered = list(enumerate(modes.modes, start=1))
+    if len(numbered) <= most:
+        return numbered
+    first = {id(mode) for mode in modes.representatives}
+    ranked = sorted(numbered, key=lambda pair: (id(pair[1]) not in first, pair[0]))
+    return sorted(ranked[:most], key=lambda pair: pair[0])
 
 
 # --- layout ------------------------------------------------------------------------------------------------------
