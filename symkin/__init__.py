@@ -1,8 +1,8 @@
 """symkin: kinematics of robots with closed loops, from one description.
 
 import symkin
-platform = symkin.load("zhao2000")
-print(symkin.modes(platform, joints=[81.6, 202.8, 330.6, 105.2]))
+platform = symkin.load("platform.toml")
+print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 """
 
 from symkin._version import __version__
