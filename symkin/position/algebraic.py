@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -138,6 +138,7 @@ class AlgebraicSystem:
         return z
 
 
+@lru_cache(maxsize=64)
 def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     """The blocks of a problem over the complex numbers."""
     algebraic = build_algebraic_closure(problem.mechanism, "study" if problem.kind == "direct" else "homogeneous")

@@ -10,6 +10,7 @@ import hashlib
 import io
 import os
 import tempfile
+from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -182,6 +183,7 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
 # --- files -------------------------------------------------------------------------------------------------------
 
 
+@lru_cache(maxsize=256)
 def closure_key(system: AlgebraicSystem) -> str:
     """Hash of the block's rows: instructions, places and constants."""
     function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
