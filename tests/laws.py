@@ -12,8 +12,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+import pytest
 
-from symkin import Joint, Limb, Mechanism, RodLimb
+from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
 from symkin.model.closure import Closure
 
 CLOSED = 1e-9
@@ -236,3 +237,12 @@ def differences(f: Callable[[np.ndarray], np.ndarray], width: int, step: float) 
         d[k] = step
         columns.append((f(d) - f(-d)) / (2 * step))
     return np.array(columns).T
+
+
+def refused_in_one_line(make, fragments):
+    """Making raises MechanismError: one line that holds every fragment (offender, value, what is allowed)."""
+    with pytest.raises(MechanismError) as error:
+        make()
+    for fragment in fragments:
+        assert fragment in str(error.value)
+    assert "\n" not in str(error.value)
