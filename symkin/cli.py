@@ -112,8 +112,8 @@ def modes(
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
+    from symkin.enumeration.modes import modes as find_modes
     from symkin.model.file import load
-    from symkin.position.modes import modes as find_modes
 
     mechanism = load(mech)
     if plot is not None:

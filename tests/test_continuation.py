@@ -13,18 +13,18 @@ import pytest
 import symkin
 from samples import delta, five_bar, hexapod, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
-from symkin.model.closure import build_algebraic_closure, build_closure, random_values
-from symkin.position import start_store
-from symkin.position.algebraic import (
+from symkin.enumeration import start_store
+from symkin.enumeration.algebraic import (
     algebraic_point,
     algebraic_systems,
     known_values,
     real_values,
     vectorise,
 )
-from symkin.position.continuation import instance
+from symkin.enumeration.continuation import instance
+from symkin.enumeration.six_distances import BOUND, universal_start, universal_system
+from symkin.model.closure import build_algebraic_closure, build_closure, random_values
 from symkin.position.problem import build_problem
-from symkin.position.six_distances import BOUND, universal_start, universal_system
 
 DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())
 

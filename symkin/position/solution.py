@@ -28,7 +28,8 @@ REMEDIES: dict[str, str] = {
     "nonfinite": "the iteration met NaN or infinity: check the given values and start nearer",
 }
 
-
+ACCEPTED = 1e-9
+"""A configuration is a solution when no closure error exceeds this times the size."""
 SINGULAR = 1e8
 """Condition above which a solution is called singular."""
 _SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"

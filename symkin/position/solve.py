@@ -15,8 +15,8 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.roots import ACCEPTED
 from symkin.position.solution import (
+    ACCEPTED,
     Iterate,
     Solution,
     SolveResult,

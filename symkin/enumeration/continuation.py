@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.position.algebraic import (
+from symkin.enumeration.algebraic import (
     AlgebraicSystem,
     algebraic_systems,
     imaginary_part,
@@ -20,15 +20,16 @@ from symkin.position.algebraic import (
     real_values,
     rotation_share,
 )
+from symkin.enumeration.monodromy import Fibre
+from symkin.enumeration.multistart import batched
+from symkin.enumeration.roots import SINGULAR_ROOT, Roots, is_of_continuum, merge, unite
+from symkin.enumeration.start_store import start_of
+from symkin.enumeration.tracker import TrackSettings, newton, track
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
-from symkin.position.monodromy import Fibre
-from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import ACCEPTED, SINGULAR_ROOT, Roots, is_of_continuum, merge, unite
-from symkin.position.start_store import start_of
+from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
-from symkin.position.tracker import TrackSettings, newton, track
 
 _AT_INFINITY = 1e-7
 _FADING = 5e-3

@@ -1,7 +1,7 @@
 """Generic roots of a mechanism's problems: computed once, then read from the shipped data or the user's cache.
 
 A start belongs to a closure: its key is a hash of the closure's instructions and constants. The shipped mechanisms'
-starts lie in `symkin/position/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
+starts lie in `symkin/enumeration/data/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from zipfile import BadZipFile
 import casadi as ca
 import numpy as np
 
+from symkin.enumeration.algebraic import AlgebraicSystem, algebraic_point, known_values
+from symkin.enumeration.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_point
+from symkin.enumeration.multistart import batched
+from symkin.enumeration.roots import merge
+from symkin.enumeration.six_distances import machine_start
+from symkin.enumeration.tracker import TrackSettings, newton, track
 from symkin.model.closure import build_algebraic_closure
-from symkin.position.algebraic import AlgebraicSystem, algebraic_point, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.mobility import analyse_mobility, closed_configurations
-from symkin.position.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_point
-from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.rank import Rank
-from symkin.position.roots import merge
-from symkin.position.six_distances import machine_start
 from symkin.position.system import System
-from symkin.position.tracker import TrackSettings, newton, track
 
-SHIPPED = Path(__file__).resolve().parent / "starts"
+SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 1
 _INSTANCES = 5
 _CHECK_STARTS = 600
@@ -69,7 +69,7 @@ def compute_start(
 
 def _from_six_distances(problem: Problem, system: AlgebraicSystem, joints: ca.SX, distances: ca.SX, seed: int) -> Fibre | None:
     """Track the 40 universal roots to this mechanism at random complex joint values."""
-    from symkin.position.algebraic import vectorise
+    from symkin.enumeration.algebraic import vectorise
 
     rng = np.random.default_rng(seed)
     _, k = random_point(problem, system, rng, near=True)
@@ -238,9 +238,9 @@ def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
 
 
 def write_shipped() -> None:
-    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.position.start_store`."""
+    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.enumeration.start_store`."""
+    from symkin.enumeration.algebraic import algebraic_systems
     from symkin.model.file import load, shipped_names
-    from symkin.position.algebraic import algebraic_systems
     from symkin.position.problem import build_problem
 
     for name in shipped_names():

@@ -14,14 +14,14 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.monodromy import Fibre, fibre
+from symkin.enumeration.tracker import TrackSettings, track
 from symkin.model.platform import StudyPose
-from symkin.position.algebraic import AlgebraicSystem
-from symkin.position.monodromy import Fibre, fibre
-from symkin.position.tracker import TrackSettings, track
 from symkin.spatial.rotation import multiply
 
 BOUND = 40
-DATA = Path(__file__).resolve().parent / "six_distances.npz"
+DATA = Path(__file__).resolve().parent / "data" / "six_distances.npz"
 
 
 @lru_cache(maxsize=1)

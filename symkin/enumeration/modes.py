@@ -10,16 +10,16 @@ from math import prod
 
 import numpy as np
 
+from symkin.enumeration.multistart import DEFAULT_STARTS, batched, one_by_one
+from symkin.enumeration.roots import MOST_MODES, Roots
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from, pose_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Progress
-from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.roots import ACCEPTED, MOST_MODES, Roots
-from symkin.position.solution import Completeness, Modes, Solution, make_solution
+from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
 from symkin.position.starts import start_values
 from symkin.spatial.pose import Pose
 
@@ -69,7 +69,7 @@ def _modes(
     if found is None:
         rng = np.random.default_rng(seed)
         if chosen == "continuation":
-            from symkin.position.continuation import by_continuation
+            from symkin.enumeration.continuation import by_continuation
 
             blocks, notes = by_continuation(problem, given, starts, rng, progress)
         elif solver == "batched":

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
 
-ACCEPTED = 1e-9
-"""A configuration is a solution when no closure error exceeds this times the size."""
 MOST_MODES = 20_000
 SINGULAR_ROOT = 1e6
 """Condition above which a root is examined for being one of a continuum."""

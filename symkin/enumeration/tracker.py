@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.position.algebraic import AlgebraicSystem
+from symkin.enumeration.algebraic import AlgebraicSystem
 
 
 @dataclass(frozen=True)

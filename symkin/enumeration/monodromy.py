@@ -12,11 +12,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.tracker import newton, track
 from symkin.model.joint import Coordinate
-from symkin.position.algebraic import AlgebraicSystem
 from symkin.position.levenberg import Progress
 from symkin.position.problem import Problem
-from symkin.position.tracker import newton, track
 from symkin.spatial.rotation import multiply
 
 MOST_ROOTS = 130
