@@ -14,15 +14,12 @@ import symkin
 from samples import delta, five_bar, hexapod, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
 from symkin.enumeration import start_store
-from symkin.enumeration.algebraic import (
-    algebraic_point,
-    algebraic_systems,
-    known_values,
-    real_values,
-    vectorise,
-)
-from symkin.enumeration.continuation import instance
-from symkin.enumeration.six_distances import BOUND, universal_start, universal_system
+from symkin.enumeration.instance import instance
+from symkin.enumeration.six_distances import universal_system
+from symkin.enumeration.systems import algebraic_systems
+from symkin.enumeration.universal_start import BOUND, universal_start
+from symkin.enumeration.values import algebraic_point, known_values, real_values
+from symkin.enumeration.walk import vectorise
 from symkin.model.closure import build_algebraic_closure, build_closure, random_values
 from symkin.position.problem import build_problem
 
@@ -106,7 +103,7 @@ def test_real_points_come_back():
     (system,) = algebraic_systems(problem)
     mode = symkin.modes(problem.mechanism)[0]
     values = {c.name: np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns}
-    back = real_values(system, algebraic_point(system, values))
+    back = real_values(problem, system, algebraic_point(problem, system, values), np.zeros(0))
     for name, value in values.items():
         assert np.allclose(back[name], value) or np.allclose(back[name], -value), name
 
@@ -272,7 +269,7 @@ def test_every_shipped_start_is_read():
             problem = build_problem(symkin.load(name), kind)
             if not problem.is_explicit:
                 for system in algebraic_systems(problem):
-                    assert (start_store.SHIPPED / f"{start_store.closure_key(system)}.npz").exists(), (name, kind)
+                    assert (start_store.SHIPPED / f"{start_store.start_key(problem, system)}.npz").exists(), (name, kind)
 
 
 def test_an_unwritable_cache_only_costs_time(monkeypatch):

@@ -7,13 +7,15 @@ of one generic instance. Loops in the space of known values permute the roots an
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.branches import SAME, cover, labels_of, uncovered
 from symkin.enumeration.tracker import newton, track
+from symkin.enumeration.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.levenberg import Progress
 from symkin.position.problem import Problem
@@ -46,30 +48,46 @@ class Fibre:
 
 @dataclass
 class _Found:
+    """Roots met so far; `poses` numbers the pose of each column, `parents` joins poses that loops have connected."""
+
     system: AlgebraicSystem
     z: np.ndarray
-    features: np.ndarray
-    parents: list[int] = field(default_factory=list)
+    poses: np.ndarray
+    parents: list[int]
 
-    def match(self, z: np.ndarray, tolerance: float = 1e-6) -> np.ndarray:
-        """Index of the known root that equals each column of z, or -1."""
-        distance = np.max(np.abs(self.system.features(z)[:, None] - self.features[None]), axis=2)
-        nearest = np.argmin(distance, axis=1)
-        return np.where(distance[np.arange(len(nearest)), nearest] < tolerance, nearest, -1)
+    @staticmethod
+    def of(system: AlgebraicSystem, z: np.ndarray) -> _Found:
+        poses = labels_of(system.features(z))
+        return _Found(system, z, poses, list(range(len(np.unique(poses))))).compressed()
+
+    def match(self, z: np.ndarray) -> np.ndarray:
+        """Index of the known root that each column of z repeats, or -1."""
+        return uncovered(self.system, self.z, z)
 
     def add(self, column: np.ndarray) -> int:
+        """Append a root, of a known pose or of a new one."""
+        apart = np.max(np.abs(self.system.features(self.z) - self.system.features(column[:, None])), axis=1)
+        pose = int(self.poses[np.argmin(apart)]) if apart.min() < SAME else len(self.parents)
+        if pose == len(self.parents):
+            self.parents.append(pose)
         self.z = np.concatenate([self.z, column[:, None]], axis=1)
-        self.features = np.concatenate([self.features, self.system.features(column[:, None])])
-        self.parents.append(len(self.parents))
-        return len(self.parents) - 1
+        self.poses = np.append(self.poses, pose)
+        return len(self.poses) - 1
 
-    def root(self, i: int) -> int:
-        while self.parents[i] != i:
-            i = self.parents[i]
-        return i
+    def compressed(self) -> _Found:
+        """The same poses and branches with the fewest roots."""
+        parts = [cover(self.system, self.z[:, self.poses == pose]) for pose in range(len(self.parents))]
+        poses = np.repeat(np.arange(len(parts)), [part.shape[1] for part in parts])
+        return _Found(self.system, np.hstack(parts), poses, self.parents)
+
+    def orbit(self, pose: int) -> int:
+        while self.parents[pose] != pose:
+            pose = self.parents[pose]
+        return pose
 
     def join(self, i: int, j: int) -> None:
-        self.parents[self.root(i)] = self.root(j)
+        """Roots i and j are connected."""
+        self.parents[self.orbit(self.poses[i])] = self.orbit(self.poses[j])
 
 
 def truncated_step(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
@@ -133,35 +151,34 @@ def random_point(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A complex point: about the reference with imaginary parts of about a half (of the size, of a radian), or
     anywhere."""
-    size = problem.closure.size
-    reference = problem.closure.reference
-    spread = 0.5 if near else 1.5
-
-    def noise(count: int) -> np.ndarray:
-        gauss = rng.normal(size=count) + 1j * rng.normal(size=count)
-        return np.asarray(spread * gauss / np.sqrt(2) + 0.3j * rng.choice([-1, 1], count))
-
-    def values(coordinates: tuple[Coordinate, ...]) -> np.ndarray:
-        parts = []
-        for c in coordinates:
-            value = reference[problem.closure.slices[c.name]]
-            parts.append(value / (1.0 if c.is_angular or c.kind == "quaternion" else size))
-        return np.concatenate(parts) if parts else np.zeros(0)
-
-    z = values(system.unknowns).astype(complex)
-    z = z + noise(len(z))
+    z = _about_reference(problem, system.unknowns, rng, near)
     if system.projective:
-        width = len(system.projective)
         pose = problem.mechanism.reference_pose
-        e = np.asarray(pose.quaternion)
-        ray = noise(4) + (e if near else 0.0)
-        if width == 8:
-            t = np.concatenate([[0.0], np.asarray(pose.position) / size + noise(3)])
+        ray = _noise(4, rng, near) + (np.asarray(pose.quaternion) if near else 0.0)
+        if len(system.projective) == 8:
+            t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.size + _noise(3, rng, near)])
             ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
         z = np.concatenate([z, ray])
-    known = problem.known_coordinates
-    k = values(known).astype(complex)
-    return z, k + noise(len(k))
+    return z, random_known(problem, rng, near=near)
+
+
+def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> np.ndarray:
+    """Complex known values, as the algebraic system takes them."""
+    known = _about_reference(problem, problem.known_coordinates, rng, near)
+    return known_values(problem, known * coordinate_scale(problem, problem.known_coordinates))
+
+
+def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng: np.random.Generator, near: bool) -> np.ndarray:
+    """Reference values, lengths in units of the size, and noise."""
+    closure = problem.closure
+    parts = [closure.reference[closure.slices[c.name]] for c in coordinates]
+    values = np.concatenate([*parts, np.zeros(0)]) / coordinate_scale(problem, coordinates)
+    return np.asarray(values + _noise(len(values), rng, near))
+
+
+def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
+    gauss = rng.normal(size=count) + 1j * rng.normal(size=count)
+    return np.asarray((0.5 if near else 1.5) * gauss / np.sqrt(2) + 0.3j * rng.choice([-1, 1], count))
 
 
 def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
@@ -187,11 +204,12 @@ def fibre(
     while loops < most_loops and evidence < needed and (bound is None or found.z.shape[1] < bound):
         loops += 1
         before = found.z.shape[1]
-        ends, arrived, steps = _loop(system, found.z, k0, rng)
+        ends, arrived, steps = _loop(system, found.z, k0, points, rng)
         work += steps * system.cost * (1 + before / 100)
         if work > MOST_WORK or found.z.shape[1] > MOST_ROOTS:
             raise TooManyRootsError(found.z.shape[1])
         moved, new = _absorb(found, ends, arrived)
+        found = found.compressed() if new else found
         if new:
             evidence = 0.0
         elif arrived.sum() > 0:
@@ -201,7 +219,7 @@ def fibre(
             progress(int(100 * min(1.0, evidence / needed)), 100)
         if before == 1 and not new and loops >= 25:
             break
-    orbits = np.array([found.root(i) for i in range(found.z.shape[1])])
+    orbits = np.array([found.orbit(pose) for pose in found.poses])
     return Fibre(found.z, k0, np.unique(orbits, return_inverse=True)[1], evidence, loops, seed)
 
 
@@ -211,17 +229,17 @@ def _begin(
     """The known roots, or a first seed and what six more of them give at the same base."""
     if known is not None:
         z, k0 = known
-        return _Found(system, z, system.features(z), list(range(z.shape[1]))), k0
+        return _Found.of(system, z), k0
     start = seed_root(system, points, rng, rank)
     if start is None:
         return None, np.zeros(0)
     z0, k0 = start
-    found = _Found(system, z0[:, None], system.features(z0[:, None]), [0])
+    found = _Found.of(system, z0[:, None])
     for _ in range(8):
         other = _carry(system, seed_root(system, points, rng, rank), k0)
         if other is not None and found.match(other[:, None])[0] < 0:
             found.add(other)
-    return found, k0
+    return found.compressed(), k0
 
 
 def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, k0: np.ndarray) -> np.ndarray | None:
@@ -232,7 +250,9 @@ def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, 
     return tracked.z[:, 0] if tracked.arrived[0] else None
 
 
-def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:
+def _loop(
+    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, points: Points, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, int]:
     """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
     radius = 0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform()
     corners = [k0 + radius * (rng.normal(size=len(k0)) + 1j * rng.normal(size=len(k0))) / np.sqrt(2) for _ in range(2)]

@@ -1,27 +1,25 @@
-"""Platforms held by six distances: one start system for all of them.
+"""Platforms held by six distances: one algebraic system for all of them.
 
 In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |2 g + e m - b e|^2 - L^2 |e|^2 = 0
-(Husty 1996). With lengths L and all points b, m complex and random there are 40 roots, the most that any such platform
-has (Ronga and Vust 1992). Its roots are tracked to any machine; those of special machines that run to e = 0 are at
-infinity.
+(Husty 1996).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.monodromy import Fibre, fibre
-from symkin.enumeration.tracker import TrackSettings, track
+from symkin.enumeration.walk import vectorise
+from symkin.model.closure import build_algebraic_closure
 from symkin.model.platform import StudyPose
-from symkin.spatial.rotation import multiply
+from symkin.position.problem import Problem
 
-BOUND = 40
-DATA = Path(__file__).resolve().parent / "data" / "six_distances.npz"
+DISTANCES = 6
+"""Distances that hold a platform of six freedoms."""
 
 
 @lru_cache(maxsize=1)
@@ -36,38 +34,37 @@ def universal_system() -> AlgebraicSystem:
     return AlgebraicSystem(1.0, (), ca.vertcat(e, g), k, ca.vertcat(*rows), tuple(range(8)))
 
 
-@lru_cache(maxsize=1)
-def universal_start() -> Fibre:
-    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
-    data = np.load(DATA)
-    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+@lru_cache(maxsize=128)
+def distance_function(problem: Problem) -> ca.Function | None:
+    """Length, base point and platform point of each distance (42 numbers, length unit) as a function of the known
+    joints; None where the direct problem is another one."""
+    if problem.kind != "direct" or problem.mechanism.motion != "spatial":
+        return None
+    algebraic = build_algebraic_closure(problem.mechanism, "study")
+    if algebraic.distances is None or algebraic.rows.shape[0] != DISTANCES:
+        return None
+    return ca.Function("distances", [algebraic.joints], [ca.densify(algebraic.distances)])
 
 
-def compute_universal_start(seed: int = 0) -> Fibre:
-    """Monodromy in lengths and geometry until the bound of 40 is reached."""
+@lru_cache(maxsize=128)
+def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None:
+    """Known values of `universal_system` from known joints, real or complex, lengths in units of the size."""
+    function = distance_function(problem)
+    if function is None:
+        return None
+    code, size = vectorise(function), problem.closure.size
 
-    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
-        def noise(n: int) -> np.ndarray:
-            return np.asarray((rng.normal(size=n) + 1j * rng.normal(size=n)) / np.sqrt(2))
+    def data(joints: np.ndarray) -> np.ndarray:
+        numbers = np.zeros((1, 7 * DISTANCES, 1), dtype=complex)
+        code(np.asarray(joints, dtype=complex)[:, None], numbers)
+        return np.asarray(numbers[0, :, 0] / size)
 
-        e = noise(4)
-        t = np.concatenate([[0.0], noise(3)])
-        return np.concatenate([e, 0.5 * multiply(t, e)]), noise(42)
-
-    system = universal_system()
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
-    if found is None or found.z.shape[1] != BOUND:
-        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
-    return found
+    return data
 
 
-def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
-    """Roots z (8, n) of a machine's complex instance `data` (6, 7), which holds L, b, m of each distance; how many of
-    the 40 paths ran to e = 0, and how many are unresolved."""
-    start, system = universal_start(), universal_system()
-    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
-    tracked = track(system, start.z, start.k, data.ravel(), settings)
-    rotation = np.linalg.norm(tracked.z[:4], axis=0)
-    arrived = tracked.arrived & (rotation > 1e-6)
-    infinite = ~arrived & (rotation < 0.05) & (tracked.s > 0.99)
-    return tracked.z[:, arrived], int(infinite.sum()), int(np.sum(~arrived & ~infinite))
+def __getattr__(name: str):  # type: ignore  # moved: kept here until all callers are
+    import importlib
+
+    if name not in ("BOUND", "universal_start", "machine_start", "compute_universal_start"):
+        raise AttributeError(name)
+    return getattr(importlib.import_module("symkin.enumeration.universal_start"), name)

@@ -17,13 +17,15 @@ from zipfile import BadZipFile
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem, algebraic_point, known_values
-from symkin.enumeration.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_point
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.branches import uncovered
+from symkin.enumeration.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_known, random_point
 from symkin.enumeration.multistart import batched
 from symkin.enumeration.roots import merge
-from symkin.enumeration.six_distances import machine_start
+from symkin.enumeration.six_distances import distance_data, distance_function
 from symkin.enumeration.tracker import TrackSettings, newton, track
-from symkin.model.closure import build_algebraic_closure
+from symkin.enumeration.universal_start import machine_start
+from symkin.enumeration.values import algebraic_point, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.mobility import analyse_mobility, closed_configurations
@@ -43,7 +45,7 @@ def start_of(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
     """The generic roots of a block, or None and the reason."""
-    key = closure_key(system)
+    key = start_key(problem, system)
     kept = _read(key, system)
     if kept is None:
         kept = compute_start(problem, system, block, progress)
@@ -55,34 +57,23 @@ def compute_start(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by monodromy."""
-    algebraic = build_algebraic_closure(problem.mechanism, "study")
-    if problem.kind == "direct" and system.projective and algebraic.distances is not None and algebraic.rows.shape[0] == 6:
-        for seed in range(3):
-            found = _from_six_distances(problem, system, algebraic.joints, algebraic.distances, seed)
-            if found is not None:
-                return found, ""
+    if distance_data(problem) is not None:
+        found = next((f for f in (_from_universal(problem, system, seed) for seed in range(3)) if f is not None), None)
+        return found, "" if found is not None else "paths from the universal start of six distances are unresolved"
     try:
         return _by_monodromy(problem, system, block, progress)
     except TooManyRootsError as error:
         return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
 
 
-def _from_six_distances(problem: Problem, system: AlgebraicSystem, joints: ca.SX, distances: ca.SX, seed: int) -> Fibre | None:
+def _from_universal(problem: Problem, system: AlgebraicSystem, seed: int) -> Fibre | None:
     """Track the 40 universal roots to this mechanism at random complex joint values."""
-    from symkin.enumeration.algebraic import vectorise
-
-    rng = np.random.default_rng(seed)
-    _, k = random_point(problem, system, rng, near=True)
-    scale = np.array([1.0 if c.is_angular else system.size for c in problem.known_coordinates])
-    data = np.zeros((1, int(distances.shape[0]), 1), dtype=complex)
-    vectorise(ca.Function("distances", [joints], [ca.densify(distances)]))((k * scale)[:, None], data)
-    z, _, unresolved = machine_start(data[0, :, 0].reshape(6, 7) / system.size)
-    if unresolved:
+    k = random_known(problem, np.random.default_rng(seed), near=True)
+    z, _, unresolved = machine_start(k)
+    if unresolved or z.shape[1] == 0:
         return None
     ends, last = newton(system, z, k)
-    if z.shape[1] == 0 or np.max(last) > 1e-9:
-        return None
-    return Fibre(ends, k, np.zeros(z.shape[1], dtype=int), float("inf"), 0, seed)
+    return Fibre(ends, k, np.zeros(z.shape[1], dtype=int), float("inf"), 0, seed) if np.max(last) < 1e-9 else None
 
 
 def _by_monodromy(
@@ -128,13 +119,12 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
             continue
         ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
         wanted = np.concatenate([np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1)
-        distance = np.max(np.abs(system.features(wanted)[:, None] - system.features(ends)[None]), axis=2).min(axis=1)
-        back = track(system, wanted[:, distance > 1e-6], k.astype(complex), start.k, settings)
+        back = track(system, wanted[:, uncovered(system, ends, wanted) < 0], k.astype(complex), start.k, settings)
         missing = np.concatenate([missing, back.z[:, back.arrived]], axis=1)
     if missing.shape[1] == 0:
         return missing
     everything = np.concatenate([start.z, missing], axis=1)
-    f = system.features(everything)
+    f = system.all_features(everything)
     first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
     return np.asarray(everything[:, first[first >= start.z.shape[1]]])
 
@@ -147,7 +137,9 @@ def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known
     for z in found.points:
         if block.condition(z, known) < 1e7:
             columns.append(
-                algebraic_point(system, {c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)})
+                algebraic_point(
+                    problem, system, {c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)}
+                )
             )
     return np.array(columns).T.reshape(system.width, len(columns))
 
@@ -170,10 +162,8 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
     if second is None:
         return None
     tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
-    known = system.features(first.z)
     ends = tracked.z[:, tracked.arrived]
-    distance = np.max(np.abs(system.features(ends)[:, None] - known[None]), axis=2).min(axis=1)
-    fresh = ends[:, distance > 1e-6]
+    fresh = ends[:, uncovered(system, first.z, ends) < 0]
     if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
         return None
     start = np.concatenate([first.z, fresh], axis=1)
@@ -183,11 +173,21 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
 # --- files -------------------------------------------------------------------------------------------------------
 
 
+def start_key(problem: Problem, system: AlgebraicSystem) -> str:
+    """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
+    distances = distance_function(problem)
+    return closure_key(system) if distances is None else _hash_of(distances, "six distances")
+
+
 @lru_cache(maxsize=256)
 def closure_key(system: AlgebraicSystem) -> str:
     """Hash of the block's rows: instructions, places and constants."""
     function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
-    digest = hashlib.sha256(f"{_VERSION} {system.projective} {[c.kind for c in system.unknowns]}".encode())
+    return _hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}")
+
+
+def _hash_of(function: ca.Function, text: str) -> str:
+    digest = hashlib.sha256(f"{_VERSION} {text}".encode())
     for i in range(function.n_instructions()):
         op, inputs, outputs = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
         constant = f"{function.instruction_constant(i):.12g}" if op == ca.OP_CONST else ""
@@ -239,7 +239,7 @@ def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
 
 def write_shipped() -> None:
     """Compute the starts of the shipped mechanisms into the package: `python -m symkin.enumeration.start_store`."""
-    from symkin.enumeration.algebraic import algebraic_systems
+    from symkin.enumeration.systems import algebraic_systems
     from symkin.model.file import load, shipped_names
     from symkin.position.problem import build_problem
 
@@ -250,7 +250,7 @@ def write_shipped() -> None:
                 continue
             for system, block in zip(algebraic_systems(problem), problem.blocks, strict=True):
                 start, reason = compute_start(problem, system, block)
-                _write(SHIPPED, closure_key(system), start, reason)
+                _write(SHIPPED, start_key(problem, system), start, reason)
                 print(
                     name,
                     kind,

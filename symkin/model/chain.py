@@ -6,12 +6,12 @@ Matrix products are never formed: a point is carried through the joints one by o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from symkin.model.joint import Joint
-from symkin.model.parameters import ParameterTable
+from symkin.model.parameters import ParameterTable, snapped
 from symkin.model.platform import PlatformPose
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -149,6 +149,10 @@ class JointSymbols:
         pitch = table.scalar(f"{path}.pitch", joint.pitch) if joint.type == "H" else None
         zero = table.scalar(f"{path}.zero", joint.zero) if joint.freedom == 1 else ca.SX(0)
         return JointSymbols(joint, point, axis, axis2, pitch, zero)
+
+    def snapped(self, size: float) -> JointSymbols:
+        """The same joint with constants free of rounding noise."""
+        return replace(self, point=snapped(self.point, size), axis=snapped(self.axis), axis2=snapped(self.axis2))
 
     def steps(self, values: Sequence[ca.SX]) -> tuple[Step, ...]:
         """The displacement for coordinate values, one SX per coordinate of the joint."""

@@ -40,7 +40,6 @@ class Closure:
     pose: Pose
     forward: Pose | None
     idle: tuple[str, ...]
-    kept: tuple[int, ...]
 
     @property
     def size(self) -> float:
@@ -75,7 +74,8 @@ class AlgebraicClosure:
     `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a quaternion it is the closure's
     own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
     point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
-    point of each row (7 numbers a row) as expressions of the joints.
+    point of each row (7 numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated` gives the
+    values of actuated joints that were cut by the others.
     """
 
     closure: Closure
@@ -84,6 +84,8 @@ class AlgebraicClosure:
     rows: ca.SX
     form: PoseForm | None
     distances: ca.SX | None
+    coordinates: tuple[Coordinate, ...]
+    eliminated: tuple[tuple[Coordinate, ca.SX], ...]
 
 
 @lru_cache(maxsize=128)
@@ -95,9 +97,10 @@ def build_closure(mechanism: Mechanism) -> Closure:
 
 
 @lru_cache(maxsize=128)
-def build_algebraic_closure(mechanism: Mechanism, form: PoseForm) -> AlgebraicClosure:
-    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`."""
-    builder = RowBuilder(mechanism, form)
+def build_algebraic_closure(mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False) -> AlgebraicClosure:
+    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
+    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown."""
+    builder = RowBuilder(mechanism, form, eliminate=eliminate)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))
 
@@ -115,7 +118,7 @@ def _assemble(builder: RowBuilder) -> Closure:
     rows, sources = ca.vertcat(*(builder.rows[k] for k in kept)), tuple(builder.sources[k] for k in kept)
     return Closure(
         builder.mechanism, coordinates, variables, symbols, names, values, rows, sources,
-        ca.vertcat(*builder.errors), builder.pose, builder.forward, tuple(text for text in builder.idle if text), kept,
+        ca.vertcat(*builder.errors), builder.pose, builder.forward, tuple(text for text in builder.idle if text),
     )  # fmt: skip
 
 
@@ -146,18 +149,19 @@ def _nonzero_rows(
 
 
 def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosure:
-    rows = ca.vertcat(*(builder.rows[k] for k in closure.kept))
-    joints = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.role("actuated", "passive")))
-    everything = ca.vertcat(*builder.table.symbols)
-    bound = ca.substitute(rows, everything, ca.SX(ca.DM(builder.table.values)))
+    coordinates = tuple(c for c in closure.role("actuated", "passive") if c.name in builder.coordinates)
+    joints = ca.vertcat(*(builder.coordinates[c.name][1] for c in coordinates))
     if builder.form is None:
         pose = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.role("pose")))
     else:
         pose = builder.pose_symbols
-    distances = None
-    if len(builder.distances) == len(builder.rows) and not closure.role("passive"):
-        distances = ca.substitute(ca.vertcat(*builder.distances), everything, ca.SX(ca.DM(builder.table.values)))
-    return AlgebraicClosure(closure, joints, pose, bound, builder.form, distances)
+    nothing = ca.SX(0, 1)
+    variables = ca.vertcat(joints, pose)
+    kept = _nonzero_rows(builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0))
+    rows = ca.vertcat(*(builder.rows[k] for k in kept))
+    all_distances = len(builder.distances) == len(builder.rows) and not closure.role("passive")
+    distances = ca.vertcat(*builder.distances) if all_distances else None
+    return AlgebraicClosure(closure, joints, pose, rows, builder.form, distances, coordinates, tuple(builder.eliminated))
 
 
 def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:

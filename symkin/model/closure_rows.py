@@ -23,7 +23,7 @@ from symkin.model.dh import reference_frames
 from symkin.model.joint import Coordinate
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.model.parameters import ParameterTable
+from symkin.model.parameters import ParameterTable, snapped
 from symkin.model.platform import HomogeneousPose, PlatformPose, StudyPose, UnitPose
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -39,6 +39,7 @@ _POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
 
 
 PoseForm = Literal["study", "homogeneous"]
+"""Algebraic forms of the pose: "study" where it is unknown, "homogeneous" where it is given."""
 
 
 @dataclass(frozen=True)
@@ -52,21 +53,26 @@ class Row:
 class RowBuilder:
     """Collects coordinates, parameters, rows and their checks while it walks a mechanism's limbs."""
 
-    def __init__(self, mechanism: Mechanism, form: PoseForm | None = None) -> None:
+    def __init__(self, mechanism: Mechanism, form: PoseForm | None = None, *, eliminate: bool = False) -> None:
         self.mechanism = mechanism
         self.form = form if mechanism.motion in ("spatial", "spherical") else None
-        self.table = ParameterTable()
+        self.eliminate = eliminate
+        self.table = ParameterTable(bound=form is not None)
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
         self.errors: list[ca.SX] = []
         self.idle: list[str] = []
         self.distances: list[ca.SX] = []
+        self.eliminated: list[tuple[Coordinate, ca.SX]] = []
         self.forward: Pose | None = None
 
     def build_rows(self) -> None:
         m = self.mechanism
         joints, tool = self._geometry()
+        if self.table.bound:
+            joints = {name: [symbols.snapped(m.size) for symbols in chain] for name, chain in joints.items()}
+            tool = Pose(snapped(tool.position, m.size), snapped(tool.quaternion))
         self.limb_joints = joints
         self._declare_pose(tool)
         for limb in m.limbs:
@@ -182,6 +188,9 @@ class RowBuilder:
             self._two_balls(limb, joints, balls[0], balls[-1])
             return
         cut = _cut_index(joints)
+        eliminated = cut is None and self.eliminate
+        if eliminated:
+            cut = _middle_turn(joints)
         base = Chain(self._steps(joints if cut is None else joints[:cut]))
         after = () if cut is None else self._steps(joints[cut + 1 :])
         platform = self._platform_side(after)
@@ -189,6 +198,9 @@ class RowBuilder:
             self._none_cut(limb.name, base, platform)
         else:
             self._cut(limb.name, joints[cut], base, platform)
+            if eliminated:
+                self.eliminated.append(_angle_of_cut(joints[cut], base, platform))
+                return
             self.idle.extend(f"{limb.name}: {c.name} (cut)" for c in joints[cut].joint.coordinates)
 
     def _rods(self, limb: Limb, joints: list[JointSymbols]) -> None:
@@ -267,6 +279,19 @@ def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX
     u = cross(ca.vertcat(*helper), axis)
     u = u / ca.sqrt(dot(u, u))
     return u, cross(axis, u)
+
+
+def _angle_of_cut(symbols: JointSymbols, base: Chain, platform: PlatformSide) -> tuple[Coordinate, ca.SX]:
+    """Coordinate of a revolute joint that was cut: e = q_B* q_P is a turn about its axis, tan(angle / 2) = a.e / e_0."""
+    e = multiply(conjugate(base.quaternion), platform.quaternion)
+    return symbols.joint.coordinates[0], 2 * ca.atan2(dot(symbols.axis, e[1:]), e[0]) + symbols.zero
+
+
+def _middle_turn(joints: Sequence[JointSymbols]) -> int | None:
+    """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows, and both sides are
+    short."""
+    turns = [i for i, symbols in enumerate(joints) if symbols.joint.type == "R"]
+    return min(turns, key=lambda i: abs(2 * i - len(joints) + 1), default=None)
 
 
 def _cut_index(joints: Sequence[JointSymbols]) -> int | None:

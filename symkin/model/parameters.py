@@ -6,18 +6,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
+import numpy as np
+
+_NOISE = 4e-15
+"""cos(pi / 2) is 6e-17 in double precision; some products of such numbers gather a little more."""
 
 
 @dataclass
 class ParameterTable:
-    """Collects parameters by key path (`leg1.base.x`, `dh.3.a`) while a closure is built."""
+    """Collects parameters by key path (`leg1.base.x`, `dh.3.a`) while a closure is built. A `bound` table gives numbers
+    in place of symbols, so that what follows from them folds."""
 
     names: list[str] = field(default_factory=list)
     symbols: list[ca.SX] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
+    bound: bool = False
 
     def scalar(self, path: str, value: float) -> ca.SX:
-        symbol = ca.SX.sym(path)
+        symbol = ca.SX(float(value)) if self.bound else ca.SX.sym(path)
         self.names.append(path)
         self.symbols.append(symbol)
         self.values.append(float(value))
@@ -30,3 +36,13 @@ class ParameterTable:
         """Three parameters, normalised in the formula, so that calibration may move each of them."""
         raw = self.vector(path, value)
         return raw / ca.sqrt(ca.dot(raw, raw))
+
+
+def snapped(numbers: ca.SX | None, scale: float = 1.0) -> ca.SX | None:
+    """Constants without the rounding noise of trigonometry: what is within 4e-15 of 0, 1 or -1 times the scale is that.
+    Symbols stay as they are."""
+    if numbers is None or not numbers.is_constant():
+        return numbers
+    values = np.asarray(ca.DM(numbers)) / scale
+    nearest = np.clip(np.round(values), -1.0, 1.0)
+    return ca.SX(ca.DM(scale * np.where(np.abs(values - nearest) < _NOISE, nearest, values)))

@@ -1,6 +1,6 @@
 """A position problem: a partition of the closure's variables into known and unknown.
 
-direct:  known q, unknown (x, X);   inverse:  known X, unknown (q, x).
+direct: known q, unknown (x, X); inverse: known X, unknown (q, x).
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from symkin.position.rank import Rank
 from symkin.position.system import System, constant_rows, split_blocks
 
 Kind = Literal["direct", "inverse"]
+KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
+"""Role of the known coordinates; all others are unknown."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The direct or inverse problem of one mechanism; values of the known coordinates are bound at each solve."""
+    """A position problem of one mechanism; values of the known coordinates are bound at each solve."""
 
     closure: Closure
     kind: Kind
@@ -35,7 +37,7 @@ class Problem:
 
     @cached_property
     def known_coordinates(self) -> tuple[Coordinate, ...]:
-        return self.closure.role("actuated" if self.kind == "direct" else "pose")
+        return self.closure.role(KNOWN[self.kind])
 
     @cached_property
     def blocks(self) -> tuple[System, ...]:
@@ -100,13 +102,11 @@ class Problem:
 def build_problem(mechanism: Mechanism, kind: Kind) -> Problem:
     """The problem of a mechanism; built once for each mechanism and kind."""
     closure = build_closure(mechanism)
-    unknown_roles = ("passive", "pose") if kind == "direct" else ("actuated", "passive")
-    known_role = "actuated" if kind == "direct" else "pose"
-    unknowns = closure.role(*unknown_roles)
+    unknowns = tuple(c for c in closure.coordinates if c.role != KNOWN[kind])
     system = System(
         unknowns,
         _stack(closure, unknowns),
-        _stack(closure, closure.role(known_role)),
+        _stack(closure, closure.role(KNOWN[kind])),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.size,

@@ -1,0 +1,110 @@
+"""The algebraic systems of a problem: its blocks over the complex numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.six_distances import distance_data, universal_system
+from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
+from symkin.model.joint import Coordinate
+from symkin.position.problem import KNOWN, Problem
+from symkin.position.system import System, components
+
+
+@lru_cache(maxsize=64)
+def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
+    """The blocks of a problem over the complex numbers. Platforms held by six distances share one system, whose known
+    values are lengths and points."""
+    if distance_data(problem) is not None:
+        return (universal_system(),)
+    pose_unknown = problem.kind == "direct"
+    algebraic = build_algebraic_closure(
+        problem.mechanism, "study" if pose_unknown else "homogeneous", eliminate=problem.kind == "inverse"
+    )
+    size = problem.closure.size
+    known_role = KNOWN[problem.kind]
+    symbols = {c.name: algebraic.joints[k] for k, c in enumerate(algebraic.coordinates)}
+    unknowns = tuple(c for c in algebraic.coordinates if c.role != known_role)
+    known = tuple(c for c in algebraic.coordinates if c.role == known_role)
+    z_parts, k_parts = [symbols[c.name] for c in unknowns], [symbols[c.name] for c in known]
+    scale_z, scale_k = _scales(unknowns, size), _scales(known, size)
+    pose_scale = _pose_scale(algebraic, problem.closure.role("pose"), size)
+    rows = list(ca.vertsplit(algebraic.rows))
+    projective: tuple[int, ...] = ()
+    affine = unknowns
+    if pose_unknown:
+        if algebraic.form is None:
+            affine = (*unknowns, *problem.closure.role("pose"))
+        else:
+            width = int(algebraic.pose.shape[0])
+            projective = tuple(range(len(unknowns), len(unknowns) + width))
+            if width == 8:
+                rows.append(ca.dot(algebraic.pose[:4], algebraic.pose[4:]))
+        z_parts.append(algebraic.pose)
+        scale_z += pose_scale
+    else:
+        k_parts.append(algebraic.pose)
+        scale_k += pose_scale
+    z, k = ca.vertcat(*z_parts), ca.vertcat(*k_parts)
+    scaled = ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))
+    eliminated = tuple(e for e in algebraic.eliminated if e[0].role != known_role)
+    expressions = ca.substitute(ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled)
+    whole = AlgebraicSystem(size, affine, z, k, expressions[: len(rows)], projective)
+    if pose_unknown and len(problem.blocks) == 1:
+        whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
+    cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
+    return _blocks(whole, cut)
+
+
+def system_of(problem: Problem, block: System) -> AlgebraicSystem:
+    """The algebraic system of one block of a problem."""
+    names = {c.name for c in block.unknowns}
+    return next(system for system in algebraic_systems(problem) if _covers(system, names))
+
+
+def _covers(system: AlgebraicSystem, names: set[str]) -> bool:
+    """The algebraic block has the coordinates of a real block: its affine ones, and the pose if it is projective."""
+    pose = {n for n in names if n.startswith("pose.")}
+    affine = {c.name for c in system.unknowns} | {c.name for c, _ in system.eliminated}
+    return affine == names or (bool(system.projective) and affine == names - pose)
+
+
+def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
+    return [1.0 if c.is_angular else size for c in coordinates]
+
+
+def _limbs(whole: AlgebraicSystem, count: int) -> tuple[tuple[int, ...], ...]:
+    """The first `count` unknowns, which are joints, in groups that a known pose separates."""
+    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z[:count]), 1)) != 0
+    return tuple(tuple(sorted(g)) for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count))
+
+
+def _blocks(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...]) -> tuple[AlgebraicSystem, ...]:
+    """Independent parts; rows without unknowns (conditions on the given values) belong to none. `cut` are eliminated
+    coordinates and their values: each goes to the block of the joints beside it."""
+    if whole.projective or whole.limbs:
+        return (whole,)
+    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z), 1)) != 0
+    blocks = []
+    for group in components([set(np.flatnonzero(row).tolist()) for row in pattern], whole.width):
+        places = sorted(group)
+        rows = [i for i in range(whole.count) if pattern[i, places].any()]
+        unknowns = tuple(whole.unknowns[i] for i in places)
+        mine = tuple((c, value) for c, value in cut if ca.depends_on(value, whole.z[places]))
+        blocks.append(AlgebraicSystem(whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine))
+    return tuple(blocks)
+
+
+def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float) -> list[float]:
+    if algebraic.form is None:
+        return [1.0 if c.is_angular else size for c in pose]
+    width = int(algebraic.pose.shape[0])
+    if width == 4:
+        return [1.0] * 4
+    return [1.0] * 4 + [size] * 4 if width == 8 else [size] * 3 + [1.0] * 4

@@ -1,0 +1,57 @@
+"""The start of every platform held by six distances.
+
+With lengths and all points complex and random there are 40 roots, the most that any such platform has (Ronga and Vust
+1992). They are tracked to any machine; those of special machines that run to e = 0 are at infinity.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from symkin.enumeration.monodromy import Fibre, fibre
+from symkin.enumeration.six_distances import universal_system
+from symkin.enumeration.tracker import TrackSettings, track
+from symkin.spatial.rotation import multiply
+
+BOUND = 40
+DATA = Path(__file__).resolve().parent / "data" / "six_distances.npz"
+
+
+@lru_cache(maxsize=1)
+def universal_start() -> Fibre:
+    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
+    data = np.load(DATA)
+    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+
+
+def compute_universal_start(seed: int = 0) -> Fibre:
+    """Monodromy in lengths and geometry until the bound of 40 is reached."""
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
+        def noise(n: int) -> np.ndarray:
+            return np.asarray((rng.normal(size=n) + 1j * rng.normal(size=n)) / np.sqrt(2))
+
+        e = noise(4)
+        t = np.concatenate([[0.0], noise(3)])
+        return np.concatenate([e, 0.5 * multiply(t, e)]), noise(42)
+
+    system = universal_system()
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
+    if found is None or found.z.shape[1] != BOUND:
+        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
+    return found
+
+
+def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
+    """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each distance; how many of
+    the 40 paths ran to e = 0, and how many are unresolved."""
+    start, system = universal_start(), universal_system()
+    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
+    tracked = track(system, start.z, start.k, data, settings)
+    rotation = np.linalg.norm(tracked.z[:4], axis=0)
+    arrived = tracked.arrived & (rotation > 1e-6)
+    infinite = ~arrived & (rotation < 0.05) & (tracked.s > 0.99)
+    return tracked.z[:, arrived], int(infinite.sum()), int(np.sum(~arrived & ~infinite))

@@ -1,0 +1,59 @@
+"""Between the coordinates of a problem and the points (z, k) of its algebraic system."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.six_distances import distance_data
+from symkin.model.joint import Coordinate
+from symkin.position.problem import Problem
+from symkin.spatial.rotation import conjugate, multiply
+
+
+def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+    """What a number of each coordinate is divided by: the size for lengths."""
+    size = problem.closure.size
+    parts = [np.full(c.width, 1.0 if c.is_angular or c.kind == "quaternion" else size) for c in coordinates]
+    return np.concatenate([*parts, np.zeros(0)])
+
+
+def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
+    """Known values of a problem, real or complex, as the algebraic system takes them."""
+    data = distance_data(problem)
+    if data is not None:
+        return data(known)
+    return np.asarray(known / coordinate_scale(problem, problem.known_coordinates))
+
+
+def real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
+    """Coordinates of the block (radians, length unit, unit quaternion) from a root at k that is real up to rounding."""
+    size = problem.closure.size
+    values = {c.name: np.array([z[i].real * (1.0 if c.is_angular else size)]) for i, c in enumerate(system.unknowns)}
+    if system.eliminated:
+        angles = system.angles_eliminated.call([z.real, k.real])
+        values |= {c.name: np.asarray(angle).ravel() for (c, _), angle in zip(system.eliminated, angles, strict=True)}
+    if system.projective:
+        ray = _real_ray(z[list(system.projective)])
+        length = np.linalg.norm(ray[:4])
+        values["pose.quaternion"] = ray[:4] / length
+        if len(ray) == 8:
+            position = 2 * size * multiply(ray[4:] / length, conjugate(ray[:4] / length))[1:]
+            values |= {f"pose.{axis}": position[i : i + 1] for i, axis in enumerate("xyz")}
+    return values
+
+
+def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
+    """z of a real root given as coordinates of the block: the inverse of `real_values`."""
+    z = [values[c.name] / (1.0 if c.is_angular else problem.closure.size) for c in system.unknowns]
+    if system.projective:
+        e = values["pose.quaternion"]
+        z.append(e)
+        if len(system.projective) == 8:
+            t = np.concatenate([[0.0], *(values[f"pose.{axis}"] / problem.closure.size for axis in "xyz")])
+            z.append(0.5 * multiply(t, e))
+    return np.concatenate(z).astype(complex)
+
+
+def _real_ray(ray: np.ndarray) -> np.ndarray:
+    return np.asarray((ray / ray[np.argmax(np.abs(ray))]).real)
