@@ -25,6 +25,7 @@ MOST_ROOTS = 130
 MOST_WORK = 1.5e7
 """More roots than MOST_ROOTS, or steps of all loops times the instructions of a step's evaluation, weighed by the count of paths, beyond which a search
 is given up: about a minute. A count, not a clock, so that the same input gives the same answer."""
+_MOST_ORBIT_LOOPS = 40
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
 """Draws a complex point (z, k), near the reference or not."""
 
@@ -159,13 +160,13 @@ def random_point(
             t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.size + _noise(3, rng, near)])
             ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
         z = np.concatenate([z, ray])
-    return z, random_known(problem, rng, near=near)
+    return z, known_values(problem, random_known(problem, rng, near=near))
 
 
 def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> np.ndarray:
-    """Complex known values, as the algebraic system takes them."""
+    """Complex values of the known coordinates, in the length unit and radians."""
     known = _about_reference(problem, problem.known_coordinates, rng, near)
-    return known_values(problem, known * coordinate_scale(problem, problem.known_coordinates))
+    return np.asarray(known * coordinate_scale(problem, problem.known_coordinates))
 
 
 def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng: np.random.Generator, near: bool) -> np.ndarray:
@@ -177,8 +178,7 @@ def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng:
 
 
 def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
-    gauss = rng.normal(size=count) + 1j * rng.normal(size=count)
-    return np.asarray((0.5 if near else 1.5) * gauss / np.sqrt(2) + 0.3j * rng.choice([-1, 1], count))
+    return np.asarray((0.5 if near else 1.5) * gauss(count, rng) + 0.3j * rng.choice([-1, 1], count))
 
 
 def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
@@ -204,7 +204,7 @@ def fibre(
     while loops < most_loops and evidence < needed and (bound is None or found.z.shape[1] < bound):
         loops += 1
         before = found.z.shape[1]
-        ends, arrived, steps = _loop(system, found.z, k0, points, rng)
+        ends, arrived, steps = _loop(system, found.z, k0, rng)
         work += steps * system.cost * (1 + before / 100)
         if work > MOST_WORK or found.z.shape[1] > MOST_ROOTS:
             raise TooManyRootsError(found.z.shape[1])
@@ -250,16 +250,26 @@ def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, 
     return tracked.z[:, 0] if tracked.arrived[0] else None
 
 
-def _loop(
-    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, points: Points, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray, int]:
+def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:
     """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
-    radius = 0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform()
-    corners = [k0 + radius * (rng.normal(size=len(k0)) + 1j * rng.normal(size=len(k0))) / np.sqrt(2) for _ in range(2)]
+    radius = loop_radius(rng)
+    return around(system, z, [k0, k0 + radius * gauss(len(k0), rng), k0 + radius * gauss(len(k0), rng), k0])
+
+
+def loop_radius(rng: np.random.Generator) -> float:
+    """Log-uniform between 0.7 and 5 sizes (or radians), at times up to 30."""
+    return float(0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform())
+
+
+def gauss(count: int, rng: np.random.Generator) -> np.ndarray:
+    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
+
+
+def around(system: AlgebraicSystem, z: np.ndarray, corners: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:
+    """Roots z tracked along a closed polygon; ends, which of them arrived, and steps."""
     steps = 0
     arrived = np.ones(z.shape[1], dtype=bool)
-    path = [k0, *corners, k0]
-    for begin, end in pairwise(path):
+    for begin, end in pairwise(corners):
         tracked = track(system, z[:, arrived], begin, end)
         steps += tracked.steps
         next_z = z.copy()
@@ -267,10 +277,28 @@ def _loop(
         z = next_z
         arrived[np.flatnonzero(arrived)[~tracked.arrived]] = False
     if arrived.any():
-        polished, last = newton(system, z[:, arrived], k0)
+        polished, last = newton(system, z[:, arrived], corners[0])
         z[:, np.flatnonzero(arrived)] = polished
         arrived[np.flatnonzero(arrived)[last > 1e-9]] = False
     return z, arrived, steps
+
+
+def orbits(
+    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 6.0
+) -> np.ndarray:
+    """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
+    connection is `needed`."""
+    found, evidence, count = _Found.of(system, z), 0.0, 0
+    while evidence < needed and count < _MOST_ORBIT_LOOPS:
+        before = len({found.orbit(pose) for pose in found.poses})
+        if before == 1:
+            break
+        ends, arrived, _ = around(system, found.z, [k0, corner(), corner(), k0])
+        count += 1
+        moved, _ = _absorb(found, ends, arrived & (found.match(ends) >= 0))
+        same = len({found.orbit(pose) for pose in found.poses}) == before
+        evidence = evidence - np.log10(1 - min(moved / z.shape[1], 1 - 1e-3)) if same else 0.0
+    return np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
 
 
 def _absorb(found: _Found, ends: np.ndarray, arrived: np.ndarray) -> tuple[int, int]:

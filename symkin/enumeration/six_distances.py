@@ -48,7 +48,8 @@ def distance_function(problem: Problem) -> ca.Function | None:
 
 @lru_cache(maxsize=128)
 def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Known values of `universal_system` from known joints, real or complex, lengths in units of the size."""
+    """Length, base point and platform point of each distance (42 numbers, in units of the size) from known joints, real
+    or complex."""
     function = distance_function(problem)
     if function is None:
         return None
@@ -60,6 +61,17 @@ def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None
         return np.asarray(numbers[0, :, 0] / size)
 
     return data
+
+
+@lru_cache(maxsize=128)
+def is_universal(problem: Problem) -> bool:
+    """Whether straight lines in the joints are straight lines in the distances' data, so that paths of
+    `universal_system` stay within the mechanism: lengths and slides move, turning joints do not."""
+    function = distance_function(problem)
+    if function is None:
+        return False
+    joints = ca.SX.sym("q", function.numel_in(0))
+    return not any(ca.which_depends(function(joints), joints, 2, False))
 
 
 def __getattr__(name: str):  # type: ignore  # moved: kept here until all callers are

@@ -10,6 +10,7 @@ import hashlib
 import io
 import os
 import tempfile
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
@@ -19,13 +20,24 @@ import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import uncovered
-from symkin.enumeration.monodromy import Fibre, Points, TooManyRootsError, fibre, full_linearisation, random_known, random_point
+from symkin.enumeration.monodromy import (
+    Fibre,
+    Points,
+    TooManyRootsError,
+    fibre,
+    full_linearisation,
+    gauss,
+    loop_radius,
+    orbits,
+    random_known,
+    random_point,
+)
 from symkin.enumeration.multistart import batched
 from symkin.enumeration.roots import merge
-from symkin.enumeration.six_distances import distance_data, distance_function
+from symkin.enumeration.six_distances import distance_data, distance_function, is_universal
 from symkin.enumeration.tracker import TrackSettings, newton, track
 from symkin.enumeration.universal_start import machine_start
-from symkin.enumeration.values import algebraic_point, known_values
+from symkin.enumeration.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.mobility import analyse_mobility, closed_configurations
@@ -57,8 +69,9 @@ def compute_start(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by monodromy."""
-    if distance_data(problem) is not None:
-        found = next((f for f in (_from_universal(problem, system, seed) for seed in range(3)) if f is not None), None)
+    data = distance_data(problem)
+    if data is not None:
+        found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
         return found, "" if found is not None else "paths from the universal start of six distances are unresolved"
     try:
         return _by_monodromy(problem, system, block, progress)
@@ -66,14 +79,26 @@ def compute_start(
         return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
 
 
-def _from_universal(problem: Problem, system: AlgebraicSystem, seed: int) -> Fibre | None:
-    """Track the 40 universal roots to this mechanism at random complex joint values."""
-    k = random_known(problem, np.random.default_rng(seed), near=True)
-    z, _, unresolved = machine_start(k)
+def _from_universal(
+    problem: Problem, system: AlgebraicSystem, data: Callable[[np.ndarray], np.ndarray], seed: int
+) -> Fibre | None:
+    """Track the 40 universal roots to this mechanism at random complex joint values; loops there show its orbits."""
+    rng = np.random.default_rng(seed)
+    joints = random_known(problem, rng, near=True)
+    k = known_values(problem, joints)
+    z, _, unresolved = machine_start(data(joints))
     if unresolved or z.shape[1] == 0:
         return None
     ends, last = newton(system, z, k)
-    return Fibre(ends, k, np.zeros(z.shape[1], dtype=int), float("inf"), 0, seed) if np.max(last) < 1e-9 else None
+    if np.max(last) > 1e-9:
+        return None
+
+    scale = coordinate_scale(problem, problem.known_coordinates)
+
+    def corner() -> np.ndarray:
+        return known_values(problem, joints + loop_radius(rng) * scale * gauss(len(joints), rng))
+
+    return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
 
 
 def _by_monodromy(
@@ -175,7 +200,7 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
 
 def start_key(problem: Problem, system: AlgebraicSystem) -> str:
     """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
-    distances = distance_function(problem)
+    distances = distance_function(problem) if is_universal(problem) else None
     return closure_key(system) if distances is None else _hash_of(distances, "six distances")
 
 

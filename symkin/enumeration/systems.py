@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.six_distances import distance_data, universal_system
+from symkin.enumeration.six_distances import is_universal, universal_system
 from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.model.joint import Coordinate
 from symkin.position.problem import KNOWN, Problem
@@ -19,9 +19,9 @@ from symkin.position.system import System, components
 
 @lru_cache(maxsize=64)
 def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
-    """The blocks of a problem over the complex numbers. Platforms held by six distances share one system, whose known
-    values are lengths and points."""
-    if distance_data(problem) is not None:
+    """The blocks of a problem over the complex numbers. Platforms held by six rods share one system, whose known values
+    are lengths and points."""
+    if is_universal(problem):
         return (universal_system(),)
     pose_unknown = problem.kind == "direct"
     algebraic = build_algebraic_closure(

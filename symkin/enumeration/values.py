@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.six_distances import distance_data
+from symkin.enumeration.six_distances import distance_data, is_universal
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import conjugate, multiply
@@ -20,7 +20,7 @@ def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> n
 
 def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Known values of a problem, real or complex, as the algebraic system takes them."""
-    data = distance_data(problem)
+    data = distance_data(problem) if is_universal(problem) else None
     if data is not None:
         return data(known)
     return np.asarray(known / coordinate_scale(problem, problem.known_coordinates))
