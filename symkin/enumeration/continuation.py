@@ -14,6 +14,7 @@ import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import complex_count, real_candidates
+from symkin.enumeration.dyads import dyads_of, with_dyads
 from symkin.enumeration.instance import instance
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.multistart import batched
@@ -71,7 +72,8 @@ def _block_roots(
     singular, random starts look for what they missed and for sets that are not isolated."""
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
-    named = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, ends.z).T]
+    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, ends.z).T]
+    named = [values for root in real for values in with_dyads(problem, given.values, root)]
     found = _polished(block, given.values, named)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     if ends.unresolved or ends.singular or not len(points):
@@ -83,7 +85,7 @@ def _block_roots(
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     return Roots(
         block, points[first], None, smallest, continuum=continuum, sampled=False,
-        complex_count=complex_count(algebraic, ends.z), unresolved=ends.unresolved,
+        complex_count=complex_count(algebraic, ends.z) * 2 ** len(dyads_of(problem)), unresolved=ends.unresolved,
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.dyads import dyads_of
 from symkin.enumeration.six_distances import is_universal, universal_system
 from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.model.joint import Coordinate
@@ -64,7 +65,7 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
     """The algebraic system of one block of a problem."""
-    names = {c.name for c in block.unknowns}
+    names = {c.name for c in block.unknowns} - {c.name for d in dyads_of(problem) for c in d.coordinates}
     return next(system for system in algebraic_systems(problem) if _covers(system, names))
 
 

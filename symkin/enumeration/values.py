@@ -34,12 +34,17 @@ def real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.
         angles = system.angles_eliminated.call([z.real, k.real])
         values |= {c.name: np.asarray(angle).ravel() for (c, _), angle in zip(system.eliminated, angles, strict=True)}
     if system.projective:
-        ray = _real_ray(z[list(system.projective)])
-        length = np.linalg.norm(ray[:4])
-        values["pose.quaternion"] = ray[:4] / length
-        if len(ray) == 8:
-            position = 2 * size * multiply(ray[4:] / length, conjugate(ray[:4] / length))[1:]
-            values |= {f"pose.{axis}": position[i : i + 1] for i, axis in enumerate("xyz")}
+        values |= _pose_values(z[list(system.projective)], size)
+    return values
+
+
+def _pose_values(ray: np.ndarray, size: float) -> dict[str, np.ndarray]:
+    ray = (ray / ray[np.argmax(np.abs(ray))]).real
+    ray = ray / np.linalg.norm(ray[:4])
+    values = {"pose.quaternion": ray[:4]}
+    if len(ray) == 8:
+        position = 2 * size * multiply(ray[4:], conjugate(ray[:4]))[1:]
+        values |= {f"pose.{axis}": position[i : i + 1] for i, axis in enumerate("xyz")}
     return values
 
 
@@ -53,7 +58,3 @@ def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str,
             t = np.concatenate([[0.0], *(values[f"pose.{axis}"] / problem.closure.size for axis in "xyz")])
             z.append(0.5 * multiply(t, e))
     return np.concatenate(z).astype(complex)
-
-
-def _real_ray(ray: np.ndarray) -> np.ndarray:
-    return np.asarray((ray / ray[np.argmax(np.abs(ray))]).real)

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 import casadi as ca
 import numpy as np
 
-from symkin.model.closure_rows import PoseForm, Row, RowBuilder
+from symkin.model.closure_rows import Dyad, PoseForm, Row, RowBuilder
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -75,7 +75,7 @@ class AlgebraicClosure:
     own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
     point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
     point of each row (7 numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated` gives the
-    values of actuated joints that were cut by the others.
+    values of actuated joints that were cut by the others, `dyads` stand for universal joints that distances replace.
     """
 
     closure: Closure
@@ -86,6 +86,7 @@ class AlgebraicClosure:
     distances: ca.SX | None
     coordinates: tuple[Coordinate, ...]
     eliminated: tuple[tuple[Coordinate, ca.SX], ...]
+    dyads: tuple[Dyad, ...]
 
 
 @lru_cache(maxsize=128)
@@ -159,9 +160,11 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
     variables = ca.vertcat(joints, pose)
     kept = _nonzero_rows(builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0))
     rows = ca.vertcat(*(builder.rows[k] for k in kept))
-    all_distances = len(builder.distances) == len(builder.rows) and not closure.role("passive")
+    all_distances = len(builder.distances) == len(builder.rows) and not any(c.role == "passive" for c in coordinates)
     distances = ca.vertcat(*builder.distances) if all_distances else None
-    return AlgebraicClosure(closure, joints, pose, rows, builder.form, distances, coordinates, tuple(builder.eliminated))
+    return AlgebraicClosure(
+        closure, joints, pose, rows, builder.form, distances, coordinates, tuple(builder.eliminated), tuple(builder.dyads)
+    )
 
 
 def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:

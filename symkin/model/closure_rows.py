@@ -27,7 +27,7 @@ from symkin.model.parameters import ParameterTable, snapped
 from symkin.model.platform import HomogeneousPose, PlatformPose, StudyPose, UnitPose
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply
+from symkin.spatial.rotation import conjugate, multiply, rotate
 
 _POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
     "spatial": (("x", "length"), ("y", "length"), ("z", "length"), ("quaternion", "quaternion")),
@@ -40,6 +40,19 @@ _POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
 
 PoseForm = Literal["study", "homogeneous"]
 """Algebraic forms of the pose: "study" where it is unknown, "homogeneous" where it is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dyad:
+    """A passive universal joint and the spherical joint beyond it, as one distance. The joint's angles follow from
+    Turn(axis, first) Turn(axis2, second) arm = target, which has two solutions; `arm` and `target` are expressions of the
+    known joints and the pose, in the frame before the universal joint."""
+
+    coordinates: tuple[Coordinate, Coordinate]
+    axis: ca.SX
+    axis2: ca.SX
+    arm: ca.SX
+    target: ca.SX
 
 
 @dataclass(frozen=True)
@@ -65,6 +78,7 @@ class RowBuilder:
         self.idle: list[str] = []
         self.distances: list[ca.SX] = []
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
+        self.dyads: list[Dyad] = []
         self.forward: Pose | None = None
 
     def build_rows(self) -> None:
@@ -188,6 +202,10 @@ class RowBuilder:
             self._two_balls(limb, joints, balls[0], balls[-1])
             return
         cut = _cut_index(joints)
+        hinge = _dyad_index(joints, cut) if self.form == "study" else None
+        if hinge is not None and cut is not None:
+            self._dyad(limb, joints, hinge, cut)
+            return
         eliminated = cut is None and self.eliminate
         if eliminated:
             cut = _middle_turn(joints)
@@ -222,6 +240,20 @@ class RowBuilder:
         squared = dot(between, between)
         self._distance(limb.name, (platform.local(joints[last].point), base), ca.sqrt(squared), squared)
         self.idle.append(f"{limb.name}: {joints[first].joint.name}, {joints[last].joint.name} (cut)")
+
+    def _dyad(self, limb: Limb, joints: list[JointSymbols], hinge: int, ball: int) -> None:
+        """Universal joint, known joints, spherical joint: a distance between the centres."""
+        before, symbols = Chain(self._steps(joints[:hinge])), joints[hinge]
+        base = before.move(symbols.point)
+        arm = Chain(self._steps(joints[hinge + 1 : ball])).move(joints[ball].point) - symbols.point
+        platform = self._platform_side(self._steps(joints[ball + 1 :]))
+        squared = dot(arm, arm)
+        self._distance(limb.name, (platform.local(joints[ball].point), base), ca.sqrt(squared), squared)
+        reach = platform.move(joints[ball].point) / platform.weight - base
+        assert symbols.axis is not None and symbols.axis2 is not None  # noqa: S101, PT018 - a universal joint has both
+        first, second = symbols.joint.coordinates
+        target = rotate(conjugate(before.quaternion), reach)
+        self.dyads.append(Dyad((first, second), symbols.axis, symbols.axis2, arm, target))
 
     def _platform_side(self, after: Sequence[Step]) -> PlatformSide:
         return PlatformSide(self.platform_pose, self.reference, tuple(step.inverse() for step in reversed(after)))
@@ -279,6 +311,14 @@ def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX
     u = cross(ca.vertcat(*helper), axis)
     u = u / ca.sqrt(dot(u, u))
     return u, cross(axis, u)
+
+
+def _dyad_index(joints: Sequence[JointSymbols], cut: int | None) -> int | None:
+    """The only passive joint before a spherical cut, if it is universal."""
+    if cut is None or joints[cut].joint.type != "S":
+        return None
+    passive = [i for i, symbols in enumerate(joints) if not symbols.joint.actuated and i != cut]
+    return passive[0] if len(passive) == 1 and passive[0] < cut and joints[passive[0]].joint.type == "U" else None
 
 
 def _angle_of_cut(symbols: JointSymbols, base: Chain, platform: PlatformSide) -> tuple[Coordinate, ca.SX]:

@@ -1,0 +1,126 @@
+"""Poses first, then the branches of the limbs: universal joints as distances, covers of roots, their combinations."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import symkin
+from symkin import Joint, Limb, Mechanism
+from symkin.enumeration.branches import complex_count, cover, real_candidates, uncovered
+from symkin.enumeration.dyads import two_angles
+from symkin.enumeration.monodromy import Fibre
+from symkin.enumeration.start_store import start_of
+from symkin.enumeration.systems import algebraic_systems
+from symkin.position.problem import build_problem
+from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
+
+unit = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1).map(lambda v: np.array(v) / np.linalg.norm(v))
+angle = st.floats(-math.pi, math.pi)
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    """A cache folder of the test's own."""
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
+
+
+def turned(axis, value, v):
+    return rotate(quaternion_from_axis_angle(axis, value), v)
+
+
+@given(unit, unit, angle, angle, unit)
+def test_two_angles_turn_the_arm_onto_its_target(a, b, alpha, beta, v):
+    """Every pair satisfies Turn(a, alpha) Turn(b, beta) v = w, and one of them is the pair that made w."""
+    if np.linalg.norm(np.cross(a, b)) < 0.1:
+        return
+    w = turned(a, alpha, turned(b, beta, v))
+    pairs = two_angles(a, b, v, w)
+    assert 1 <= len(pairs) <= 2
+    for first, second in pairs:
+        np.testing.assert_allclose(turned(a, first, turned(b, second, v)), w, atol=1e-7)
+    if np.linalg.norm(np.cross(b, v)) > 0.1 and np.linalg.norm(np.cross(a, w)) > 0.1:
+        apart = [abs(math.remainder(p - alpha, math.tau)) + abs(math.remainder(q - beta, math.tau)) for p, q in pairs]
+        assert min(apart) < 1e-3
+
+
+def test_a_target_out_of_reach_has_no_angles():
+    """An arm along the second axis only turns on itself: nothing but its own circle about the first axis is met."""
+    assert two_angles(np.eye(3)[2], np.eye(3)[0], np.eye(3)[0], np.eye(3)[2]) == []
+
+
+def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:
+    """The platform of six rods with each rod as U P S, or as R U S with a crank of 60."""
+    rng = np.random.default_rng(0)
+    place = np.array([5.0, -7.0, 300.0])
+    limbs = []
+    for i, rod in enumerate(rods.limbs):
+        foot, ball = np.array(rod.base), np.array(rod.platform) + place
+        hinge = foot if kind == "UPS" else foot + 60 * np.array([0, 0, 1.0])
+        along = (ball - hinge) / np.linalg.norm(ball - hinge)
+        first = np.cross(along, rng.normal(size=3))
+        first /= np.linalg.norm(first)
+        joints = [Joint(f"u{i}", "U", hinge, first, np.cross(first, along)), Joint(f"s{i}", "S", ball)]
+        if kind == "UPS":
+            length = float(np.linalg.norm(ball - hinge))
+            joints.insert(1, Joint(f"p{i}", "P", hinge, along, actuated=True, zero=length))
+        else:
+            joints.insert(0, Joint(f"r{i}", "R", foot, np.cross(along, [0, 0, 1.0]), actuated=True))
+        limbs.append(Limb(f"limb{i}", joints))
+    return Mechanism(f"hexapod_{kind.lower()}", limbs, platform_position=place)
+
+
+def test_rods_and_universal_joints_give_the_same_poses():
+    """A limb U P S is a rod: the same poses, each with 2^6 choices of the universal joints."""
+    rods = symkin.load("zhang2009")
+    by_rods = symkin.modes(rods)
+    by_joints = symkin.modes(joint_hexapod(rods, "UPS"), joints=rods.example.joints)
+    assert (by_joints.poses, len(by_joints)) == (len(by_rods), 64 * len(by_rods))
+    assert by_joints.complex_count == 64 * by_rods.complex_count
+    heights = [sorted(mode.position[2] for mode in found.representatives) for found in (by_rods, by_joints)]
+    np.testing.assert_allclose(heights[0], heights[1], atol=1e-8)
+
+
+def test_a_rotary_hexapod_is_complete():
+    """Six limbs R U S: every mode closes, the reference is among them, no path is unresolved."""
+    mechanism = joint_hexapod(symkin.load("zhang2009"), "RUS")
+    found = symkin.modes(mechanism)
+    assert (found.completeness, found.unresolved_paths) == ("probability one", 0)
+    assert len(found) == 64 * found.poses
+    assert max(mode.residual for mode in found) < 1e-9 * mechanism.size
+    assert min(np.max(np.abs(mode.position - mechanism.reference_pose.position)) for mode in found) < 1e-8
+
+
+def links_start() -> tuple[object, Fibre]:
+    problem = build_problem(symkin.load("zhao2000_links"), "direct")
+    (system,) = algebraic_systems(problem)
+    start, _ = start_of(problem, system, problem.blocks[0])
+    return system, start
+
+
+def test_a_cover_stands_for_all_combinations():
+    """Three limbs of two branches: two roots a pose cover the eight of each of the four poses, and a combination of
+    branches that no root holds is no new root."""
+    system, start = links_start()
+    assert start.z.shape[1] == 8
+    assert complex_count(system, start.z) == 32
+    mixed = start.z[:, :1].copy()
+    poses = system.features(start.z)
+    other = next(j for j in range(1, 8) if np.allclose(poses[j], poses[0], atol=1e-6))
+    limb = list(system.limbs[0])
+    mixed[limb] = start.z[limb, other][:, None]
+    known = np.repeat(start.k[:, None], 1, axis=1)
+    assert np.max(np.abs(system.linearise(mixed, known)[0])) < 1e-9
+    assert uncovered(system, start.z, mixed)[0] >= 0
+    assert cover(system, np.hstack([start.z[:, [0, other]], mixed])).shape[1] == 2
+
+
+def test_real_candidates_are_products_of_real_branches():
+    """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all different."""
+    mechanism = symkin.load("zhao2000_links")
+    found = symkin.modes(mechanism)
+    assert len(found) == 8 * found.poses
+    system, start = links_start()
+    assert real_candidates(system, start.z).shape[1] == 0
