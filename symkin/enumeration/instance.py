@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem, rotation_share
+from symkin.enumeration.engine import newton, track
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.roots import merge
-from symkin.enumeration.tracker import TrackSettings, newton, track
+from symkin.enumeration.tracker import TrackSettings
 
 _AT_INFINITY = 1e-7
 _FADING = 5e-3

@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import SAME, cover, labels_of, uncovered
-from symkin.enumeration.tracker import newton, track
+from symkin.enumeration.engine import newton, track
 from symkin.enumeration.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.levenberg import Progress
@@ -25,7 +25,8 @@ MOST_ROOTS = 130
 MOST_WORK = 1.5e7
 """More roots than MOST_ROOTS, or steps of all loops times the instructions of a step's evaluation, weighed by the count of paths, beyond which a search
 is given up: about a minute. A count, not a clock, so that the same input gives the same answer."""
-_MOST_ORBIT_LOOPS = 40
+_MOST_ORBIT_LOOPS = 60
+"""Loops at most in search of connections between known roots."""
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
 """Draws a complex point (z, k), near the reference or not."""
 
@@ -284,21 +285,21 @@ def around(system: AlgebraicSystem, z: np.ndarray, corners: list[np.ndarray]) ->
 
 
 def orbits(
-    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 6.0
+    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 20.0
 ) -> np.ndarray:
     """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
-    connection is `needed`."""
-    found, evidence, count = _Found.of(system, z), 0.0, 0
-    while evidence < needed and count < _MOST_ORBIT_LOOPS:
+    connection is `needed`. All zero where the loops leave a root alone: that is no evidence of a part of its own."""
+    found, evidence = _Found.of(system, z), 0.0
+    for _ in range(_MOST_ORBIT_LOOPS):
         before = len({found.orbit(pose) for pose in found.poses})
-        if before == 1:
+        if before == 1 or evidence >= needed:
             break
         ends, arrived, _ = around(system, found.z, [k0, corner(), corner(), k0])
-        count += 1
         moved, _ = _absorb(found, ends, arrived & (found.match(ends) >= 0))
         same = len({found.orbit(pose) for pose in found.poses}) == before
         evidence = evidence - np.log10(1 - min(moved / z.shape[1], 1 - 1e-3)) if same else 0.0
-    return np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
+    labels = np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
+    return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
 
 
 def _absorb(found: _Found, ends: np.ndarray, arrived: np.ndarray) -> tuple[int, int]:

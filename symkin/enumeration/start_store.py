@@ -20,6 +20,8 @@ import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import uncovered
+from symkin.enumeration.cache import cache_folder
+from symkin.enumeration.engine import newton, track
 from symkin.enumeration.monodromy import (
     Fibre,
     Points,
@@ -35,7 +37,7 @@ from symkin.enumeration.monodromy import (
 from symkin.enumeration.multistart import batched
 from symkin.enumeration.roots import merge
 from symkin.enumeration.six_distances import distance_data, distance_function, is_universal
-from symkin.enumeration.tracker import TrackSettings, newton, track
+from symkin.enumeration.tracker import TrackSettings
 from symkin.enumeration.universal_start import machine_start
 from symkin.enumeration.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
@@ -96,7 +98,7 @@ def _from_universal(
     scale = coordinate_scale(problem, problem.known_coordinates)
 
     def corner() -> np.ndarray:
-        return known_values(problem, joints + loop_radius(rng) * scale * gauss(len(joints), rng))
+        return known_values(problem, joints + 2.0 * loop_radius(rng) * scale * gauss(len(joints), rng))
 
     return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
 
@@ -220,16 +222,6 @@ def _hash_of(function: ca.Function, text: str) -> str:
     return digest.hexdigest()[:32]
 
 
-def cache_folder() -> Path:
-    """Where starts of the user's own mechanisms are kept."""
-    named = os.environ.get("SYMKIN_CACHE")
-    if named:
-        return Path(named)
-    from platformdirs import user_cache_path
-
-    return Path(user_cache_path("symkin"))
-
-
 def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
     """A kept start whose roots still satisfy the rows, or the reason why there is none; anything else is ignored."""
     for folder in (SHIPPED, cache_folder()):
@@ -264,16 +256,19 @@ def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
 
 def write_shipped() -> None:
     """Compute the starts of the shipped mechanisms into the package: `python -m symkin.enumeration.start_store`."""
-    from symkin.enumeration.systems import algebraic_systems
+    from symkin.enumeration.systems import system_of
     from symkin.model.file import load, shipped_names
     from symkin.position.problem import build_problem
 
+    for old in SHIPPED.glob("*.npz"):
+        old.unlink()
     for name in shipped_names():
         for kind in ("direct", "inverse"):
             problem = build_problem(load(name), kind)
             if problem.is_explicit:
                 continue
-            for system, block in zip(algebraic_systems(problem), problem.blocks, strict=True):
+            for block in problem.blocks:
+                system = system_of(problem, block)
                 start, reason = compute_start(problem, system, block)
                 _write(SHIPPED, start_key(problem, system), start, reason)
                 print(

@@ -30,7 +30,7 @@ class TrackSettings:
 
     tolerance: float = 1e-3
     first_step: float = 0.05
-    smallest_step: float = 1e-7
+    smallest_step: float = 1e-9
     most_steps: int = 2000
 
 

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.enumeration.engine import track
 from symkin.enumeration.monodromy import Fibre, fibre
 from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.tracker import TrackSettings, track
+from symkin.enumeration.tracker import TrackSettings
 from symkin.spatial.rotation import multiply
 
 BOUND = 40
