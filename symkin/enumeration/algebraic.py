@@ -25,7 +25,7 @@ class AlgebraicSystem:
     `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are the affine
     coordinates, in order, before it. `eliminated` are angles that the rows do not hold, with their values at real roots.
     `limbs` are places of joints that a known pose separates from each other: the pose alone tells roots apart, and each
-    limb has its own branches there.
+    limb has its own branches there. `known_ray` are places in k of a quaternion of any length.
     """
 
     size: float
@@ -36,6 +36,7 @@ class AlgebraicSystem:
     projective: tuple[int, ...]
     eliminated: tuple[tuple[Coordinate, ca.SX], ...] = ()
     limbs: tuple[tuple[int, ...], ...] = ()
+    known_ray: tuple[int, ...] = ()
 
     @property
     def width(self) -> int:

@@ -18,6 +18,7 @@ from symkin.enumeration.dyads import dyads_of, with_dyads
 from symkin.enumeration.instance import instance
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.multistart import batched
+from symkin.enumeration.proofs import prove
 from symkin.enumeration.roots import SINGULAR_ROOT, Roots, is_of_continuum, unite
 from symkin.enumeration.start_store import start_of
 from symkin.enumeration.systems import system_of
@@ -83,8 +84,9 @@ def _block_roots(
         continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
+    points = points[first]
     return Roots(
-        block, points[first], None, smallest, continuum=continuum, sampled=False,
+        block, points, None, smallest, continuum=continuum, sampled=False, proofs=prove(problem, algebraic, block, ends.z, points, given),
         complex_count=complex_count(algebraic, ends.z) * 2 ** len(dyads_of(problem)), unresolved=ends.unresolved,
     )  # fmt: skip
 

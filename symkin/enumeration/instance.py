@@ -10,7 +10,7 @@ from symkin.enumeration.algebraic import AlgebraicSystem, rotation_share
 from symkin.enumeration.engine import newton, track
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.roots import merge
-from symkin.enumeration.tracker import TrackSettings
+from symkin.enumeration.tracker import Tracked, TrackSettings
 
 _AT_INFINITY = 1e-7
 _FADING = 5e-3
@@ -34,7 +34,7 @@ def instance(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
     """Track all generic roots to known values `target`. What fails, or meets another path, is tracked again over a
     second base at a tenth of the tolerance; what then still fails near the end is tried as a singular root."""
     settings = TrackSettings()
-    tracked = track(system, start.z, start.k, target, settings)
+    tracked = _tracked(system, start, target, settings)
     z, s = tracked.z.copy(), tracked.s.copy()
     done = _without_collisions(system, z, tracked.arrived)
     for attempt in range(_RETRIES):
@@ -44,6 +44,14 @@ def instance(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
             system, start, target, (z, s, done), replace(settings, tolerance=settings.tolerance * 0.1 ** (attempt + 1)), attempt
         )
     return _classify(system, z, s, done, target)
+
+
+def _tracked(system: AlgebraicSystem, start: Fibre, target: np.ndarray, settings: TrackSettings) -> Tracked:
+    """All paths; of those that symmetries carry to each other, one is followed."""
+    mirrors = start.mirrors
+    if mirrors is None:
+        return track(system, start.z, start.k, target, settings)
+    return mirrors.unfold_tracked(track(system, start.z[:, mirrors.first], start.k, target, settings))
 
 
 def _again(

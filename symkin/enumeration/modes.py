@@ -139,7 +139,7 @@ def _known_without_search(problem: Problem, given: Given, method: str, seed: int
 def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, seed: int, notes: tuple[str, ...]) -> Modes:
     found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
     continuum = [b for b in blocks if b.continuum is not None]
-    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum)]
+    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum), *_proof_notes(blocks)]
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
@@ -165,7 +165,20 @@ def _completeness(blocks: list[Roots]) -> Completeness:
     """The weakest statement among the parts."""
     if not blocks or any(b.sampled for b in blocks):
         return "sampled"
+    if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
+        return "proved"
     return "incomplete" if any(b.unresolved or b.continuum is not None for b in blocks) else "probability one"
+
+
+def _proof_notes(blocks: list[Roots]) -> list[str]:
+    """Theorems that the certified roots reach, and why modes have no certificate."""
+    proofs = [b.proofs for b in blocks if b.proofs is not None]
+    theorems = dict.fromkeys(p.theorem for p in proofs if p.theorem is not None)
+    reasons = dict.fromkeys(p.reason for p in proofs if p.reason is not None)
+    return [
+        *(f"at most {t}" for t in theorems if len(theorems) == 1 or "alone" not in t),
+        *(f"not certified: {r}" for r in reasons),
+    ]
 
 
 def _unseen(blocks: list[Roots]) -> float:
@@ -199,8 +212,19 @@ def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Soluti
             values[problem.closure.slices[c.name]] = given.values[start : start + c.width]
             start += c.width
         hits = [int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None]
-        found.append(make_solution(problem, values, hits=min(hits, default=None), notes=given.notes))
+        solution = make_solution(problem, values, hits=min(hits, default=None), notes=given.notes)
+        found.append(_with_certificate(solution, blocks, parts))
     return sorted(found, key=lambda s: _sort_key(problem, s))
+
+
+def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
+    """A mode is certified if each part is; its radius is the largest of theirs."""
+    proofs = [roots.proofs for roots in blocks]
+    if not all(proofs):
+        return solution
+    certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
+    radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
+    return replace(solution, certified=certified, radius=radius)
 
 
 def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:

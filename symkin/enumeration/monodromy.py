@@ -15,6 +15,7 @@ import numpy as np
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import SAME, cover, labels_of, uncovered
 from symkin.enumeration.engine import newton, track
+from symkin.enumeration.symmetry import Orbits
 from symkin.enumeration.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.levenberg import Progress
@@ -38,7 +39,8 @@ class TooManyRootsError(Exception):
 @dataclass(frozen=True, eq=False)
 class Fibre:
     """Roots z (width, n) of F(., k); `orbits` labels the roots by what the loops have connected; `evidence` is
-    sum -log10(1 - share of roots moved) over the loops since the last new root."""
+    sum -log10(1 - share of roots moved) over the loops since the last new root; `mirrors` groups roots that symmetries of
+    the closure carry to each other."""
 
     z: np.ndarray
     k: np.ndarray
@@ -46,6 +48,7 @@ class Fibre:
     evidence: float
     loops: int
     seed: int
+    mirrors: Orbits | None = None
 
 
 @dataclass
@@ -285,7 +288,7 @@ def around(system: AlgebraicSystem, z: np.ndarray, corners: list[np.ndarray]) ->
 
 
 def orbits(
-    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 20.0
+    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 10.0
 ) -> np.ndarray:
     """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
     connection is `needed`. All zero where the loops leave a root alone: that is no evidence of a part of its own."""

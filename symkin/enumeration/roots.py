@@ -17,11 +17,24 @@ _LOST = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
+class Proofs:
+    """Of each real root: whether it is certified, and its radius (length unit; NaN without certificate). `theorem` names
+    the bound that the certified roots reach, so that there are no others; `distinct` complex roots were certified and
+    proved to differ; `reason` why some real root is not certified."""
+
+    certified: np.ndarray
+    radius: np.ndarray
+    theorem: str | None
+    distinct: int
+    reason: str | None
+
+
+@dataclass(frozen=True, eq=False)
 class Roots:
     """Distinct real roots of one block: points (n, width) and what is known of them.
 
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
-    both: the least error reached where there is no root, members of a continuum that were met, and notes a root.
+    both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
     """
 
     system: System
@@ -33,6 +46,7 @@ class Roots:
     complex_count: int | None = None
     unresolved: int = 0
     sampled: bool = True
+    proofs: Proofs | None = None
 
     @property
     def unseen(self) -> float:

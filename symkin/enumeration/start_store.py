@@ -10,7 +10,8 @@ import hashlib
 import io
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
@@ -19,9 +20,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.best_start import bases_beside, best_start
 from symkin.enumeration.branches import uncovered
 from symkin.enumeration.cache import cache_folder
-from symkin.enumeration.engine import newton, track
+from symkin.enumeration.coplanar import distance_frames, reflection
+from symkin.enumeration.engine import aligned, newton, track
 from symkin.enumeration.monodromy import (
     Fibre,
     Points,
@@ -36,7 +39,9 @@ from symkin.enumeration.monodromy import (
 )
 from symkin.enumeration.multistart import batched
 from symkin.enumeration.roots import merge
-from symkin.enumeration.six_distances import distance_data, distance_function, is_universal
+from symkin.enumeration.six_distances import DISTANCES, distance_data, distance_function, is_universal
+from symkin.enumeration.symmetry import Orbits, Symmetries, find_symmetries
+from symkin.enumeration.symmetry import orbits as orbits_under
 from symkin.enumeration.tracker import TrackSettings
 from symkin.enumeration.universal_start import machine_start
 from symkin.enumeration.values import algebraic_point, coordinate_scale, known_values
@@ -48,9 +53,11 @@ from symkin.position.rank import Rank
 from symkin.position.system import System
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
-_VERSION = 1
+_VERSION = 2
 _INSTANCES = 5
 _CHECK_STARTS = 600
+_TARGETS, _BASES = 4, 19
+"""Real instances on which bases of a start are compared, and how many bases."""
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
 
@@ -70,15 +77,45 @@ def start_of(
 def compute_start(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
-    """Generic roots from the universal start of six distances where the closure is that, else by monodromy."""
+    """Generic roots from the universal start of six distances where the closure is that, else by monodromy; at a base
+    from which real instances take few steps."""
     data = distance_data(problem)
     if data is not None:
         found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
-        return found, "" if found is not None else "paths from the universal start of six distances are unresolved"
-    try:
-        return _by_monodromy(problem, system, block, progress)
-    except TooManyRootsError as error:
-        return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
+        reason = "" if found is not None else "paths from the universal start of six distances are unresolved"
+    else:
+        try:
+            found, reason = _by_monodromy(problem, system, block, progress)
+        except TooManyRootsError as error:
+            return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
+    return None if found is None else _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
+
+
+def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
+    if start.z.shape[1] == 1:
+        return start
+    closed = closed_configurations(problem.closure, start.seed)[:_TARGETS]
+    targets = [known_values(problem, problem.take(values, problem.known_coordinates)) for values in closed]
+    if len(targets) < 2:
+        return start
+    targets = [aligned(system, targets[0], target).real for target in targets]
+    return best_start(system, start, bases_beside(targets, _BASES, start.seed), targets, track).start
+
+
+def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
+    """Symmetries that hold for this mechanism's known values, where they carry all roots to roots."""
+    if start.z.shape[1] == 1:
+        return start
+
+    def draw(rng: np.random.Generator) -> np.ndarray:
+        return known_values(problem, random_known(problem, rng, near=True))
+
+    others = []
+    if is_universal(problem):
+        frames = distance_frames(draw(np.random.default_rng(0)).reshape(DISTANCES, 7).real)
+        others = [] if frames is None else [reflection(frames)]
+    mirrors = orbits_under(system, find_symmetries(system, draw, others), start.z)
+    return replace(start, mirrors=mirrors) if mirrors.whole and len(mirrors.first) < start.z.shape[1] else start
 
 
 def _from_universal(
@@ -230,7 +267,9 @@ def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
             with np.load(content) as data:
                 if str(data["reason"]):
                     return None, str(data["reason"])
-                kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]))
+                kept = Fibre(
+                    data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]), _mirrors_in(data)
+                )
             f, _ = system.linearise(kept.z, np.repeat(kept.k[:, None], kept.z.shape[1], axis=1))
         except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
             continue
@@ -239,11 +278,23 @@ def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
     return None
 
 
+def _mirrors_out(mirrors: Orbits) -> dict[str, np.ndarray]:
+    maps = {"matrices": mirrors.symmetries.matrices, "shifts": mirrors.symmetries.shifts}
+    return maps | {"labels": mirrors.labels, "first": mirrors.first, "maps": mirrors.maps}
+
+
+def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
+    if "matrices" not in data:
+        return None
+    return Orbits(Symmetries(data["matrices"], data["shifts"]), data["labels"], data["first"], data["maps"], True)
+
+
 def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
     """Write at once or not at all; a folder that cannot be written only costs time."""
     content: dict[str, np.ndarray | float | str] = {"reason": reason}
     if start is not None:
         content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
+        content |= {} if start.mirrors is None else _mirrors_out(start.mirrors)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=folder, suffix=".part")

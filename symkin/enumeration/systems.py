@@ -24,9 +24,22 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     are lengths and points."""
     if is_universal(problem):
         return (universal_system(),)
+    return _build(problem, dyads=True)
+
+
+@lru_cache(maxsize=64)
+def whole_system(problem: Problem, block: System) -> AlgebraicSystem:
+    """The algebraic system of a block with universal joints among its unknowns."""
+    if not dyads_of(problem):
+        return system_of(problem, block)
+    (system,) = _build(problem, dyads=False)
+    return system
+
+
+def _build(problem: Problem, *, dyads: bool) -> tuple[AlgebraicSystem, ...]:
     pose_unknown = problem.kind == "direct"
     algebraic = build_algebraic_closure(
-        problem.mechanism, "study" if pose_unknown else "homogeneous", eliminate=problem.kind == "inverse"
+        problem.mechanism, "study" if pose_unknown else "homogeneous", eliminate=problem.kind == "inverse", dyads=dyads
     )
     size = problem.closure.size
     known_role = KNOWN[problem.kind]
@@ -56,7 +69,9 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     scaled = ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))
     eliminated = tuple(e for e in algebraic.eliminated if e[0].role != known_role)
     expressions = ca.substitute(ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled)
-    whole = AlgebraicSystem(size, affine, z, k, expressions[: len(rows)], projective)
+    last = int(k.shape[0])
+    known_ray = () if pose_unknown or algebraic.form is None else tuple(range(last - 4, last))
+    whole = AlgebraicSystem(size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray)
     if pose_unknown and len(problem.blocks) == 1:
         whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
     cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
@@ -98,7 +113,7 @@ def _blocks(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...]) -
         rows = [i for i in range(whole.count) if pattern[i, places].any()]
         unknowns = tuple(whole.unknowns[i] for i in places)
         mine = tuple((c, value) for c, value in cut if ca.depends_on(value, whole.z[places]))
-        blocks.append(AlgebraicSystem(whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine))
+        blocks.append(AlgebraicSystem(whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine, known_ray=whole.known_ray))
     return tuple(blocks)
 
 

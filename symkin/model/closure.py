@@ -98,10 +98,13 @@ def build_closure(mechanism: Mechanism) -> Closure:
 
 
 @lru_cache(maxsize=128)
-def build_algebraic_closure(mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False) -> AlgebraicClosure:
+def build_algebraic_closure(
+    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, dyads: bool = True
+) -> AlgebraicClosure:
     """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
-    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown."""
-    builder = RowBuilder(mechanism, form, eliminate=eliminate)
+    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `dyads`, universal
+    joints before spherical ones are left out where the pose is unknown."""
+    builder = RowBuilder(mechanism, form, eliminate=eliminate, dyads=dyads)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))
 

@@ -66,11 +66,15 @@ class Row:
 class RowBuilder:
     """Collects coordinates, parameters, rows and their checks while it walks a mechanism's limbs."""
 
-    def __init__(self, mechanism: Mechanism, form: PoseForm | None = None, *, eliminate: bool = False) -> None:
+    def __init__(
+        self, mechanism: Mechanism, form: PoseForm | None = None, *,
+        eliminate: bool = False, dyads: bool = True, bound: bool | None = None,
+    ) -> None:  # fmt: skip
         self.mechanism = mechanism
         self.form = form if mechanism.motion in ("spatial", "spherical") else None
         self.eliminate = eliminate
-        self.table = ParameterTable(bound=form is not None)
+        self.use_dyads = dyads
+        self.table = ParameterTable(bound=form is not None if bound is None else bound)
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
@@ -202,7 +206,7 @@ class RowBuilder:
             self._two_balls(limb, joints, balls[0], balls[-1])
             return
         cut = _cut_index(joints)
-        hinge = _dyad_index(joints, cut) if self.form == "study" else None
+        hinge = _dyad_index(joints, cut) if self.form == "study" and self.use_dyads else None
         if hinge is not None and cut is not None:
             self._dyad(limb, joints, hinge, cut)
             return

@@ -1,0 +1,150 @@
+"""Theorems: a list is proved complete where its certificates reach a bound, and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from flint import arb
+from test_certificate import DIETMAIER, case, complex_roots, dietmaier
+
+import symkin
+from samples import five_bar, unit
+from symkin import Joint, Limb, Mechanism
+from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.enumeration.bounds import bound_of, proves, univariate_degree
+from symkin.enumeration.certificate import certify
+from symkin.enumeration.exact import exact_known
+from symkin.enumeration.systems import algebraic_systems
+from symkin.enumeration.values import algebraic_point, known_values
+from symkin.model.joint import Coordinate
+from symkin.position.problem import build_problem
+
+
+def arm(seed: int) -> Mechanism:
+    """Six revolute joints about random lines."""
+    rng = np.random.default_rng(seed)
+    joints = [Joint(f"q{i}", "R", tuple(rng.uniform(-1, 1, 3)), unit(rng), actuated=True) for i in range(1, 7)]
+    return Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-1, 1, 3)))
+
+
+def test_forty_modes_are_proved():
+    """Dietmaier's 40 certified poses are all that six distances allow."""
+    problem, system, _, z = case("dietmaier")
+    bound = bound_of(problem, system)
+    assert bound is not None
+    assert bound.theorem.count == 40
+    certificates = certify(bound.system, z, bound.known(np.array(DIETMAIER["legs"])), problem.closure.size)
+    assert proves(certificates, bound)
+    assert set(certificates.real) == {"real"}
+
+
+def test_what_is_short_of_the_bound_is_not_proved():
+    """39 of 40 roots, 40 with one of them twice, a root left undecided or uncertified, or another system: no proof."""
+    problem, system, k, z = case("dietmaier")
+    bound = bound_of(problem, system)
+    assert bound is not None
+    whole = certify(system, z, k)
+    assert proves(whole, bound)
+    assert not proves(certify(system, z[:, 1:], k), bound)
+    assert not proves(certify(system, np.concatenate([z[:, 1:], -1j * z[:, 5:6]], axis=1), k), bound)
+    assert not proves(certify(system, z + np.where(np.arange(40) == 7, 1e-3, 0), k), bound)
+    undecided = whole.real.copy()
+    undecided[3] = "unknown"
+    assert not proves(replace(whole, real=undecided), bound)
+    other = AlgebraicSystem(1.0, (), system.z, system.k, system.rows, system.projective)
+    assert not proves(certify(other, z, k), bound)
+
+
+def test_a_special_platform_stays_below_the_bound():
+    """28 certified roots of a symmetric platform are no proof: the theorem allows 40."""
+    problem, system, _, z = case("zhang2009")
+    bound = bound_of(problem, system)
+    assert bound is not None
+    certificates = certify(bound.system, z, bound.known(np.array(problem.mechanism.example.joints)))
+    assert certificates.certified.all()
+    assert not proves(certificates, bound)
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
+    """16 certified solutions of a general 6R arm are all that there are; 15 prove nothing."""
+    mechanism = arm(seed)
+    pose = symkin.solve(mechanism, joints=[0.3, -0.2, 0.5, 0.7, -0.4, 0.1]).solution
+    values = np.concatenate([pose.position, pose.quaternion])
+    problem = build_problem(mechanism, "inverse")
+    (system,) = algebraic_systems(problem)
+    z = complex_roots(system, known_values(problem, values))
+    bound = bound_of(problem, system)
+    assert bound is not None
+    certificates = certify(bound.system, z, bound.known(values), problem.closure.size)
+    assert proves(certificates, bound)
+    assert not proves(certify(bound.system, z[:, 1:], bound.known(values)), bound)
+    reached = certificates.find(
+        algebraic_point(problem, system, {f"q{i + 1}": np.array([q]) for i, q in enumerate([0.3, -0.2, 0.5, 0.7, -0.4, 0.1])})
+    )
+    assert reached is not None
+
+
+def test_rod_lengths_are_proved_alone():
+    """The inverse problem of a platform on rods: each length is one root of a quadratic, sign apart."""
+    platform = symkin.load("zhang2009")
+    problem = build_problem(platform, "inverse")
+    values = np.array([10.0, 20, 300, 0.9, 0.1, -0.2, 0.05])
+    for system in algebraic_systems(problem):
+        bound = bound_of(problem, system)
+        assert bound is not None
+        assert bound.theorem.count == 1
+        k = known_values(problem, values)
+        row, slope = (system.linearise(np.zeros((1, 1)), k[:, None])[0], system.linearise(np.ones((1, 1)), k[:, None])[1])
+        z = np.sqrt(-2 * row[0] / slope[0, 0]) if system.unknowns[0].least == 0.0 else None
+        assert z is not None
+        certificates = certify(bound.system, z[:, None], bound.known(values), problem.closure.size)
+        assert proves(certificates, bound)
+
+
+def test_no_theorem_no_bound():
+    """A five-bar's direct problem has two solutions, but no theorem here says so: it has no bound."""
+    problem = build_problem(five_bar(), "direct")
+    assert all(bound_of(problem, system) is None for system in algebraic_systems(problem))
+
+
+def test_known_balls_hold_the_quotients():
+    """Lengths over the size, in thin balls that hold the exact quotient: times the size they hold the length again."""
+    problem = build_problem(dietmaier(), "direct")
+    values = np.array(DIETMAIER["legs"])
+    balls = exact_known(problem, values)
+    for ball, value in zip(balls[::7], values, strict=True):
+        assert (ball * arb(problem.closure.size)).contains(arb(float(value)))
+        assert ball.rad() < 1e-60
+    assert np.allclose([float(b) for b in balls], known_values(problem, values).real)
+
+
+@pytest.mark.parametrize(
+    ("kind", "row", "degree"),
+    [
+        ("length", lambda z, k: (z - 0.3) ** 2 * k + z, 2),
+        ("length", lambda z, k: (z * z + k) ** 2 / (1 + k * k), 4),
+        ("length", lambda z, k: ca.sqrt(1 + z * z) - k, None),
+        ("length", lambda z, k: 1 / z - k, None),
+        ("length", lambda z, k: ca.sin(z) - k, None),
+        ("angle", lambda z, k: ca.cos(z) * k + ca.sin(z - 0.2), 2),
+        ("angle", lambda z, k: ca.cos(z) ** 2 - k * ca.sin(2 * z + k), 4),
+        ("angle", lambda z, k: ca.sin(0.5 * z) - k, None),
+        ("angle", lambda z, k: ca.sin(z) - k * z, None),
+        ("angle", lambda z, k: ca.sin(k * z) - 0.5, None),
+        ("angle", lambda z, k: ca.sin(k) - 0.5 + 0 * z, None),
+    ],
+)
+def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
+    """Polynomials in z, and in exp(i z) for angles, have their degree; anything else has no bound."""
+    z, k = ca.SX.sym("z"), ca.SX.sym("k")
+    assert univariate_degree(AlgebraicSystem(1.0, (Coordinate("x", kind, "passive"),), z, k, row(z, k), ())) == degree
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path_factory, monkeypatch):
+    """A cache folder of the tests' own."""
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))
