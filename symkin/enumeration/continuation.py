@@ -15,6 +15,7 @@ import numpy as np
 from symkin.enumeration.algebraic import AlgebraicSystem
 from symkin.enumeration.branches import complex_count, real_candidates
 from symkin.enumeration.dyads import dyads_of, with_dyads
+from symkin.enumeration.engine import engine_of
 from symkin.enumeration.instance import instance
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.multistart import batched
@@ -28,6 +29,9 @@ from symkin.position.levenberg import Progress
 from symkin.position.problem import Problem
 from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
+
+_LEAST_ERROR_STARTS = 200
+"""Random starts for the least closure error where no root is real."""
 
 
 def by_continuation(
@@ -69,16 +73,17 @@ def _orbit_notes(system: AlgebraicSystem, start: Fibre) -> list[str]:
 def _block_roots(
     problem: Problem, algebraic: AlgebraicSystem, block: System, start: Fibre, given: Given, starts: int, rng: np.random.Generator
 ) -> Roots:
-    """Roots that are real: polished on the block's own rows and checked on all of them. Where paths are unresolved or
-    singular, random starts look for what they missed and for sets that are not isolated."""
+    """Roots that are real: polished on the block's own rows and checked on all of them. Where paths are unresolved, or end
+    on a set that is not isolated, random starts look for what they missed; where no root is real, for the least error."""
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
-    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, ends.z).T]
+    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, ends.points).T]
     named = [values for root in real for values in with_dyads(problem, given.values, root)]
     found = _polished(block, given.values, named)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
-    if ends.unresolved or ends.singular or not len(points):
-        sampled = batched(problem, block, given, starts, rng)
+    doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
+    if doubtful or not len(points):
+        sampled = batched(problem, block, given, starts if doubtful else min(starts, _LEAST_ERROR_STARTS), rng)
         regular = [z for z in sampled.points if block.condition(z, given.values) < SINGULAR_ROOT]
         points = np.concatenate([points, np.array(regular).reshape(len(regular), block.width)])
         continuum = sampled.continuum if continuum is None else continuum
@@ -86,8 +91,9 @@ def _block_roots(
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
     return Roots(
-        block, points, None, smallest, continuum=continuum, sampled=False, proofs=prove(problem, algebraic, block, ends.z, points, given),
-        complex_count=complex_count(algebraic, ends.z) * 2 ** len(dyads_of(problem)), unresolved=ends.unresolved,
+        block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
+        complex_count=complex_count(algebraic, ends.points) * 2 ** len(dyads_of(problem)),
+        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=prove(problem, algebraic, block, ends.z, points, given),
     )  # fmt: skip
 
 

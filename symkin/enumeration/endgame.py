@@ -23,7 +23,8 @@ from symkin.enumeration.tracker import Tracked, TrackSettings
 RADII = (3e-2, 6e-3, 1.2e-3, 2.5e-4, 5e-5, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
 """Radii of the circles, as shares of the line from the base to the target."""
 _FINE = 1e-6
-"""Radius from which on only paths are followed whose ends at two radii lie within _NEAR of each other."""
+"""Radius from which on, where limbs have branches (so that all cycles can close), only paths are followed whose ends at
+two radii lie within _NEAR of each other."""
 _NEAR = 1e-2
 _BASES = (0.3 + 0.4j, 0.3 - 0.5j)
 """Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on it."""
@@ -157,7 +158,7 @@ def _close_in(
         floor = float(np.max(look(system, here, at).largest_row, initial=0.0))
         _judge(system, target, going, {int(going[j]): germ for j, germ in germs.items()}, ROWS + 10 * floor, paths)
         _go_straight(system, here, at, target, going, paths)
-        left = [paths.kind[i] == _OPEN and (radius > _FINE or paths.accuracy[i] < _NEAR) for i in going]
+        left = (paths.kind[going] == _OPEN) & ((radius > _FINE) | (not system.limbs) | (paths.accuracy[going] < _NEAR))
         going, here = going[left], here[:, left]
 
 

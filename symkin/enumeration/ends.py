@@ -47,5 +47,11 @@ class Ends:
         return np.concatenate([self.z, self.singular.z], axis=1)
 
     @property
+    def isolated(self) -> np.ndarray:
+        """Distinct finite roots without those that a continuum surrounds."""
+        return np.concatenate([self.z, self.singular.z[:, self.singular.isolated]], axis=1)
+
+    @property
     def paths(self) -> int:
+        """All paths: distinct regular roots, multiplicities, those at infinity, unresolved ones."""
         return int(self.z.shape[1] + self.singular.multiplicity.sum()) + self.at_infinity + len(self.unresolved)

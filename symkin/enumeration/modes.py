@@ -140,6 +140,8 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
     continuum = [b for b in blocks if b.continuum is not None]
     texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum), *_proof_notes(blocks)]
+    if not continuum and any(b.complex_sets for b in blocks):
+        texts.append("paths ended on a set of complex solutions that are not isolated; no real one of it was met")
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
@@ -158,6 +160,7 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
         complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
         unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
         smallest_residual=smallest, positive_dimensional=bool(continuum), notes=tuple(texts),
+        engine=", ".join(dict.fromkeys(b.engine for b in blocks if b.engine is not None)) or None,
     )  # fmt: skip
 
 
@@ -167,7 +170,7 @@ def _completeness(blocks: list[Roots]) -> Completeness:
         return "sampled"
     if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
         return "proved"
-    return "incomplete" if any(b.unresolved or b.continuum is not None for b in blocks) else "probability one"
+    return "incomplete" if any(b.unresolved or b.complex_sets or b.continuum is not None for b in blocks) else "probability one"
 
 
 def _proof_notes(blocks: list[Roots]) -> list[str]:

@@ -35,6 +35,7 @@ class Roots:
 
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
     both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
+    `engine`: what has tracked the paths. `complex_sets`: paths ended on a set of complex roots that are not isolated.
     """
 
     system: System
@@ -47,6 +48,8 @@ class Roots:
     unresolved: int = 0
     sampled: bool = True
     proofs: Proofs | None = None
+    complex_sets: bool = False
+    engine: str | None = None
 
     @property
     def unseen(self) -> float:

@@ -167,7 +167,7 @@ class Modes:
     """All solutions found for one set of given values, with a statement of completeness that is never too large.
 
     `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
-    one more start finds a new mode (both for multistart only).
+    one more start finds a new mode (both for multistart only); `engine` is what tracked the paths.
     """
 
     problem: Problem
@@ -185,6 +185,7 @@ class Modes:
     smallest_residual: float | None = None
     positive_dimensional: bool = False
     notes: tuple[str, ...] = field(default=())
+    engine: str | None = None
 
     def __len__(self) -> int:
         return len(self.modes)
@@ -214,7 +215,7 @@ class Modes:
         return len(self.representatives)
 
     def to_json(self) -> dict[str, Any]:
-        """The object of contract 3, with `starts`, `hits`, `estimated_unseen` and `notes` beside it."""
+        """The object of contract 3, with `starts`, `hits`, `estimated_unseen`, `engine` and `notes` beside it."""
         hits = [mode.hits for mode in self.modes]
         return {
             **_heading(self.problem, self.given),
@@ -230,6 +231,7 @@ class Modes:
             "starts": self.starts,
             "hits": hits if any(h is not None for h in hits) else None,
             "estimated_unseen": self.estimated_unseen,
+            "engine": self.engine,
             "notes": list(self.notes),
         }
 

@@ -56,6 +56,13 @@ def _statement(modes: Modes) -> str:
     parts = [f"{head}; completeness: {modes.completeness}"]
     if modes.complex_count is not None and modes.method != "forward":
         parts.append(f"{modes.complex_count} complex solutions, {modes.unresolved_paths} unresolved paths")
+    certified = [mode for mode in modes if mode.certified]
+    if certified:
+        radius = max(mode.radius or 0.0 for mode in certified)
+        every = "each mode" if len(certified) == count else f"{len(certified)} of them"
+        parts.append(f"{every} certified to {radius:.1e} {unit}")
+    if modes.engine is not None:
+        parts.append(f"engine: {modes.engine}")
     if modes.estimated_unseen is not None and count:
         parts.append(
             f"{modes.starts} starts, seed {modes.seed}; estimated still unseen: {modes.estimated_unseen:.3g} or more (Chao), "
