@@ -1,10 +1,18 @@
-"""All modes by continuation, beside a reference kernel in the same process.
+"""All modes by continuation beside a reference kernel in the same process, and beside PHCpack where it is installed.
 
-    python benchmarks/enumeration.py [--inputs 40] [--seed 0]
+    python benchmarks/enumeration.py [--inputs 100] [--seed 0] [--cases 6-6,delta] [--engines compiled,numpy] [--peer-timeout 120]
 
-T is the median time of `numpy.linalg.solve` on a batch of 40 complex 8 x 8 systems. For each case: time of the first
-answer of a never-seen mechanism (an empty cache), then the median over random inputs with the start kept, in ms and T,
-and how many inputs had an unresolved path. Run with OMP_NUM_THREADS=1 for one thread.
+T is the median time of `numpy.linalg.solve` on a batch of 40 complex 8 x 8 systems. It is measured before each input, and the
+cases take turns, so that a busy machine slows all alike; multiples of T are medians of such ratios. Each engine runs in a
+process of its own with one thread and an empty cache. The columns:
+
+  first s    the first answer of a mechanism never seen, at most 3 s for platforms on six rods and 30 s for others; "kept":
+             the package carries its start
+  all        one call of `symkin.modes` once the start is kept, at most 150 ms (! above), medians over random inputs that are
+             drawn before the clock starts; of it `paths T` for the paths and `proofs T` for certificates
+  limit      most that the paths may take, in T
+  table      a prototype of one generic engine in NumPy, in T: many instances at once / one instance
+  unresolved, miscounted: inputs with an unresolved path, or with another number of complex solutions than the generic one
 """
 
 from __future__ import annotations
@@ -12,80 +20,215 @@ from __future__ import annotations
 import argparse
 import os
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 import symkin
+from cases import Case, all_cases
+
+ENGINES = ("compiled", "numpy")
+WHOLE_MS = 150.0
+"""Most that one answer may take once the start is kept."""
+FIRST_S = {True: 3.0, False: 30.0}
+"""Most that a first answer may take: platforms on six rods, others."""
+PROOFS_T = 250.0
+"""Most that certificates of 40 modes may take, in T."""
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--inputs", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    kernel = reference_kernel()
-    print(f"T = {1e6 * kernel:.1f} us, {options.inputs} inputs, seed {options.seed}")
-    print("case                    first s   median ms        T   complex   unresolved inputs")
-    rng = np.random.default_rng(options.seed)
-    for name, mechanism, kind in cases(rng):
+    options = arguments()
+    if options.child:
+        run_engine(options)
+        return
+    print(f"{options.inputs} inputs a case, seed {options.seed}, NumPy {np.__version__}")
+    single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    for engine in options.engines.split(","):
         with tempfile.TemporaryDirectory() as folder:
-            os.environ["SYMKIN_CACHE"] = folder
-            run(name, mechanism, kind, options.inputs, rng, kernel)
+            own = {"SYMKIN_CACHE": folder} | ({"SYMKIN_ENGINE": "numpy"} if engine == "numpy" else {})
+            subprocess.run(
+                [sys.executable, __file__, *sys.argv[1:], "--child", engine], env=os.environ | single | own, check=True
+            )
+    run_peer(options)
 
 
-def reference_kernel() -> float:
-    rng = np.random.default_rng(0)
-    a = rng.normal(size=(40, 8, 8)) + 1j * rng.normal(size=(40, 8, 8))
-    b = rng.normal(size=(40, 8, 1)) + 0j
-    times = []
-    for _ in range(300):
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--inputs", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--cases", default="", help="parts of names, separated by commas; default: all")
+    parser.add_argument("--engines", default=",".join(ENGINES), help=f"of {', '.join(ENGINES)}")
+    parser.add_argument("--peer-timeout", type=float, default=120.0, help="seconds for each system of PHCpack; 0 leaves it out")
+    parser.add_argument("--child", choices=ENGINES, help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+# --- one engine --------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Clock:
+    """Seconds spent within functions of the package, and the last arguments of one."""
+
+    seconds: float = 0.0
+    arguments: tuple[Any, ...] = ()
+
+    def wrap(self, module: Any, name: str) -> None:
+        """Replace a function by one that is timed; nothing where the package has none of this name."""
+        function: Callable[..., Any] | None = getattr(module, name, None)
+        if function is None:
+            return
+
+        def timed(*args: Any, **named: Any) -> Any:
+            begin = time.perf_counter()
+            try:
+                return function(*args, **named)
+            finally:
+                self.seconds += time.perf_counter() - begin
+                self.arguments = args
+
+        setattr(module, name, timed)
+
+
+@dataclass
+class Measured:
+    """Of one case: seconds of the first answer, and for each input seconds of all, of paths and of proofs, and T."""
+
+    case: Case
+    first: float = 0.0
+    whole: list[float] = field(default_factory=list)
+    paths: list[float] = field(default_factory=list)
+    proofs: list[float] = field(default_factory=list)
+    kernel: list[float] = field(default_factory=list)
+    certified: list[int] = field(default_factory=list)
+    real: list[int] = field(default_factory=list)
+    unresolved: int = 0
+    miscounted: int = 0
+    engine: str = ""
+
+    def in_kernels(self, seconds: list[float]) -> float:
+        return statistics.median(s / t for s, t in zip(seconds, self.kernel, strict=True))
+
+
+def run_engine(options: argparse.Namespace) -> None:
+    from symkin.enumeration import continuation
+
+    paths, proofs, rng = Clock(), Clock(), np.random.default_rng(options.seed)
+    paths.wrap(continuation, "instance")
+    proofs.wrap(continuation, "prove")
+    chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
+    done = [Measured(case) for case in chosen]
+    inputs = {m.case.name: [m.case.draw(rng) for _ in range(options.inputs + 1)] for m in done}
+    kernel = ReferenceKernel()
+    for m in done:
         begin = time.perf_counter()
-        np.linalg.solve(a, b)
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times)
+        symkin.modes(replace(m.case.mechanism, title="benchmark"), **inputs[m.case.name][0])
+        m.first, m.engine = time.perf_counter() - begin, engine_of(paths.arguments)
+    for k in range(1, options.inputs + 1):
+        for m in done:
+            paths.seconds = proofs.seconds = 0.0
+            m.kernel.append(kernel.seconds(20))
+            begin = time.perf_counter()
+            found = symkin.modes(m.case.mechanism, **inputs[m.case.name][k])
+            m.whole.append(time.perf_counter() - begin)
+            m.paths.append(paths.seconds)
+            m.proofs.append(proofs.seconds)
+            m.real.append(len(found))
+            m.certified.append(sum(mode.certified is True for mode in found))
+            m.unresolved += bool(found.unresolved_paths)
+            m.miscounted += found.complex_count != m.case.complex_count
+    print_table(options.child, done)
 
 
-def cases(rng: np.random.Generator) -> list[tuple[str, symkin.Mechanism, str]]:
-    rods = [symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(6)]
-    general = symkin.Mechanism("general66", rods, platform_position=(0, 0, 1.5))
-    axes = [symkin.Joint(f"q{i}", "R", rng.normal(size=3), rng.normal(size=3), actuated=True) for i in range(6)]
-    general_6r = symkin.Mechanism("general_6r", [symkin.Limb("arm", axes)], platform_position=rng.normal(size=3), serial=True)
-    shipped = [(name, symkin.load(name), "direct") for name in ("zhang2009", "ren2008_true", "zhao2000", "zhao2000_links")]
-    arms = [("yao2020", symkin.load("yao2020"), "inverse"), ("gluon_6l3", symkin.load("gluon_6l3"), "inverse")]
-    return [("general 6-6", general, "direct"), *shipped, *arms, ("general 6R", general_6r, "inverse")]
+class ReferenceKernel:
+    """T: numpy.linalg.solve on 40 complex 8 x 8 systems."""
+
+    def __init__(self) -> None:
+        rng = np.random.default_rng(0)
+        self.a = rng.normal(size=(40, 8, 8)) + 1j * rng.normal(size=(40, 8, 8))
+        self.b = rng.normal(size=(40, 8, 1)) + 0j
+
+    def seconds(self, repeats: int) -> float:
+        """Median of `repeats` calls."""
+        times = []
+        for _ in range(repeats):
+            begin = time.perf_counter()
+            np.linalg.solve(self.a, self.b)
+            times.append(time.perf_counter() - begin)
+        return statistics.median(times)
 
 
-def run(name: str, mechanism: symkin.Mechanism, kind: str, inputs: int, rng: np.random.Generator, kernel: float) -> None:
-    renamed = replace(mechanism, title="benchmark")
-    times, unresolved, count = [], 0, 0
-    for _ in range(inputs + 1):
-        found = symkin.modes(renamed, **random_input(mechanism, kind, rng))
-        times.append(found.elapsed_s)
-        unresolved += bool(found.unresolved_paths)
-        count = max(count, found.complex_count or 0)
-    median = statistics.median(times[1:])
-    print(f"{name:22} {times[0]:8.2f}   {1e3 * median:9.1f}   {median / kernel:6.0f}   {count:7d}   {unresolved} of {inputs + 1}")
+def engine_of(instance_arguments: tuple[Any, ...]) -> str:
+    """What tracks the system that `instance` was last called with."""
+    try:
+        from symkin.enumeration.engine import engine_of
+
+        return engine_of(instance_arguments[0])[1]
+    except (ImportError, IndexError):
+        return "NumPy"
 
 
-def random_input(mechanism: symkin.Mechanism, kind: str, rng: np.random.Generator) -> dict[str, object]:
-    """Joint values about the reference, or the pose of random joint values."""
-    if kind == "inverse":
-        joints = [
-            mechanism.angle_out(rng.uniform(-3, 3)) if c.is_angular else rng.uniform(-0.3, 0.3) * mechanism.size
-            for c in mechanism.actuated
-        ]
-        return {"pose": symkin.modes(mechanism, joints=joints)[0].pose}
-    return {
-        "joints": [
-            mechanism.angle_out(c.reference[0] + rng.uniform(-0.15, 0.15))
-            if c.is_angular
-            else c.reference[0] * rng.uniform(0.9, 1.1)
-            for c in mechanism.actuated
-        ]
-    }
+def print_table(engine: str, done: list[Measured]) -> None:
+    kernel = statistics.median(t for m in done for t in m.kernel)
+    print(f"\nengine {engine}: T = {1e6 * kernel:.1f} us (median)")
+    head = (
+        f"{'case':18}{'first s':>9} {'':6}{'all ms':>8}{'all T':>8}{'paths T':>9}{'limit':>7} {'':6}{'proofs T':>9}  "
+        f"{'table':>15}{'complex':>9}{'real':>6}{'certified':>11}{'unresolved':>12}{'miscounted':>12}  tracked by"
+    )
+    print(head)
+    for m in done:
+        print_row(engine, m)
+    print(f"certificates of 40 modes may take {PROOFS_T:.0f} T; an answer {WHOLE_MS:.0f} ms once the start is kept", flush=True)
+
+
+def print_row(engine: str, m: Measured) -> None:
+    case, inputs = m.case, len(m.whole)
+    limit, table = case.limit(engine), case.table()
+    whole, paths = 1e3 * statistics.median(m.whole), m.in_kernels(m.paths)
+    first = "kept" if case.shipped else verdict(m.first <= FIRST_S[case.six_distances])
+    bound = "" if limit is None else f"{limit:.0f}"
+    within = "" if limit is None else verdict(paths <= limit)
+    figures = "" if table is None else f"{table[0]:.0f} / {table[1]:.0f}"
+    slow = "" if whole <= WHOLE_MS else "!"
+    print(
+        f"{case.name:18}{m.first:9.2f} {first:6}{whole:7.1f}{slow:1}{m.in_kernels(m.whole):8.0f}{paths:9.0f}{bound:>7} {within:6}"
+        f"{m.in_kernels(m.proofs):9.0f}  {figures:>15}{case.complex_count:9d}{statistics.mean(m.real):6.1f}"
+        f"{sum(m.certified):6d}/{sum(m.real):<5d}{m.unresolved:6d}/{inputs:<5d}{m.miscounted:6d}/{inputs:<5d}  {m.engine}"
+    )
+
+
+def verdict(good: bool) -> str:
+    return "ok" if good else "SLOW"
+
+
+# --- the peer ----------------------------------------------------------------------------------------------------
+
+
+def run_peer(options: argparse.Namespace) -> None:
+    import phcpack
+
+    if options.peer_timeout <= 0:
+        return
+    if not phcpack.installed():
+        print("\nPHCpack is not installed (Debian package phcpack): no peer in this run")
+        return
+    platforms = [c for c in all_cases(options.seed) if c.six_distances and any(p in c.name for p in options.cases.split(","))]
+    rng, kernel = np.random.default_rng(options.seed), ReferenceKernel()
+    print("\npeer: PHCpack, blackbox (phc -b), one run each in a process of its own, first input of each platform")
+    for case in platforms:
+        legs = np.asarray(case.draw(rng)["joints"])
+        unit, answer = kernel.seconds(300), phcpack.solve(case.mechanism, legs, options.seed, options.peer_timeout)
+        if answer is None:
+            print(f"{case.name:18}no answer within {options.peer_timeout:.0f} s")
+            continue
+        found = f"{answer.complex_count} complex poses of {case.complex_count}, {answer.real} real"
+        print(f"{case.name:18}{answer.seconds:8.2f} s {answer.seconds / unit:10.0f} T   {found}   {answer.version}", flush=True)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ import casadi as ca
 import numpy as np
 
 import symkin
+from enumerated import statement
 from report import Report, equal_axes, folder_from_arguments, new_figure
 from symkin.spatial.rotation import euler_from_quaternion
 
@@ -165,7 +166,9 @@ def report_newton(report: Report, system: Equations) -> Path:
 def report_modes(report: Report, platform: symkin.Mechanism) -> list[symkin.Pose]:
     found = symkin.modes(platform, joints=TABLE_1, seed=SEED)
     poses = [euler_pose(mode.pose) for mode in found]
-    report.row(f"real modes by symkin.modes, {found.starts} starts", None, len(found))
+    report.row(f"real modes by symkin.modes, {found.method}", None, len(found))
+    report.row("complex solutions of the six equations", None, found.complex_count)
+    report.row("completeness", None, statement(found))
     for k, pose in enumerate(poses, start=1):
         report.row(f"mode {k}", EVIDENT_POSE if k == 1 else None, pose, "mm, deg")
     mirrored = [pose * (1, 1, -1, -1, -1, 1) for pose in poses]
@@ -260,7 +263,7 @@ def draw_platform(axes, pose: symkin.Pose, title: str) -> None:
 
 def draw(poses: list[symkin.Pose], *paths: Path):
     figure = new_figure(16, 9)
-    figure.suptitle("Gough-Stewart platform, direct problem of table 1: Newton's method and four assembly modes", fontsize=15)
+    figure.suptitle("Gough-Stewart platform, direct problem of table 1: Newton's method and all four assembly modes", fontsize=15)
     grid = figure.add_gridspec(2, 3, width_ratios=(1.15, 1, 1))
     draw_convergence(figure.add_subplot(grid[:, 0]), *paths)
     for k, pose in enumerate(poses):

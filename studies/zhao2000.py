@@ -23,6 +23,7 @@ import casadi as ca
 import numpy as np
 
 import symkin
+from enumerated import statement
 from report import Report, equal_axes, folder_from_arguments, new_figure
 from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import euler_from_quaternion
@@ -231,8 +232,10 @@ def report_direct(report: Report, platform: symkin.Mechanism) -> list[np.ndarray
         found, hits = from_guesses(search)
         report.row(f"{name}, {GUESSES} guesses: poses, guesses that led to one", None, [len(found), hits])
         report.row(f"{name}: largest difference from the closed form", None, furthest(poses, found), "mm, deg")
-    modes = [pose_numbers(m.pose) for m in symkin.modes(platform, joints=INPUT)]
+    found = symkin.modes(platform, joints=INPUT)
+    modes = [pose_numbers(m.pose) for m in found]
     report.row("symkin.modes on the line model: poses", 4, len(modes))
+    report.row("completeness, line model", None, statement(found))
     report.row("symkin.modes: largest difference from the closed form", None, furthest(poses, modes), "mm, deg")
     return poses
 
@@ -243,6 +246,7 @@ def report_links(report: Report, poses: list[np.ndarray]) -> None:
         report.row(f"limb lengths at gamma = {pose[3]:.3f}, reach 140", None, limb_lengths(pose), "mm")
     found = symkin.modes(symkin.load("zhao2000_links"), joints=INPUT)
     report.row("real limbs: configurations, poses", None, [len(found), found.poses])
+    report.row("completeness, real limbs", None, statement(found))
     for pose in poses:
         here = [m for m in found if np.abs(pose_numbers(m.pose) - pose).max() < 1e-6]
         elbows = {tuple(round(m.joints[f"elbow{i}"], 3) for i in (1, 2, 3)) for m in here}

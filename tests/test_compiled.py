@@ -163,7 +163,7 @@ def test_a_path_through_a_double_root_stops_there():
     """From k = 1 to -1 through 0 along the real line no path may jump the branch point, whose roots are lost."""
     tracked = engine(square()).track(np.array([[1.0, -1.0]]), np.array([1.0]), np.array([-1.0]))
     assert not tracked.arrived.any()
-    assert np.all(tracked.s < 0.5)
+    assert np.all(tracked.s < 0.5 + 1e-8)
 
 
 def test_numbers_that_are_not_finite_spoil_only_their_own_path():

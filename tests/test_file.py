@@ -67,7 +67,8 @@ def joints(draw, name, unit, kinds="RPHCUS", *, actuated=None):
     try:
         return Joint(name, kind, **fields)
     except MechanismError:
-        return Joint(name, "S", fields["point"])
+        spare = ("S", fields["point"]) if actuated is None else ("R", fields["point"], (0, 0, 1))
+        return Joint(name, *spare, actuated=bool(actuated))
 
 
 @st.composite
@@ -102,7 +103,7 @@ def mechanisms(draw):
             rows.append(DHRow(f"d{k}", kind, *numbers, draw(ranges(angles(unit) if kind == "R" else lengths))))
         mechanism = serial_arm_from_dh("sample", DHTable(draw(st.sampled_from(["standard", "modified"])), rows), **options)
     if draw(st.booleans()):
-        values = st.tuples(*[lengths] * len(mechanism.actuated))
+        values = st.tuples(*(lengths.map(lambda v, c=c: v if c.least is None else max(v, c.least)) for c in mechanism.actuated))
         shown = draw(
             st.builds(Example, joints=values) | st.builds(Example, pose=st.tuples(vectors, unit_quaternions).map(sum_up))
         )

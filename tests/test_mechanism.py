@@ -11,7 +11,7 @@ from hypothesis import given
 import symkin
 from laws import act, frame, refused_in_one_line
 from samples import delta, pieper, point, random_mechanism, seeds, unit
-from symkin import DHTable, Joint, Limb, Mechanism, MechanismError, RodLimb
+from symkin import DHTable, Example, Joint, Limb, Mechanism, MechanismError, RodLimb
 
 LIMBS = ["rRS", "SPS", "pU", "hC", "SPS"]
 LEG = RodLimb("leg", (0, 0, 0), (0, 0, 1))
@@ -162,3 +162,12 @@ def test_samples_are_what_they_say():
     """The shared samples are parallel or serial as named."""
     assert pieper().serial
     assert [c.name for c in delta().actuated] == ["q1", "q2", "q3"]
+
+
+def test_an_example_that_cannot_be_taken_is_refused():
+    """An example of the wrong count, or one that makes a rod negative, is refused where the mechanism is made."""
+    rod = RodLimb("leg", (0, 0, 0), (0, 0, 1), offset=-1.0)
+    with pytest.raises(MechanismError, match="rod of negative length"):
+        Mechanism("sample", [rod], example=Example(joints=(0.0,)))
+    with pytest.raises(MechanismError, match="2 values given"):
+        Mechanism("sample", [rod], example=Example(joints=(3.0, 4.0)))

@@ -19,7 +19,7 @@ from symkin.enumeration.engine import engine_of
 from symkin.enumeration.instance import instance
 from symkin.enumeration.monodromy import Fibre
 from symkin.enumeration.multistart import batched
-from symkin.enumeration.proofs import prove
+from symkin.enumeration.proofs import Prover
 from symkin.enumeration.roots import SINGULAR_ROOT, Roots, is_of_continuum, unite
 from symkin.enumeration.start_store import start_of
 from symkin.enumeration.systems import system_of
@@ -77,7 +77,9 @@ def _block_roots(
     on a set that is not isolated, random starts look for what they missed; where no root is real, for the least error."""
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
-    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, ends.points).T]
+    prover = Prover.of(problem, algebraic, block, ends.z, given)
+    possible = np.concatenate([ends.z[:, ~prover.not_real(ends.z.shape[1])], ends.singular.z], axis=1)
+    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
     named = [values for root in real for values in with_dyads(problem, given.values, root)]
     found = _polished(block, given.values, named)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
@@ -92,8 +94,8 @@ def _block_roots(
     points = points[first]
     return Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=complex_count(algebraic, ends.points) * 2 ** len(dyads_of(problem)),
-        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=prove(problem, algebraic, block, ends.z, points, given),
+        complex_count=complex_count(algebraic, ends.isolated) * 2 ** len(dyads_of(problem)),
+        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=prover.proofs(points),
     )  # fmt: skip
 
 

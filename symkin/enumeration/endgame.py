@@ -22,6 +22,8 @@ from symkin.enumeration.tracker import Tracked, TrackSettings
 
 RADII = (3e-2, 6e-3, 1.2e-3, 2.5e-4, 5e-5, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
 """Radii of the circles, as shares of the line from the base to the target."""
+_WIDE = (2e-1, 1e-1, 5e-2, 3e-2)
+"""Radii for what these leave open: ends at infinity that are approached faster than their digits last."""
 _FINE = 1e-6
 """Radius from which on, where limbs have branches (so that all cycles can close), only paths are followed whose ends at
 two radii lie within _NEAR of each other."""
@@ -124,7 +126,8 @@ def _attempt(
     n = z.shape[1]
     kind = np.where(are_regular(system, tracked, target), _REGULAR, _OPEN)
     paths = _Paths(kind, tracked.z.copy(), np.ones(n, dtype=int), np.full(n, np.inf), [""] * n)
-    _close_in(system, z, base, target, paths, tolerance)
+    _close_in(system, z, base, target, paths, tolerance, RADII)
+    _close_in(system, z, base, target, paths, tolerance, _WIDE)
     for i, (point, turns, accuracy) in paths.clusters.items():
         if paths.kind[i] == _OPEN:
             paths.decide(i, _MULTIPLE, point, turns, accuracy)
@@ -137,14 +140,16 @@ def _attempt(
 
 
 def _close_in(
-    system: AlgebraicSystem, z: np.ndarray, base: np.ndarray, target: np.ndarray, paths: _Paths, tolerance: float
-) -> None:
+    system: AlgebraicSystem, z: np.ndarray, base: np.ndarray, target: np.ndarray, paths: _Paths, tolerance: float,
+    radii: tuple[float, ...],
+) -> None:  # fmt: skip
     """Decide open paths on circles of falling radius."""
+    paths.last = {}
     direction = base - target
     going = np.flatnonzero(paths.kind == _OPEN)
     here, begin = z[:, going], base
     settings = TrackSettings(tolerance=tolerance, smallest_step=1e-10, most_steps=2000)
-    for radius in RADII:
+    for radius in radii if going.size else ():
         at = target + radius * direction
         moved, came = follow(system, here, begin, at, settings)
         paths.leave(going[~came], f"stalled before {radius:.0e} of the line")

@@ -14,7 +14,7 @@ from symkin.enumeration.compiled import CompiledTracker, load
 from symkin.enumeration.quadratic_form import quadratic_form
 from symkin.enumeration.tracker import Tracked, TrackSettings
 
-_WORTH_COMPILING = 400
+_WORTH_COMPILING = 200
 """Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""
 
 

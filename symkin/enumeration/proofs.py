@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from symkin.enumeration.algebraic import AlgebraicSystem
@@ -12,30 +15,62 @@ from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.system import System
 
+if TYPE_CHECKING:
+    from symkin.enumeration.bounds import Bound
+    from symkin.enumeration.certificate import Certificates
 
-def prove(problem: Problem, system: AlgebraicSystem, block: System, ends: np.ndarray, points: np.ndarray, given: Given) -> Proofs:
-    """Certificates of the complex roots `ends` (width, n) of a block and of its real ones, `points` (m, width)."""
-    from symkin.enumeration.bounds import bound_of, proves
-    from symkin.enumeration.certificate import certify
-    from symkin.enumeration.exact import exact_known
 
-    size = problem.closure.size
-    whole = whole_system(problem, block)
-    places = [{c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)} for z in points]
-    real = [algebraic_point(problem, whole, values) for values in places]
-    bound = bound_of(problem, system)
-    if whole is not system or system.limbs:
-        ends = np.array(real).T.reshape(whole.width, len(real))
-    if bound is not None:
-        found = certify(bound.system, ends, bound.known(given.values), size)
-    else:
-        found = certify(whole, ends, exact_known(problem, given.values), size)
-    pairs = [found.find(z) for z in real]
-    complete = bound is not None and proves(found, bound) and len(points) == int(np.sum(found.real == "real"))
-    return Proofs(
-        np.array([pair is not None for pair in pairs], dtype=bool),
-        np.array([np.nan if pair is None else pair[1] for pair in pairs]),
-        f"{bound.theorem.count}: {bound.theorem.about} ({bound.theorem.reference})" if bound is not None and complete else None,
-        found.distinct,
-        next((reason for reason in found.reasons if reason), None) if None in pairs else None,
-    )
+@dataclass(frozen=True, eq=False)
+class Prover:
+    """Certificates of a block's complex roots, where the paths' system holds all its coordinates, and of its modes."""
+
+    problem: Problem
+    block: System
+    given: Given
+    whole: AlgebraicSystem
+    bound: Bound | None
+    ends: Certificates | None
+
+    @staticmethod
+    def of(problem: Problem, system: AlgebraicSystem, block: System, ends: np.ndarray, given: Given) -> Prover:
+        """`ends` (width, n) are regular complex roots of `system`."""
+        from symkin.enumeration.bounds import bound_of
+        from symkin.enumeration.certificate import certify
+        from symkin.enumeration.exact import exact_known
+
+        whole, bound = whole_system(problem, block), bound_of(problem, system)
+        found = None
+        if bound is not None:
+            found = certify(bound.system, ends, bound.known(given.values), problem.closure.size)
+        elif whole is system and not system.limbs:
+            found = certify(whole, ends, exact_known(problem, given.values), problem.closure.size)
+        return Prover(problem, block, given, whole, bound, found)
+
+    def not_real(self, count: int) -> np.ndarray:
+        """Which of the `count` roots are proved not to be real, however near to it."""
+        return np.zeros(count, dtype=bool) if self.ends is None else self.ends.real == "not real"
+
+    def proofs(self, points: np.ndarray) -> Proofs:
+        """What is proved of real roots `points` (m, width) of the block."""
+        from symkin.enumeration.bounds import proves
+        from symkin.enumeration.certificate import certify
+        from symkin.enumeration.exact import exact_known
+
+        named = [{c.name: z[s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)} for z in points]
+        real = [algebraic_point(self.problem, self.whole, values) for values in named]
+        found = self.ends
+        if found is None:
+            columns = np.array(real).T.reshape(self.whole.width, len(real))
+            found = certify(self.whole, columns, exact_known(self.problem, self.given.values), self.problem.closure.size)
+        pairs = [found.find(z) for z in real]
+        theorem = None
+        if self.bound is not None and proves(found, self.bound) and len(points) == int(np.sum(found.real == "real")):
+            t = self.bound.theorem
+            theorem = f"{t.count}: {t.about} ({t.reference})"
+        return Proofs(
+            np.array([pair is not None for pair in pairs], dtype=bool),
+            np.array([np.nan if pair is None else pair[1] for pair in pairs]),
+            theorem,
+            found.distinct,
+            next((reason for reason in found.reasons if reason), None) if None in pairs else None,
+        )

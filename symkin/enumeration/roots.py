@@ -12,6 +12,8 @@ from symkin.position.system import System
 MOST_MODES = 20_000
 SINGULAR_ROOT = 1e6
 """Condition above which a root is examined for being one of a continuum."""
+_DIGITS_LEFT = 100.0
+"""Rounding errors of a root, in units of its condition times the machine's precision."""
 _CONTINUUM_SAMPLE = 5
 _LOST = 1e-5
 
@@ -127,20 +129,24 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
 
 
 def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_met: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Representatives and labels of polished roots: regular ones are one within 1e-6 of the size, singular ones, whose
-    digits are few, within 1e-3. Where a continuum was met, singular roots are counted with it (label -1)."""
+    """Representatives and labels of polished roots: regular ones are one within 1e-6 of the size, singular ones within
+    what their condition leaves of their digits. Where a continuum was met, singular roots are counted with it (-1)."""
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     f = features(system, points)
-    singular = np.array([system.condition(z, known) > SINGULAR_ROOT for z in points])
+    conditions = np.array([system.condition(z, known) for z in points])
+    singular = conditions > SINGULAR_ROOT
     first, labels = merge(f[~singular], 1e-6 * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
     chosen = np.flatnonzero(~singular)[first].tolist()
     if not continuum_met:
-        more, more_labels = merge(f[singular], 1e-3 * system.size)
-        everything[singular] = more_labels + len(chosen)
-        chosen += np.flatnonzero(singular)[more].tolist()
+        for i in sorted(np.flatnonzero(singular), key=lambda i: -conditions[i]):
+            if everything[i] < 0:
+                tolerance = min(_DIGITS_LEFT * conditions[i] * np.finfo(float).eps, 1e-3) * system.size
+                same = (np.max(np.abs(f - f[i]), axis=1) <= tolerance) & singular & (everything < 0)
+                everything[same] = len(chosen)
+                chosen.append(int(i))
     return np.array(chosen, dtype=int), everything
 
 

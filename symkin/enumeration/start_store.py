@@ -43,7 +43,7 @@ from symkin.enumeration.six_distances import DISTANCES, distance_data, distance_
 from symkin.enumeration.symmetry import Orbits, Symmetries, find_symmetries
 from symkin.enumeration.symmetry import orbits as orbits_under
 from symkin.enumeration.tracker import TrackSettings
-from symkin.enumeration.universal_start import machine_start
+from symkin.enumeration.universal_start import machine_start, universal_start
 from symkin.enumeration.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
@@ -53,7 +53,7 @@ from symkin.position.rank import Rank
 from symkin.position.system import System
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
-_VERSION = 2
+_VERSION = 5
 _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
@@ -88,7 +88,9 @@ def compute_start(
             found, reason = _by_monodromy(problem, system, block, progress)
         except TooManyRootsError as error:
             return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
-    return None if found is None else _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
+    if found is None or found is universal_start():
+        return found, reason
+    return _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
 
 
 def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
@@ -121,13 +123,16 @@ def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
 def _from_universal(
     problem: Problem, system: AlgebraicSystem, data: Callable[[np.ndarray], np.ndarray], seed: int
 ) -> Fibre | None:
-    """Track the 40 universal roots to this mechanism at random complex joint values; loops there show its orbits."""
+    """Track the 40 universal roots to this mechanism at random complex joint values; loops there show its orbits. A
+    machine that cannot be assembled for generic lengths is reached from the universal start each time."""
     rng = np.random.default_rng(seed)
     joints = random_known(problem, rng, near=True)
     k = known_values(problem, joints)
     z, _, unresolved = machine_start(data(joints))
-    if unresolved or z.shape[1] == 0:
+    if unresolved:
         return None
+    if z.shape[1] == 0:
+        return universal_start() if is_universal(problem) else None
     ends, last = newton(system, z, k)
     if np.max(last) > 1e-9:
         return None

@@ -113,7 +113,11 @@ def _blocks(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...]) -
         rows = [i for i in range(whole.count) if pattern[i, places].any()]
         unknowns = tuple(whole.unknowns[i] for i in places)
         mine = tuple((c, value) for c, value in cut if ca.depends_on(value, whole.z[places]))
-        blocks.append(AlgebraicSystem(whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine, known_ray=whole.known_ray))
+        blocks.append(
+            AlgebraicSystem(
+                whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine, known_ray=whole.known_ray
+            )
+        )
     return tuple(blocks)
 
 

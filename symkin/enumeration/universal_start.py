@@ -1,7 +1,7 @@
 """The start of every platform held by six distances.
 
 With lengths and all points complex and random there are 40 roots, the most that any such platform has (Ronga and Vust
-1992). They are tracked to any machine; those of special machines that run to e = 0 are at infinity.
+1992). They are tracked to any machine; those of special machines that run to e.e = 0 are at infinity.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.enumeration.endgame import finish
 from symkin.enumeration.engine import track
 from symkin.enumeration.monodromy import Fibre, fibre
 from symkin.enumeration.six_distances import universal_system
@@ -19,6 +20,8 @@ from symkin.spatial.rotation import multiply
 
 BOUND = 40
 DATA = Path(__file__).resolve().parent / "data" / "six_distances.npz"
+_FADING = 1e-4
+"""|e.e| / |e|^2 below which a singular end of a generic instance is one at infinity."""
 
 
 @lru_cache(maxsize=1)
@@ -48,11 +51,12 @@ def compute_universal_start(seed: int = 0) -> Fibre:
 
 def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
     """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each distance; how many of
-    the 40 paths ran to e = 0, and how many are unresolved."""
+    the 40 paths ran to e.e = 0, and how many are unresolved."""
     start, system = universal_start(), universal_system()
     settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
     tracked = track(system, start.z, start.k, data, settings)
-    rotation = np.linalg.norm(tracked.z[:4], axis=0)
-    arrived = tracked.arrived & (rotation > 1e-6)
-    infinite = ~arrived & (rotation < 0.05) & (tracked.s > 0.99)
-    return tracked.z[:, arrived], int(infinite.sum()), int(np.sum(~arrived & ~infinite))
+    ends = finish(system, start, data, tracked)
+    e = ends.singular.z[:4]
+    fading = np.abs(np.sum(e**2, axis=0)) < _FADING * np.sum(np.abs(e) ** 2, axis=0)
+    lost = ends.singular.multiplicity
+    return ends.z, ends.at_infinity + int(lost[fading].sum()), len(ends.unresolved) + int(lost[~fading].sum())

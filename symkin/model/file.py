@@ -14,7 +14,7 @@ from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.joint import Joint, interval
 from symkin.model.limb import Limb, Rod, RodLimb
-from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh, unit_quaternion
+from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
@@ -87,9 +87,7 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
         "source": table.source,
         "example": _example(table.example),
     }
-    mechanism = _Builder(table.angle_unit).mechanism(table, limbs, options)
-    _check_example(mechanism)
-    return mechanism
+    return _Builder(table.angle_unit).mechanism(table, limbs, options)
 
 
 class _Builder:
@@ -178,36 +176,6 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
     placed = table.platform is None or "position" in table.platform.model_fields_set
     if not placed and any(hasattr(limb, "joint") for limb in limbs):
         raise MechanismError("platform.position is missing; limbs of joints need it")
-
-
-def _check_example(mechanism: Mechanism) -> None:
-    """The example must be input that `solve` takes."""
-    example = mechanism.example
-    if example is None:
-        return
-    starts_with_pose = example.joints is not None
-    if example.joints is not None:
-        _check_joints("example.joints", mechanism, example.joints)
-    if example.pose is not None:
-        unit_quaternion(example.pose[3:], "example.pose: the quaternion")
-    if example.start is None:
-        return
-    if not starts_with_pose:
-        _check_joints("example.start", mechanism, example.start)
-        return
-    if len(example.start) != 7:
-        raise MechanismError(f"example.start: {len(example.start)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
-    unit_quaternion(example.start[3:], "example.start: the quaternion")
-
-
-def _check_joints(where: str, mechanism: Mechanism, values: Sequence[float]) -> None:
-    if len(values) != len(mechanism.actuated):
-        raise MechanismError(f"{where}: {len(values)} values given, the mechanism has {len(mechanism.actuated)} actuated joints")
-    for c, value in zip(mechanism.actuated, values, strict=True):
-        if c.least is not None and value < c.least:
-            raise MechanismError(
-                f"{where}: {c.name} = {value:g} makes a rod of negative length; allowed: {c.least + 0.0:g} and above"
-            )
 
 
 def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict[str, Any]) -> Any:

@@ -67,6 +67,8 @@ class Mechanism:
             raise MechanismError("the mechanism has no limb; give [[limb]], [dh] or [[joint]]")
         if self.serial:
             _check_serial(self)
+        if self.example is not None:
+            _check_example(self, self.example)
 
     @property
     def reference_pose(self) -> Pose:
@@ -187,6 +189,33 @@ def _check_names(mechanism: Mechanism) -> None:
                 raise MechanismError(f"one of the {what} has an empty name")
             if names.count(name) > 1:
                 raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
+
+
+def _check_example(mechanism: Mechanism, example: Example) -> None:
+    """The example must be input that `solve` takes."""
+    starts_with_pose = example.joints is not None
+    if example.joints is not None:
+        _check_joints("example.joints", mechanism, example.joints)
+    if example.pose is not None:
+        unit_quaternion(example.pose[3:], "example.pose: the quaternion")
+    if example.start is None:
+        return
+    if not starts_with_pose:
+        _check_joints("example.start", mechanism, example.start)
+        return
+    if len(example.start) != 7:
+        raise MechanismError(f"example.start: {len(example.start)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
+    unit_quaternion(example.start[3:], "example.start: the quaternion")
+
+
+def _check_joints(where: str, mechanism: Mechanism, values: Sequence[float]) -> None:
+    if len(values) != len(mechanism.actuated):
+        raise MechanismError(f"{where}: {len(values)} values given, the mechanism has {len(mechanism.actuated)} actuated joints")
+    for c, value in zip(mechanism.actuated, values, strict=True):
+        if c.least is not None and value < c.least:
+            raise MechanismError(
+                f"{where}: {c.name} = {value:g} makes a rod of negative length; allowed: {c.least + 0.0:g} and above"
+            )
 
 
 def _check_serial(mechanism: Mechanism) -> None:
