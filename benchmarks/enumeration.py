@@ -118,10 +118,11 @@ class Measured:
 
 def run_engine(options: argparse.Namespace) -> None:
     from symkin.enumeration import continuation
+    from symkin.proof import certificate
 
     paths, proofs, rng = Clock(), Clock(), np.random.default_rng(options.seed)
     paths.wrap(continuation, "instance")
-    proofs.wrap(continuation, "prove")
+    proofs.wrap(certificate, "certify")
     chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
     done = [Measured(case) for case in chosen]
     inputs = {m.case.name: [m.case.draw(rng) for _ in range(options.inputs + 1)] for m in done}
@@ -167,7 +168,7 @@ class ReferenceKernel:
 def engine_of(instance_arguments: tuple[Any, ...]) -> str:
     """What tracks the system that `instance` was last called with."""
     try:
-        from symkin.enumeration.engine import engine_of
+        from symkin.paths.engine import engine_of
 
         return engine_of(instance_arguments[0])[1]
     except (ImportError, IndexError):

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from samples import seeds
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.ball_system import BallSystem
-from symkin.enumeration.balls import COMPLEX, REAL, BallFunction, precision, upper
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.ball_system import BallSystem
+from symkin.proof.balls import COMPLEX, REAL, BallFunction, precision, upper
 
 
 def exact(function: ca.Function, *inputs: list[Fraction]) -> list[Fraction]:

@@ -5,13 +5,13 @@ from functools import lru_cache
 import numpy as np
 
 import symkin
-from symkin.enumeration.best_start import bases_beside, best_start
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.quadratic import quadratic_form, track
-from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.start_store import start_of
-from symkin.enumeration.tracker import Tracked
-from symkin.enumeration.values import known_values
+from symkin.paths.best_start import bases_beside, best_start
+from symkin.paths.monodromy import Fibre
+from symkin.paths.quadratic import quadratic_form, track
+from symkin.paths.six_distances import universal_system
+from symkin.paths.start_store import start_of
+from symkin.paths.tracker import Tracked
+from symkin.paths.values import known_values
 from symkin.position.problem import build_problem
 
 

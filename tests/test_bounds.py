@@ -13,14 +13,14 @@ from test_certificate import DIETMAIER, case, complex_roots, dietmaier
 import symkin
 from samples import five_bar, unit
 from symkin import Joint, Limb, Mechanism
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.bounds import bound_of, proves, univariate_degree
-from symkin.enumeration.certificate import certify
-from symkin.enumeration.exact import exact_known
-from symkin.enumeration.systems import algebraic_systems
-from symkin.enumeration.values import algebraic_point, known_values
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.systems import algebraic_systems
+from symkin.paths.values import algebraic_point, known_values
 from symkin.position.problem import build_problem
+from symkin.proof.bounds import bound_of, proves, univariate_degree
+from symkin.proof.certificate import certify
+from symkin.proof.exact import exact_known
 
 
 def arm(seed: int) -> Mechanism:

@@ -12,13 +12,13 @@ import pytest
 
 import symkin
 from samples import five_bar
-from symkin.enumeration import compiled, tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.c_library import CompilerError, find_compilers
-from symkin.enumeration.start_store import start_of
-from symkin.enumeration.systems import algebraic_systems
-from symkin.enumeration.tracker import TrackSettings
 from symkin.model.joint import Coordinate
+from symkin.paths import compiled, tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.c_library import CompilerError, find_compilers
+from symkin.paths.start_store import start_of
+from symkin.paths.systems import algebraic_systems
+from symkin.paths.tracker import TrackSettings
 from symkin.position.problem import build_problem
 
 
@@ -305,8 +305,8 @@ def test_a_cache_that_cannot_be_written_only_costs_time(monkeypatch, tmp_path):
 
 BUILD = """
 import casadi as ca, numpy as np
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.compiled import load
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.compiled import load
 z, k = ca.SX.sym("z"), ca.SX.sym("k")
 found, reason = load(AlgebraicSystem(1.0, (), z, k, z**2 - k, ()))
 print(complex(found.track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0 + 1j)).z[0, 0] ** 2))

@@ -13,14 +13,14 @@ import pytest
 import symkin
 from samples import delta, five_bar, hexapod, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
-from symkin.enumeration import start_store
-from symkin.enumeration.instance import instance
-from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.systems import algebraic_systems
-from symkin.enumeration.universal_start import BOUND, universal_start
-from symkin.enumeration.values import algebraic_point, known_values, real_values
-from symkin.enumeration.walk import vectorise
 from symkin.model.closure import build_algebraic_closure, build_closure, random_values
+from symkin.paths import start_store
+from symkin.paths.instance import instance
+from symkin.paths.six_distances import universal_system
+from symkin.paths.systems import algebraic_systems
+from symkin.paths.universal_start import BOUND, universal_start
+from symkin.paths.values import algebraic_point, known_values, real_values
+from symkin.paths.walk import vectorise
 from symkin.position.problem import build_problem
 
 DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())

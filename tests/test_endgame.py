@@ -14,18 +14,18 @@ import pytest
 import symkin
 from samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
 from symkin import Mechanism, Pose
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.circles import distances
-from symkin.enumeration.endgame import are_regular, finish
-from symkin.enumeration.ends import Ends
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.start_store import start_of
-from symkin.enumeration.systems import system_of
-from symkin.enumeration.tracker import Tracked, TrackSettings, track
-from symkin.enumeration.universal_start import universal_start
-from symkin.enumeration.values import known_values, real_values
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.circles import distances
+from symkin.paths.endgame import are_regular, finish
+from symkin.paths.ends import Ends
+from symkin.paths.monodromy import Fibre
+from symkin.paths.six_distances import universal_system
+from symkin.paths.start_store import start_of
+from symkin.paths.systems import system_of
+from symkin.paths.tracker import Tracked, TrackSettings, track
+from symkin.paths.universal_start import universal_start
+from symkin.paths.values import known_values, real_values
 from symkin.position.given import given_from
 from symkin.position.problem import Problem, build_problem
 

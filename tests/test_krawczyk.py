@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from samples import seeds
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.ball_system import BallSystem
-from symkin.enumeration.balls import COMPLEX, REAL
-from symkin.enumeration.krawczyk import Box, chart_of, enclose
-from symkin.enumeration.separation import distinct_boxes, is_pose
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.ball_system import BallSystem
+from symkin.proof.balls import COMPLEX, REAL
+from symkin.proof.krawczyk import Box, chart_of, enclose
+from symkin.proof.separation import distinct_boxes, is_pose
 
 
 def single(row) -> BallSystem:

@@ -31,10 +31,10 @@ from samples import (
     three_rrr,
 )
 from symkin import InputError, Joint, Limb, Mechanism, Pose
-from symkin.enumeration.roots import Roots, features, merge
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse
 from symkin.position.problem import build_problem
+from symkin.position.roots import Roots, features, merge
 
 sampled = partial(symkin.modes, method="multistart")
 

@@ -10,14 +10,14 @@ from hypothesis import given
 
 import symkin
 from samples import delta, hexapod, seeds
-from symkin.enumeration import quadratic, tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.quadratic import quadratic_form, track
-from symkin.enumeration.quadratic_form import QuadraticForm, line_of
-from symkin.enumeration.six_distances import distance_data, universal_system
-from symkin.enumeration.systems import algebraic_systems
-from symkin.enumeration.universal_start import universal_start
-from symkin.enumeration.values import known_values
+from symkin.paths import quadratic, tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.quadratic import quadratic_form, track
+from symkin.paths.quadratic_form import QuadraticForm, line_of
+from symkin.paths.six_distances import distance_data, universal_system
+from symkin.paths.systems import algebraic_systems
+from symkin.paths.universal_start import universal_start
+from symkin.paths.values import known_values
 from symkin.position.problem import build_problem
 
 

@@ -10,16 +10,16 @@ from hypothesis import given
 import symkin
 from samples import hexapod, pieper, seeds, three_rrr
 from symkin import RodLimb
-from symkin.enumeration import tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.coplanar import distance_frames, plane_frame, reflection
-from symkin.enumeration.quadratic import quadratic_form, track
-from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.start_store import start_of
-from symkin.enumeration.symmetry import Symmetries, find_symmetries, nullspace, orbits
-from symkin.enumeration.systems import algebraic_systems
-from symkin.enumeration.values import algebraic_point, known_values
 from symkin.model.mechanism import Mechanism
+from symkin.paths import tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.coplanar import distance_frames, plane_frame, reflection
+from symkin.paths.quadratic import quadratic_form, track
+from symkin.paths.six_distances import universal_system
+from symkin.paths.start_store import start_of
+from symkin.paths.symmetry import Symmetries, find_symmetries, nullspace, orbits
+from symkin.paths.systems import algebraic_systems
+from symkin.paths.values import algebraic_point, known_values
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import matrix_from_quaternion
 

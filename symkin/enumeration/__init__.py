@@ -1,1 +1,1 @@
-"""Every mode of a position problem: by paths with a statement of completeness, or by many starts."""
+"""Every mode of a position problem, with a statement of completeness."""

@@ -12,21 +12,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.branches import complex_count, real_candidates
-from symkin.enumeration.dyads import dyads_of, with_dyads
-from symkin.enumeration.engine import engine_of
-from symkin.enumeration.instance import instance
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.multistart import batched
 from symkin.enumeration.proofs import Prover
-from symkin.enumeration.roots import SINGULAR_ROOT, Roots, is_of_continuum, unite
-from symkin.enumeration.start_store import start_of
-from symkin.enumeration.systems import system_of
-from symkin.enumeration.values import known_values, real_values
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.branches import complex_count, real_candidates
+from symkin.paths.dyads import dyads_of, with_dyads
+from symkin.paths.engine import engine_of
+from symkin.paths.instance import instance
+from symkin.paths.monodromy import Fibre
+from symkin.paths.start_store import start_of
+from symkin.paths.systems import system_of
+from symkin.paths.values import known_values, real_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
+from symkin.position.multistart import batched
 from symkin.position.problem import Problem
+from symkin.position.roots import SINGULAR_ROOT, Roots, is_of_continuum, unite
 from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
 

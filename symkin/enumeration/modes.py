@@ -10,15 +10,15 @@ from math import prod
 
 import numpy as np
 
-from symkin.enumeration.multistart import DEFAULT_STARTS, batched, one_by_one
-from symkin.enumeration.roots import MOST_MODES, Roots
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from, pose_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Progress
+from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
+from symkin.position.roots import MOST_MODES, Roots
 from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
 from symkin.position.starts import start_values
 from symkin.spatial.pose import Pose

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.roots import Proofs
-from symkin.enumeration.systems import whole_system
-from symkin.enumeration.values import algebraic_point
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.systems import whole_system
+from symkin.paths.values import algebraic_point
 from symkin.position.given import Given
 from symkin.position.problem import Problem
+from symkin.position.roots import Proofs
 from symkin.position.system import System
 
 if TYPE_CHECKING:
-    from symkin.enumeration.bounds import Bound
-    from symkin.enumeration.certificate import Certificates
+    from symkin.proof.bounds import Bound
+    from symkin.proof.certificate import Certificates
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,9 @@ class Prover:
     @staticmethod
     def of(problem: Problem, system: AlgebraicSystem, block: System, ends: np.ndarray, given: Given) -> Prover:
         """`ends` (width, n) are regular complex roots of `system`."""
-        from symkin.enumeration.bounds import bound_of
-        from symkin.enumeration.certificate import certify
-        from symkin.enumeration.exact import exact_known
+        from symkin.proof.bounds import bound_of
+        from symkin.proof.certificate import certify
+        from symkin.proof.exact import exact_known
 
         whole, bound = whole_system(problem, block), bound_of(problem, system)
         found = None
@@ -52,9 +52,9 @@ class Prover:
 
     def proofs(self, points: np.ndarray) -> Proofs:
         """What is proved of real roots `points` (m, width) of the block."""
-        from symkin.enumeration.bounds import proves
-        from symkin.enumeration.certificate import certify
-        from symkin.enumeration.exact import exact_known
+        from symkin.proof.bounds import proves
+        from symkin.proof.certificate import certify
+        from symkin.proof.exact import exact_known
 
         named = [{c.name: z[s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)} for z in points]
         real = [algebraic_point(self.problem, self.whole, values) for values in named]

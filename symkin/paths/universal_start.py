@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.enumeration.endgame import finish
-from symkin.enumeration.engine import track
-from symkin.enumeration.monodromy import Fibre, fibre
-from symkin.enumeration.six_distances import universal_system
-from symkin.enumeration.tracker import TrackSettings
+from symkin.paths.endgame import finish
+from symkin.paths.engine import track
+from symkin.paths.monodromy import Fibre, fibre
+from symkin.paths.six_distances import universal_system
+from symkin.paths.tracker import TrackSettings
 from symkin.spatial.rotation import multiply
 
 BOUND = 40

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.c_library import CompilerError, NotBuiltError, find_compilers, load_library
-from symkin.enumeration.cache import cache_folder
-from symkin.enumeration.lane_code import closure_source
-from symkin.enumeration.tracker import Tracked, TrackSettings
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.c_library import CompilerError, NotBuiltError, find_compilers, load_library
+from symkin.paths.cache import cache_folder
+from symkin.paths.lane_code import closure_source
+from symkin.paths.tracker import Tracked, TrackSettings
 
 DATA = Path(__file__).resolve().parent / "data"
 SOURCES = ("tracker.c", "elimination.h", "lanes.h")

@@ -12,9 +12,9 @@ from math import prod
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem, imaginary_part
-from symkin.enumeration.roots import MOST_MODES, merge
 from symkin.errors import InputError
+from symkin.paths.algebraic import AlgebraicSystem, imaginary_part
+from symkin.position.roots import MOST_MODES, merge
 
 SAME = 1e-6
 """Largest difference of features (relative to 1) of two equal roots."""

@@ -10,8 +10,8 @@ from typing import Any
 import casadi as ca
 from flint import ctx
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.balls import BallFunction, Number, Part, Ring, raise_constants
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.balls import BallFunction, Number, Part, Ring, raise_constants
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,9 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.tracker import Tracked
-from symkin.enumeration.walk import vectorise
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.tracker import Tracked
+from symkin.paths.walk import vectorise
 
 _EQUAL = 1e-11
 """Largest difference between a row's absolute values at a point and at its image, over the largest row. What a symmetry

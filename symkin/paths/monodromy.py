@@ -12,12 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.branches import SAME, cover, labels_of, uncovered
-from symkin.enumeration.engine import newton, track
-from symkin.enumeration.symmetry import Orbits
-from symkin.enumeration.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.branches import SAME, cover, labels_of, uncovered
+from symkin.paths.engine import newton, track
+from symkin.paths.symmetry import Orbits
+from symkin.paths.values import coordinate_scale, known_values
 from symkin.position.levenberg import Progress
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import multiply

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.six_distances import distance_data, is_universal
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.six_distances import distance_data, is_universal
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import conjugate, multiply
 

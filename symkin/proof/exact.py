@@ -12,12 +12,12 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.balls import REAL, BallFunction, Number, precision
-from symkin.enumeration.six_distances import distance_function, is_universal
-from symkin.enumeration.values import coordinate_scale
 from symkin.model.closure_rows import RowBuilder
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.six_distances import distance_function, is_universal
+from symkin.paths.values import coordinate_scale
 from symkin.position.problem import Problem
+from symkin.proof.balls import REAL, BallFunction, Number, precision
 
 _BITS = 256
 

@@ -14,7 +14,7 @@ from math import isfinite
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.paths.algebraic import AlgebraicSystem
 
 
 class NoLaneCodeError(NotImplementedError):

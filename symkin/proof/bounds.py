@@ -15,12 +15,12 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.balls import Number
-from symkin.enumeration.certificate import Certificates
-from symkin.enumeration.exact import exact_arm, exact_known
-from symkin.enumeration.six_distances import universal_system
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.six_distances import universal_system
 from symkin.position.problem import Problem
+from symkin.proof.balls import Number
+from symkin.proof.certificate import Certificates
+from symkin.proof.exact import exact_arm, exact_known
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.walk import vectorise
 from symkin.model.joint import Coordinate
+from symkin.paths.walk import vectorise
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,12 +141,3 @@ def rotation_share(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
         return np.ones(z.shape[1])
     ray = z[list(system.projective)]
     return np.asarray(np.linalg.norm(ray[:4], axis=0) / np.linalg.norm(ray, axis=0))
-
-
-def __getattr__(name: str):  # type: ignore  # moved: kept here until all callers are
-    import importlib
-
-    homes = {"known_values": "values", "real_values": "values", "algebraic_point": "values", "algebraic_systems": "systems"}
-    if name not in homes:
-        raise AttributeError(name)
-    return getattr(importlib.import_module(f"symkin.enumeration.{homes[name]}"), name)

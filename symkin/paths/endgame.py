@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.circles import Germ, circle, follow, gaps, pose_places, separations
-from symkin.enumeration.ends import Ends, SingularRoots
-from symkin.enumeration.engine import newton, track
-from symkin.enumeration.local import NULL, ROWS, is_no_pose, lie_on_sets, look, polish
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.tracker import Tracked, TrackSettings
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.circles import Germ, circle, follow, gaps, pose_places, separations
+from symkin.paths.ends import Ends, SingularRoots
+from symkin.paths.engine import newton, track
+from symkin.paths.local import NULL, ROWS, is_no_pose, lie_on_sets, look, polish
+from symkin.paths.monodromy import Fibre
+from symkin.paths.tracker import Tracked, TrackSettings
 
 RADII = (3e-2, 6e-3, 1.2e-3, 2.5e-4, 5e-5, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
 """Radii of the circles, as shares of the line from the base to the target."""

@@ -1,7 +1,7 @@
 """Generic roots of a mechanism's problems: computed once, then read from the shipped data or the user's cache.
 
 A start belongs to a closure: its key is a hash of the closure's instructions and constants. The shipped mechanisms'
-starts lie in `symkin/enumeration/data/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
+starts lie in `symkin/paths/data/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from zipfile import BadZipFile
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.best_start import bases_beside, best_start
-from symkin.enumeration.branches import uncovered
-from symkin.enumeration.cache import cache_folder
-from symkin.enumeration.coplanar import distance_frames, reflection
-from symkin.enumeration.engine import aligned, newton, track
-from symkin.enumeration.monodromy import (
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.best_start import bases_beside, best_start
+from symkin.paths.branches import uncovered
+from symkin.paths.cache import cache_folder
+from symkin.paths.coplanar import distance_frames, reflection
+from symkin.paths.engine import aligned, newton, track
+from symkin.paths.monodromy import (
     Fibre,
     Points,
     TooManyRootsError,
@@ -37,19 +37,19 @@ from symkin.enumeration.monodromy import (
     random_known,
     random_point,
 )
-from symkin.enumeration.multistart import batched
-from symkin.enumeration.roots import merge
-from symkin.enumeration.six_distances import DISTANCES, distance_data, distance_function, is_universal
-from symkin.enumeration.symmetry import Orbits, Symmetries, find_symmetries
-from symkin.enumeration.symmetry import orbits as orbits_under
-from symkin.enumeration.tracker import TrackSettings
-from symkin.enumeration.universal_start import machine_start, universal_start
-from symkin.enumeration.values import algebraic_point, coordinate_scale, known_values
+from symkin.paths.six_distances import DISTANCES, distance_data, distance_function, is_universal
+from symkin.paths.symmetry import Orbits, Symmetries, find_symmetries
+from symkin.paths.symmetry import orbits as orbits_under
+from symkin.paths.tracker import TrackSettings
+from symkin.paths.universal_start import machine_start, universal_start
+from symkin.paths.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.rank import Rank
+from symkin.position.roots import merge
 from symkin.position.system import System
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
@@ -311,9 +311,9 @@ def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
 
 
 def write_shipped() -> None:
-    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.enumeration.start_store`."""
-    from symkin.enumeration.systems import system_of
+    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.paths.start_store`."""
     from symkin.model.file import load, shipped_names
+    from symkin.paths.systems import system_of
     from symkin.position.problem import build_problem
 
     for old in SHIPPED.glob("*.npz"):

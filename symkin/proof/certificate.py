@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, arb
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.ball_system import BallSystem
-from symkin.enumeration.balls import COMPLEX, REAL, RINGS, UP, Number
-from symkin.enumeration.coordinates import Coordinates, aligned, in_phase
-from symkin.enumeration.krawczyk import Box, chart_of, enclose
-from symkin.enumeration.separation import distinct_boxes, is_pose, not_real
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.ball_system import BallSystem
+from symkin.proof.balls import COMPLEX, REAL, RINGS, UP, Number
+from symkin.proof.coordinates import Coordinates, aligned, in_phase
+from symkin.proof.krawczyk import Box, chart_of, enclose
+from symkin.proof.separation import distinct_boxes, is_pose, not_real
 
 _BITS = (64, 128, 256)
 """Precisions tried in turn; up to 64 bits a number is one machine word."""

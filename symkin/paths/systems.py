@@ -9,11 +9,11 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.dyads import dyads_of
-from symkin.enumeration.six_distances import is_universal, universal_system
 from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.model.joint import Coordinate
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.dyads import dyads_of
+from symkin.paths.six_distances import is_universal, universal_system
 from symkin.position.problem import KNOWN, Problem
 from symkin.position.system import System, components
 

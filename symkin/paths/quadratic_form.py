@@ -15,8 +15,8 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.walk import vectorise
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.walk import vectorise
 
 _DEGREES = (1, 2, 4, 8, 16, 32, 64)
 """Degrees that are tried for the weights along a line."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.enumeration import tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.engine import engine_of, track
-from symkin.enumeration.tracker import TrackSettings
+from symkin.paths import tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.engine import engine_of, track
+from symkin.paths.tracker import TrackSettings
 
 VERTICES = 8
 """Samples a turn; the paths go along the chords between them."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.endgame import finish
-from symkin.enumeration.ends import Ends
-from symkin.enumeration.engine import aligned, track
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.tracker import Tracked
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.endgame import finish
+from symkin.paths.ends import Ends
+from symkin.paths.engine import aligned, track
+from symkin.paths.monodromy import Fibre
+from symkin.paths.tracker import Tracked
 
 
 def instance(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:

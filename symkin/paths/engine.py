@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration import quadratic, tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.compiled import CompiledTracker, load
-from symkin.enumeration.quadratic_form import quadratic_form
-from symkin.enumeration.tracker import Tracked, TrackSettings
+from symkin.paths import quadratic, tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.compiled import CompiledTracker, load
+from symkin.paths.quadratic_form import quadratic_form
+from symkin.paths.tracker import Tracked, TrackSettings
 
 _WORTH_COMPILING = 200
 """Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""

@@ -10,9 +10,9 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.ball_system import BallSystem
-from symkin.enumeration.balls import REAL, BallFunction, precision, upper
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.ball_system import BallSystem
+from symkin.proof.balls import REAL, BallFunction, precision, upper
 from symkin.spatial.rotation import conjugate, multiply
 
 _ROUNDING = 2.0**-49

@@ -13,9 +13,9 @@ from math import inf, nextafter
 import numpy as np
 from flint import acb, arb
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.balls import Number, precision
-from symkin.enumeration.krawczyk import Box
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.proof.balls import Number, precision
+from symkin.proof.krawczyk import Box
 
 _WEIGHTS = 3
 """So many random t are computed; two roots differ if one of them does."""

@@ -12,10 +12,10 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.walk import vectorise
 from symkin.model.closure import build_algebraic_closure
 from symkin.model.platform import StudyPose
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.walk import vectorise
 from symkin.position.problem import Problem
 
 DISTANCES = 6
@@ -72,11 +72,3 @@ def is_universal(problem: Problem) -> bool:
         return False
     joints = ca.SX.sym("q", function.numel_in(0))
     return not any(ca.which_depends(function(joints), joints, 2, False))
-
-
-def __getattr__(name: str):  # type: ignore  # moved: kept here until all callers are
-    import importlib
-
-    if name not in ("BOUND", "universal_start", "machine_start", "compute_universal_start"):
-        raise AttributeError(name)
-    return getattr(importlib.import_module("symkin.enumeration.universal_start"), name)

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.enumeration import tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.monodromy import Fibre
-from symkin.enumeration.tracker import Tracked, TrackSettings
+from symkin.paths import tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.monodromy import Fibre
+from symkin.paths.tracker import Tracked, TrackSettings
 
 Track = Callable[[AlgebraicSystem, np.ndarray, np.ndarray, np.ndarray, TrackSettings | None], Tracked]
 """`tracker.track` or one of the same meaning."""

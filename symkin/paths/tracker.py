@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
+from symkin.paths.algebraic import AlgebraicSystem
 
 _POINTS = 3
 """Points and tangents that the predictor keeps."""

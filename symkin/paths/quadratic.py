@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration import tracker
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.quadratic_form import Line, QuadraticForm, line_of, quadratic_form
-from symkin.enumeration.tracker import Tracked, TrackSettings
+from symkin.paths import tracker
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.quadratic_form import Line, QuadraticForm, line_of, quadratic_form
+from symkin.paths.tracker import Tracked, TrackSettings
 
 __all__ = ["quadratic_form", "track"]
 

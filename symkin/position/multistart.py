@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.enumeration.roots import Roots, distinct
 from symkin.errors import InputError
 from symkin.position.given import Given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Progress, levenberg_marquardt
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
+from symkin.position.roots import Roots, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
 from symkin.position.system import System

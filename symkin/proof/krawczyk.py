@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from flint import acb_mat, arb_mat, ctx
 
-from symkin.enumeration.ball_system import BallSystem
-from symkin.enumeration.balls import COMPLEX, Number, Ring, precision, upper
+from symkin.proof.ball_system import BallSystem
+from symkin.proof.balls import COMPLEX, Number, Ring, precision, upper
 
 _INFLATION = 2.5
 """Half width of the first box, over the size of the last Newton step."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.enumeration.algebraic import AlgebraicSystem
-from symkin.enumeration.circles import gaps
+from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.circles import gaps
 
 NULL = 1e-5
 """Share below which a direction counts as lost at a root of several paths."""
