@@ -1,0 +1,196 @@
+"""C functions of one kernel: work space, rows, factors, step, target and the Newton driver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from string import Template
+
+import numpy as np
+
+from symkin.firmware.emit import Emitter, Real, indent, indexed
+from symkin.firmware.factor import UNROLLED, Pivots, choose_pivots, dense_statements, rounded, scales, unroll
+from symkin.firmware.kernel import Kernel
+
+
+class _C(Template):
+    """Templates of C: @{name}; a name without a value is an error."""
+
+    delimiter = "@"
+
+
+def fill(template: str, values: Mapping[str, object]) -> str:
+    """A file of `templates/` with its names replaced."""
+    text = resources.files("symkin.firmware").joinpath("templates", template).read_text(encoding="utf-8")
+    return substitute(text, values)
+
+
+def substitute(text: str, values: Mapping[str, object]) -> str:
+    filled = _C(text).substitute(values)
+    return "\n".join(line.rstrip() for line in filled.split("\n"))
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose."""
+
+    tolerance: float
+    floor: float
+    rounding: float
+    kappa2: float
+
+
+@dataclass(frozen=True, eq=False)
+class KernelSource:
+    """The text of one kernel's functions and what is known of it."""
+
+    kernel: Kernel
+    text: str
+    operations: dict[str, int]
+    pivots: Pivots | None
+    tuning: Tuning
+
+
+def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
+    """Tolerance near what the type resolves."""
+    resolution = real.epsilon * kernel.size
+    tolerance = resolution * (1.0 if real.name == "float" else 1e4)
+    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, kappa**2)
+
+
+def common_values(name: str, real: Real, struct: bool) -> dict[str, object]:
+    """Names that every template knows."""
+    return {
+        "p": name, "P": name.upper(), "real": real.type,
+        "gp": f"const {name}_geometry *g, " if struct else "", "ga": "g, " if struct else "",
+        "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
+        "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
+        "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
+    }  # fmt: skip
+
+
+def kernel_source(
+    kernel: Kernel,
+    name: str,
+    real: Real,
+    geometry: Sequence[str],
+    matrices: np.ndarray,
+    target: Sequence[str],
+    kappa: float,
+    *,
+    start_aim: str | None = None,
+    lazy: Sequence[str] = (),
+    known_count: int | None = None,
+) -> KernelSource:
+    """The functions of one kernel, named NAME_KERNEL_...; `target` are statements that set w->k from w->at, to and part;
+    `lazy` statements compute w->at from the guess when it is first needed."""
+    struct = bool(geometry)
+    tuning = tuning_of(kernel, real, kappa)
+    k = f"{name}_{kernel.name}"
+    n, m, ns = kernel.n, kernel.m, int(kernel.state.shape[0])
+    nk, nd = int(kernel.known.shape[0]), int(kernel.shared_symbols.shape[0])
+    inputs = [indexed("w->x", ns), indexed("w->k", nk), list(geometry)]
+    literal = real.literal
+    values = common_values(name, real, struct) | {
+        "k": k, "n": n, "n1": n + 1, "m": m, "ns": ns, "nk": nk, "nto": known_count or nk,
+        "na": n * n if kernel.is_square else m * n,
+        "shared": f"    {real.type} d[{nd}]; /* what rows and matrix share */" if nd else "",
+        "r": "" if kernel.is_square else f"    {real.type} r[{n * n}]; /* R of QR */",
+        "row_length": literal(kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
+        "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "settling2": literal(1.0), "quick": literal(256.0),
+        "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 256.0), "shrink": literal(0.375),
+        "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
+        "save": indent(copy("w->x0", "w->x", ns), 4), "save0": indent(copy("w->x0", "w->x", ns)),
+        "restore": indent(copy("w->x", "w->x0", ns), 3),
+        "lined": "    bool lined = false;" if lazy else "",
+        "lazy": indent(["if (!lined) {", "    lined = true;", *lazy, "}"], 3) if lazy else "",
+    }  # fmt: skip
+    row_emitter = Emitter(kernel.row_function(), inputs, real)
+    shared = [(1, i, f"w->d[{i}]") for i in range(nd)]
+    row_lines = _stores(row_emitter, [(0, i, f"w->f[{i}]") for i in range(m)], shared)
+    move_emitter = Emitter(kernel.move_function(), [inputs[0], indexed("w->f", n), list(geometry)], real)
+    moved = [move_emitter.value(0, i) for i in range(ns)]
+    norm = move_emitter.value(1, 0)
+    move_lines = [*move_emitter.lines, *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)), f"return {norm};"]
+    body = substitute(fill_text("functions.c"), values | {
+        "residual": indent(_residual(m, real, kernel.row_length)),
+        "rows": indent(row_lines), "move": indent(move_lines), "target": indent(target),
+    })  # fmt: skip
+    jacobian_inputs = [*inputs, indexed("w->d", nd)]
+    linear, pivots, counted = _linear(kernel, real, jacobian_inputs, matrices, values)
+    operations = {key: row_emitter.operations[key] + move_emitter.operations[key] + counted.get(key, 0)
+                  for key in sorted({*row_emitter.operations, *move_emitter.operations, *counted})}  # fmt: skip
+    text = fill("work.c", values) + body + linear + fill("newton.c", values)
+    text = "\n".join(line for line in text.split("\n") if line.strip() or True)
+    return KernelSource(kernel, _tidy(text), operations, pivots, tuning)
+
+
+def _residual(count: int, real: Real, length: float) -> list[str]:
+    squares = f"{real.type} sum = w->f[0] * w->f[0];"
+    adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
+    root = f"{real.call('sqrt')}(sum)"
+    return [squares, *adds, f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"]
+
+
+def fill_text(template: str) -> str:
+    return resources.files("symkin.firmware").joinpath("templates", template).read_text(encoding="utf-8")
+
+
+def copy(target: str, source: str, count: int) -> list[str]:
+    """Statements that copy an array; short ones without a loop."""
+    if count <= 8:
+        return [f"{target}[{i}] = {source}[{i}];" for i in range(count)]
+    return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]
+
+
+def _stores(emitter: Emitter, first: Sequence[tuple[int, int, str]], shared: Sequence[tuple[int, int, str]]) -> list[str]:
+    """Each output made and stored in turn: what is shared as soon as its row has been made."""
+    each = len(shared) // max(len(first), 1)
+    for number, (output, nonzero, target) in enumerate(first):
+        text = emitter.value(output, nonzero)
+        emitter.lines.append(f"{target} = {text};")
+        for o, k, place in shared[each * number : each * (number + 1)]:
+            value = emitter.value(o, k)
+            emitter.lines.append(f"{place} = {value};")
+    return emitter.lines
+
+
+def _linear(
+    kernel: Kernel, real: Real, inputs: Sequence[Sequence[str]], matrices: np.ndarray, values: Mapping[str, object]
+) -> tuple[str, Pivots | None, dict[str, int]]:
+    """Text of factor, solve and min_pivot."""
+    function = kernel.jacobian_function()
+    dense = Emitter(function, inputs, real)
+    matrix = indent(dense_statements(dense, kernel.m, kernel.n, "w->a"))
+    if not kernel.is_square:
+        n, m = kernel.n, kernel.m
+        counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}
+        return fill("qr.c", values | {"matrix": matrix}), None, counted
+    _, column_scale = scales(matrices)
+    text = fill("pivoted.c", {**values, "COLD": f"{values['P']}_COLD", "matrix": matrix,
+                              "column_scales": ", ".join(real.literal(rounded(float(s))) for s in column_scale)})  # fmt: skip
+    if kernel.n > UNROLLED:
+        counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + kernel.n**3 // 3}
+        return text + "\n" + fill("looped.c", values), None, counted
+    pivots = choose_pivots(matrices)
+    unrolled = unroll(kernel, Emitter(function, inputs, real), pivots)
+    scaled = [a * b for a, b in zip(pivots.row_scale, pivots.column_scale, strict=True)]
+    sizes = []
+    for i in range(1, kernel.n):
+        sizes.append(f"size = {real.call('fabs')}(w->a[{(kernel.n + 1) * i}] * {real.literal(scaled[i])});")
+        sizes.append("largest = (size > largest) ? size : largest;")
+    factor = [substitute(line, values) for line in unrolled.factor]
+    text += "\n" + fill("unrolled.c", {**values, "factor": indent(factor), "solve": indent(unrolled.solve),
+                                       "sign": ">" if pivots.parity > 0 else "<",
+                                       "scale0": real.literal(scaled[0]), "sizes": indent(sizes)})  # fmt: skip
+    return text, pivots, unrolled.operations
+
+
+def _tidy(text: str) -> str:
+    """No runs of empty lines, none inside a function's start."""
+    lines: list[str] = []
+    for line in text.split("\n"):
+        if line or (lines and lines[-1] and not lines[-1].endswith("{")):
+            lines.append(line)
+    return "\n".join(lines)

@@ -1,0 +1,71 @@
+/* The state at the guess, and whether joints and guess can be used. */
+static @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
+{
+    @{p}_status status = @{p}_check(@{ga}joints);
+    if (status == @{P}_OK) {
+@{enter}
+    }
+    return status;
+}
+
+/* The pose of the state. */
+static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
+{
+@{leave}
+}
+
+@{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
+{
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    @{p}_direct_work w;
+    @{p}_info unread;
+    @{p}_info *const told = (info != NULL) ? info : &unread;
+    @{p}_status status = @{p}_enter(@{ga}&w, joints, guess);
+    told->iterations = 0U;
+    told->residual = @{huge};
+    told->step = @{zero};
+    told->min_pivot = @{zero};
+    if (status == @{P}_OK) {
+@{towards}
+        status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, told);
+        if (status == @{P}_OK) {
+            @{p}_leave(&w, pose);
+        } else {
+            status = @{p}_verdict(w.x0, @{ns}, @{p}_verdict(joints, @{nq}, status));
+        }
+    }
+    return status;
+}
+
+@{p}_status @{p}_track(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
+{
+    @{p}_direct_work w;
+    @{p}_info unread;
+    @{p}_info *const told = (info != NULL) ? info : &unread;
+    @{p}_status status = @{p}_enter(@{ga}&w, joints, pose);
+    told->iterations = 0U;
+    told->residual = @{huge};
+    told->step = @{zero};
+    told->min_pivot = @{zero};
+    if (status == @{P}_OK) {
+@{towards}
+        @{p}_direct_target(@{ga}&w, @{to}, @{one});
+        @{p}_direct_rows(@{ga}&w);
+        told->iterations = 1U;
+        if (@{p}_direct_factor(@{ga}&w) == 0) {
+            status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
+        } else {
+            @{p}_direct_solve(&w);
+            const @{real} size = @{p}_direct_move(@{ga}&w);
+            told->residual = @{kappa} * size;
+            told->step = @{sqrt}(size);
+            told->min_pivot = @{p}_direct_min_pivot(&w);
+            if (size <= @{track2}) {
+                @{p}_leave(&w, pose);
+            } else {
+                status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
+            }
+        }
+    }
+    return status;
+}

@@ -1,0 +1,71 @@
+/* The matrix into w->a, row by row. */
+static void @{k}_matrix(@{gp}@{k}_work *w)
+{
+@{matrix}
+}
+
+/* QR of the @{m} x @{n} matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
+ * its columns are dependent. Steps are least squares over all rows. */
+static int @{k}_factor(@{gp}@{k}_work *w)
+{
+    @{k}_matrix(@{ga}w);
+    w->pivoted = false;
+    for (int c = 0; c < @{n}; ++c) {
+        @{real} squared = @{zero};
+        for (int i = 0; i < @{m}; ++i) {
+            squared += w->a[@{n} * i + c] * w->a[@{n} * i + c];
+        }
+        if (!(squared > @{singular} * @{singular})) {
+            return 0;
+        }
+        const @{real} inverse = @{one} / @{sqrt}(squared);
+        w->r[@{n} * c + c] = inverse;
+        for (int i = 0; i < @{m}; ++i) {
+            w->a[@{n} * i + c] *= inverse;
+        }
+        for (int j = c + 1; j < @{n}; ++j) {
+            @{real} r = @{zero};
+            for (int i = 0; i < @{m}; ++i) {
+                r += w->a[@{n} * i + c] * w->a[@{n} * i + j];
+            }
+            w->r[@{n} * c + j] = r;
+            for (int i = 0; i < @{m}; ++i) {
+                w->a[@{n} * i + j] -= r * w->a[@{n} * i + c];
+            }
+        }
+    }
+    return 1;
+}
+
+/* The least-squares step from w->f into the first @{n} entries of w->f. */
+static void @{k}_solve(@{k}_work *w)
+{
+    @{real} y[@{n}];
+    for (int c = 0; c < @{n}; ++c) {
+        y[c] = @{zero};
+        for (int i = 0; i < @{m}; ++i) {
+            y[c] += w->a[@{n} * i + c] * w->f[i];
+        }
+        for (int i = 0; i < @{m}; ++i) {
+            w->f[i] -= y[c] * w->a[@{n} * i + c];
+        }
+    }
+    for (int c = @{n} - 1; c >= 0; --c) {
+        for (int j = c + 1; j < @{n}; ++j) {
+            y[c] -= w->r[@{n} * c + j] * w->f[j];
+        }
+        w->f[c] = y[c] * w->r[@{n} * c + c];
+    }
+}
+
+/* Smallest diagonal entry of R. */
+static @{real} @{k}_min_pivot(const @{k}_work *w)
+{
+    @{real} largest = @{zero};
+    for (int c = 0; c < @{n}; ++c) {
+        if (w->r[@{n1} * c] > largest) {
+            largest = w->r[@{n1} * c];
+        }
+    }
+    return @{one} / largest;
+}

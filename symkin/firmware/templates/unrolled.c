@@ -1,0 +1,28 @@
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where the
+ * matrix is singular. A pivot far below its usual size is left to @{k}_pivoted. */
+static int @{k}_factor(@{gp}@{k}_work *w)
+{
+    @{real} det;
+    w->pivoted = false;
+@{factor}
+    return (det @{sign} @{zero}) ? 1 : -1;
+}
+
+/* The step from w->f into w->f. */
+static void @{k}_solve(@{k}_work *w)
+{
+    if (w->pivoted) {
+        @{k}_pivoted_solve(w);
+        return;
+    }
+@{solve}
+}
+
+/* Smallest pivot of the matrix with rows and columns scaled. */
+static @{real} @{k}_min_pivot(const @{k}_work *w)
+{
+    @{real} largest = @{fabs}(w->a[0] * @{scale0});
+    @{real} size;
+@{sizes}
+    return @{one} / largest;
+}
