@@ -17,8 +17,8 @@ from symkin.firmware.kernel import Kernel
 
 UNROLLED = 8
 """Largest square system that is unrolled."""
-_GUARD = 2e-3
-"""A pivot below this part of its usual size is left to the pivoting fallback."""
+GUARD = 1e-3
+"""Where a scaled pivot may be below this, the pivoting fallback takes over."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def _filled(work: np.ndarray, i: int, j: int, rows: Sequence[int], columns: Sequ
 @dataclass(frozen=True)
 class UnrolledLU:
     """Statements of the factorisation and of the solution; the factors lie in a[n * row + column] of elimination order,
-    reciprocals of pivots on the diagonal."""
+    reciprocals of pivots on the diagonal. `spread` is the sum of the squared reciprocals of the scaled pivots."""
 
     factor: list[str]
     solve: list[str]
@@ -132,6 +132,7 @@ def unroll(kernel: Kernel, emitter: Emitter, pivots: Pivots) -> UnrolledLU:
     upper: list[dict[int, str]] = []
     inverses: list[str] = []
     signs: list[str] = []
+    squares: list[str] = []
     lower: list[dict[int, str]] = []
     structure = emitter.function.sparsity_out(0)
     places = {place: k for k, place in enumerate(zip(*structure.get_triplet(), strict=True))}
@@ -156,17 +157,18 @@ def unroll(kernel: Kernel, emitter: Emitter, pivots: Pivots) -> UnrolledLU:
                 product = f"{factors[k]} * {_safe(above)}"
                 row[j] = emitter.assign(f"{row[j]} - {product}" if j in row else f"-({product})")
         pivot = row.pop(i, zero)
-        guard = real.literal(_GUARD * pivots.usual[i])
-        lines.append(f"if (!({real.call('fabs')}({pivot}) > {guard})) {{ return @{{k}}_pivoted(@{{ga}}w); }}")
         emitter.operations["divisions"] += 1
         inverses.append(emitter.assign(f"{real.literal(1.0)} / {pivot}"))
         signs.append(pivot if pivots.large_first(i) else inverses[i])
         lines.append(f"w->a[{n * i + i}] = {inverses[i]};")
+        scaled = emitter.assign(f"{inverses[i]} * {real.literal(pivots.row_scale[i] * pivots.column_scale[i])}")
+        squares.append(f"{scaled} * {scaled}")
         for j, text in row.items():
             lines.append(f"w->a[{n * i + j}] = {text};")
         upper.append(row)
         lower.append(factors)
     lines.append(f"det = {' * '.join(signs)};")
+    lines.append(f"w->spread = {' + '.join(squares)};")
     return UnrolledLU(lines, _solve(n, upper, lower, pivots, real.type), dict(emitter.operations))
 
 

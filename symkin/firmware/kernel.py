@@ -153,14 +153,31 @@ def apply_rows(r: Sequence[Sequence[ca.SX]], a: ca.SX) -> ca.SX:
     return ca.vertcat(*(times(a[0], row[0]) + times(a[1], row[1]) + times(a[2], row[2]) for row in r))
 
 
+def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], position: ca.SX) -> list[ca.SX]:
+    """position + R a, the terms that points share summed first."""
+    keys = [[str(a[k]) for k in range(3)] for a in points]
+    moved = []
+    for a, own in zip(points, keys, strict=True):
+        shared = [sum(other[k] == own[k] for other in keys) for k in range(3)]
+        order = sorted(range(3), key=lambda k: -shared[k])
+        parts = []
+        for i, row in enumerate(r):
+            total = position[i]
+            for k in order:
+                total = total + times(a[k], row[k])
+            parts.append(total)
+        moved.append(ca.vertcat(*parts))
+    return moved
+
+
 def rod_vectors(rods: Rods, position: ca.SX, quaternion: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
     """(R a, d, delta) of each rod; R a and d less their home values are exact near home in the home-relative form."""
     r = rotation_columns(quaternion, less_identity=rods.home is not None)
     arms = [apply_rows(r, a) for a in rods.points]
+    changes = _moved_points(r, rods.points, position)
     if rods.home is None:
-        ends = [arm + position - b for arm, b in zip(arms, rods.bases, strict=True)]
+        ends = [change - b for change, b in zip(changes, rods.bases, strict=True)]
         return arms, ends, ends
-    changes = [arm + position for arm in arms]
     whole = [arm + a for arm, a in zip(arms, rods.points, strict=True)]
     return whole, [d0 + change for d0, change in zip(rods.home, changes, strict=True)], changes
 
@@ -187,7 +204,7 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
     where = position if rods.home is None else position + rods.home_position
     velocity = 0.5 * (step[:3] + cross(4 * half, where))
     turned = multiply(ca.vertcat(1, half), quaternion)
-    inverse = 1 / ca.sqrt(dot(turned, turned))
+    inverse = 1 / ca.sqrt(1 + dot(half, half))
     size = mechanism.size
     lengths = [float(np.linalg.norm(home.apply(np.array(limb.platform)) - np.array(limb.base))) for limb in mechanism.limbs]  # type: ignore[union-attr]
     return Kernel(

@@ -110,12 +110,12 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
     matrices, kappa = sampled(platform, kernel)
     source = kernel_source(
         kernel, name, real, platform.geometry_names, matrices, _target(platform, rods, kernel.geometry), kappa,
-        lazy=[f"{name}_legs({values['ga']}w->x, w->at);"],
+        lazy=[f"(void){name}_unit(w->guess, w->x);", f"{name}_legs({values['ga']}w->x, w->at);"],
     )  # fmt: skip
     literal = real.literal
     values |= {
         "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "values", 6), 3),
-        "enter": indent([f"status = {name}_unit(guess, w->x);"], 2),
+        "enter": indent(["w->guess = guess;", f"status = {name}_unit(guess, w->x);"], 2),
         "leave": indent([*copy("pose->position", "w->x", 3), *copy("pose->quaternion", "w->x", 4)]).replace(
             "pose->quaternion[i] = w->x[i]", "pose->quaternion[i] = w->x[3 + i]"),
         "towards": "", "to": "joints",
@@ -140,7 +140,9 @@ def _target(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> list[str]:
         emitter = Emitter(function, [indexed("j", 6), platform.geometry_names], real, prefix=f"t{i}_")
         text = emitter.value(0, i)
         lines += [*emitter.lines, f"w->k[{i}] = {text};"]
-    start = [f"{real.type} j[6];", "for (int i = 0; i < 6; ++i) {", f"    j[i] = (part < {real.literal(1.0)}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];", "}"]  # fmt: skip
+    at_part = ["for (int i = 0; i < 6; ++i) {", "    j[i] = w->at[i] + part * (to[i] - w->at[i]);", "}"]
+    start = [f"{real.type} j[6];", f"if (part < {real.literal(1.0)}) {{", *("    " + line for line in at_part), "} else {",
+             *("    " + line for line in copy("j", "to", 6)), "}"]  # fmt: skip
     return start + lines
 
 

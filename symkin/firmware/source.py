@@ -10,7 +10,7 @@ from string import Template
 import numpy as np
 
 from symkin.firmware.emit import Emitter, Real, indent, indexed
-from symkin.firmware.factor import UNROLLED, Pivots, choose_pivots, dense_statements, rounded, scales, unroll
+from symkin.firmware.factor import GUARD, UNROLLED, Pivots, choose_pivots, dense_statements, rounded, scales, unroll
 from symkin.firmware.kernel import Kernel
 
 
@@ -63,6 +63,7 @@ def common_values(name: str, real: Real, struct: bool) -> dict[str, object]:
     """Names that every template knows."""
     return {
         "p": name, "P": name.upper(), "real": real.type,
+        "COLD": f"{name.upper()}_COLD",
         "gp": f"const {name}_geometry *g, " if struct else "", "ga": "g, " if struct else "",
         "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
         "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
@@ -84,7 +85,7 @@ def kernel_source(
     known_count: int | None = None,
 ) -> KernelSource:
     """The functions of one kernel, named NAME_KERNEL_...; `target` are statements that set w->k from w->at, to and part;
-    `lazy` statements compute w->at from the guess when it is first needed."""
+    `lazy` statements put the guess into w->x and its known values into w->at when they are first needed."""
     struct = bool(geometry)
     tuning = tuning_of(kernel, real, kappa)
     k = f"{name}_{kernel.name}"
@@ -101,10 +102,11 @@ def kernel_source(
         "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "settling2": literal(1.0), "quick": literal(256.0),
         "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 256.0), "shrink": literal(0.375),
         "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
-        "save": indent(copy("w->x0", "w->x", ns), 4), "save0": indent(copy("w->x0", "w->x", ns)),
-        "restore": indent(copy("w->x", "w->x0", ns), 3),
+        "save": indent(copy("w->x0", "w->x", ns), 4), "guard": literal(GUARD**-2),
+        "save0": "" if lazy else indent(copy("w->x0", "w->x", ns)),
+        "restore": indent([*_lazily(lazy, ns), *copy("w->x", "w->x0", ns)], 3),
         "lined": "    bool lined = false;" if lazy else "",
-        "lazy": indent(["if (!lined) {", "    lined = true;", *lazy, "}"], 3) if lazy else "",
+        "guess": f"    const {name}_pose *guess;" if lazy else "",
     }  # fmt: skip
     row_emitter = Emitter(kernel.row_function(), inputs, real)
     shared = [(1, i, f"w->d[{i}]") for i in range(nd)]
@@ -131,6 +133,14 @@ def _residual(count: int, real: Real, length: float) -> list[str]:
     adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
     root = f"{real.call('sqrt')}(sum)"
     return [squares, *adds, f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"]
+
+
+def _lazily(lazy: Sequence[str], ns: int) -> list[str]:
+    """State and known values of the guess, once they are needed."""
+    if not lazy:
+        return []
+    body = [*lazy, *copy("w->x0", "w->x", ns)]
+    return ["if (!lined) {", "    lined = true;", *("    " + line for line in body), "}"]
 
 
 def fill_text(template: str) -> str:
@@ -168,22 +178,16 @@ def _linear(
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}
         return fill("qr.c", values | {"matrix": matrix}), None, counted
     _, column_scale = scales(matrices)
-    text = fill("pivoted.c", {**values, "COLD": f"{values['P']}_COLD", "matrix": matrix,
+    text = fill("pivoted.c", {**values, "matrix": matrix,
                               "column_scales": ", ".join(real.literal(rounded(float(s))) for s in column_scale)})  # fmt: skip
     if kernel.n > UNROLLED:
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + kernel.n**3 // 3}
         return text + "\n" + fill("looped.c", values), None, counted
     pivots = choose_pivots(matrices)
     unrolled = unroll(kernel, Emitter(function, inputs, real), pivots)
-    scaled = [a * b for a, b in zip(pivots.row_scale, pivots.column_scale, strict=True)]
-    sizes = []
-    for i in range(1, kernel.n):
-        sizes.append(f"size = {real.call('fabs')}(w->a[{(kernel.n + 1) * i}] * {real.literal(scaled[i])});")
-        sizes.append("largest = (size > largest) ? size : largest;")
     factor = [substitute(line, values) for line in unrolled.factor]
     text += "\n" + fill("unrolled.c", {**values, "factor": indent(factor), "solve": indent(unrolled.solve),
-                                       "sign": ">" if pivots.parity > 0 else "<",
-                                       "scale0": real.literal(scaled[0]), "sizes": indent(sizes)})  # fmt: skip
+                                       "sign": ">" if pivots.parity > 0 else "<"})  # fmt: skip
     return text, pivots, unrolled.operations
 
 

@@ -14,6 +14,15 @@ static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
 @{leave}
 }
 
+/* What is told of a call that took no step. */
+static @{COLD} void @{p}_refused(@{p}_info *told)
+{
+    told->iterations = 0U;
+    told->residual = @{huge};
+    told->step = @{zero};
+    told->min_pivot = @{zero};
+}
+
 @{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
@@ -21,10 +30,6 @@ static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
     @{p}_info unread;
     @{p}_info *const told = (info != NULL) ? info : &unread;
     @{p}_status status = @{p}_enter(@{ga}&w, joints, guess);
-    told->iterations = 0U;
-    told->residual = @{huge};
-    told->step = @{zero};
-    told->min_pivot = @{zero};
     if (status == @{P}_OK) {
 @{towards}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, told);
@@ -33,6 +38,8 @@ static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
         } else {
             status = @{p}_verdict(w.x0, @{ns}, @{p}_verdict(joints, @{nq}, status));
         }
+    } else {
+        @{p}_refused(told);
     }
     return status;
 }
@@ -43,29 +50,28 @@ static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
     @{p}_info unread;
     @{p}_info *const told = (info != NULL) ? info : &unread;
     @{p}_status status = @{p}_enter(@{ga}&w, joints, pose);
-    told->iterations = 0U;
-    told->residual = @{huge};
-    told->step = @{zero};
-    told->min_pivot = @{zero};
     if (status == @{P}_OK) {
 @{towards}
         @{p}_direct_target(@{ga}&w, @{to}, @{one});
         @{p}_direct_rows(@{ga}&w);
-        told->iterations = 1U;
         if (@{p}_direct_factor(@{ga}&w) == 0) {
+            @{p}_refused(told);
             status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
         } else {
             @{p}_direct_solve(&w);
             const @{real} size = @{p}_direct_move(@{ga}&w);
+            told->iterations = 1U;
             told->residual = @{kappa} * size;
             told->step = @{sqrt}(size);
-            told->min_pivot = @{p}_direct_min_pivot(&w);
+            told->min_pivot = @{one} / @{sqrt}(w.spread);
             if (size <= @{track2}) {
                 @{p}_leave(&w, pose);
             } else {
                 status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
             }
         }
+    } else {
+        @{p}_refused(told);
     }
     return status;
 }

@@ -93,7 +93,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 break;
             }
 @{restore}
-@{lazy}
             aim = done + @{shrink} * (aim - done);
             @{k}_target(@{ga}w, to, aim);
             judging = false;
@@ -108,6 +107,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     info->iterations = (uint8_t)count;
     info->residual = residual;
     info->step = @{sqrt}(size);
-    info->min_pivot = (sign == 0) ? @{zero} : @{k}_min_pivot(w);
+    info->min_pivot = (sign == 0) ? @{zero} : (@{one} / @{sqrt}(w->spread));
     return status;
 }

@@ -11,6 +11,7 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
     int sign = 1;
     @{k}_matrix(@{ga}w);
     w->pivoted = true;
+    w->spread = @{zero};
     for (int c = 0; c < @{n}; ++c) {
         int best = c;
         @{real} largest = @{zero};
@@ -38,6 +39,7 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
         }
         const @{real} inverse = @{one} / w->a[@{n} * c + c];
         w->a[@{n} * c + c] = inverse;
+        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
         for (int r = c + 1; r < @{n}; ++r) {
             const @{real} factor = w->a[@{n} * r + c] * inverse;
             w->a[@{n} * r + c] = factor;

@@ -9,7 +9,7 @@ static void @{k}_matrix(@{gp}@{k}_work *w)
 static int @{k}_factor(@{gp}@{k}_work *w)
 {
     @{k}_matrix(@{ga}w);
-    w->pivoted = false;
+    w->spread = @{zero};
     for (int c = 0; c < @{n}; ++c) {
         @{real} squared = @{zero};
         for (int i = 0; i < @{m}; ++i) {
@@ -20,6 +20,7 @@ static int @{k}_factor(@{gp}@{k}_work *w)
         }
         const @{real} inverse = @{one} / @{sqrt}(squared);
         w->r[@{n} * c + c] = inverse;
+        w->spread += inverse * inverse;
         for (int i = 0; i < @{m}; ++i) {
             w->a[@{n} * i + c] *= inverse;
         }
@@ -58,14 +59,3 @@ static void @{k}_solve(@{k}_work *w)
     }
 }
 
-/* Smallest diagonal entry of R. */
-static @{real} @{k}_min_pivot(const @{k}_work *w)
-{
-    @{real} largest = @{zero};
-    for (int c = 0; c < @{n}; ++c) {
-        if (w->r[@{n1} * c] > largest) {
-            largest = w->r[@{n1} * c];
-        }
-    }
-    return @{one} / largest;
-}

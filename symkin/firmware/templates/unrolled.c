@@ -5,6 +5,9 @@ static int @{k}_factor(@{gp}@{k}_work *w)
     @{real} det;
     w->pivoted = false;
 @{factor}
+    if (!(w->spread < @{guard})) {
+        return @{k}_pivoted(@{ga}w);
+    }
     return (det @{sign} @{zero}) ? 1 : -1;
 }
 
@@ -18,11 +21,3 @@ static void @{k}_solve(@{k}_work *w)
 @{solve}
 }
 
-/* Smallest pivot of the matrix with rows and columns scaled. */
-static @{real} @{k}_min_pivot(const @{k}_work *w)
-{
-    @{real} largest = @{fabs}(w->a[0] * @{scale0});
-    @{real} size;
-@{sizes}
-    return @{one} / largest;
-}

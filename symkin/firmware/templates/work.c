@@ -7,7 +7,9 @@ typedef struct {
 @{shared}
     @{real} a[@{na}]; /* matrix, then its factors */
 @{r}
+    @{real} spread; /* sum of the squared reciprocals of the scaled pivots */
     uint8_t order[@{n}]; /* rows exchanged by the fallback */
+@{guess}
     bool pivoted;
 } @{k}_work;
 
