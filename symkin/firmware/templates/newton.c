@@ -20,6 +20,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool was_fresh = false;
     bool judging = false;
     bool kept = false;
+    bool settling = false;
     bool verify = false;
 @{lined}
     @{k}_target(@{ga}w, to, aim);
@@ -55,12 +56,12 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_move(@{ga}w);
-        if (judging ? ((size <= ((done < @{one}) ? @{contraction2} : @{settling2}) * before) || (size <= @{floor2})) : (size <= longest2)) {
+        if (judging ? ((size <= (settling ? @{settling2} : @{contraction2}) * before) || (size <= @{floor2})) : (size <= longest2)) {
             if (aim >= @{one}) {
                 @{real} error2;
                 @{real} gain2;
                 if (judging) {
-                    done = @{one};
+                    settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
                     }
@@ -87,21 +88,18 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 judging = false;
                 fresh = true;
             }
-        } else if (done < @{one}) {
-            if (!(aim - done > @{least_part})) {
-                status = @{P}_WRONG_BRANCH;
-                break;
-            }
+        } else if (settling && !fresh) {
+            fresh = true;
+        } else if (aim - done > @{least_part}) {
 @{restore}
             aim = done + @{shrink} * (aim - done);
             @{k}_target(@{ga}w, to, aim);
+            fresh = settling || !kept;
             judging = false;
-            fresh = !kept;
-        } else if (fresh) {
+            settling = false;
+        } else {
             status = @{P}_WRONG_BRANCH;
             break;
-        } else {
-            fresh = true;
         }
     }
     info->iterations = (uint8_t)count;
