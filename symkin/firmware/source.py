@@ -106,7 +106,8 @@ def kernel_source(
         "save0": "" if lazy else indent(copy("w->x0", "w->x", ns)),
         "restore": indent([*_lazily(lazy, ns), *copy("w->x", "w->x0", ns)], 3),
         "lined": "    bool lined = false;" if lazy else "",
-        "guess": f"    const {name}_pose *guess;" if lazy else "",
+        "guess": (f"    const {name}_pose *guess;" if lazy else "")
+        + (f"    {real.type} aim; /* how much of the line to try first */" if start_aim == "w->aim" else ""),
     }  # fmt: skip
     row_emitter = Emitter(kernel.row_function(), inputs, real)
     shared = [(1, i, f"w->d[{i}]") for i in range(nd)]
@@ -176,7 +177,7 @@ def _linear(
     if not kernel.is_square:
         n, m = kernel.n, kernel.m
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}
-        return fill("qr.c", values | {"matrix": matrix}), None, counted
+        return fill("qr.c", values | {"matrix": matrix, **_qr_loops(n, m, real)}), None, counted
     _, column_scale = scales(matrices)
     text = fill("pivoted.c", {**values, "matrix": matrix,
                               "column_scales": ", ".join(real.literal(rounded(float(s))) for s in column_scale)})  # fmt: skip
@@ -189,6 +190,19 @@ def _linear(
     text += "\n" + fill("unrolled.c", {**values, "factor": indent(factor), "solve": indent(unrolled.solve),
                                        "sign": ">" if pivots.parity > 0 else "<"})  # fmt: skip
     return text, pivots, unrolled.operations
+
+
+def _qr_loops(n: int, m: int, real: Real) -> dict[str, str]:
+    """Loops over further columns; a single column has none."""
+    if n == 1:
+        return {"others": "", "above": ""}
+    others = [
+        f"for (int j = c + 1; j < {n}; ++j) {{", f"    {real.type} r = {real.literal(0.0)};", f"    for (int i = 0; i < {m}; ++i) {{",
+        f"        r += w->a[{n} * i + c] * w->a[{n} * i + j];", "    }", f"    w->r[{n} * c + j] = r;",
+        f"    for (int i = 0; i < {m}; ++i) {{", f"        w->a[{n} * i + j] -= r * w->a[{n} * i + c];", "    }", "}",
+    ]  # fmt: skip
+    above = [f"for (int j = c + 1; j < {n}; ++j) {{", f"    y[c] -= w->r[{n} * c + j] * w->f[j];", "}"]
+    return {"others": indent(others, 2), "above": indent(above, 2)}
 
 
 def _tidy(text: str) -> str:

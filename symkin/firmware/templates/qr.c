@@ -24,16 +24,7 @@ static int @{k}_factor(@{gp}@{k}_work *w)
         for (int i = 0; i < @{m}; ++i) {
             w->a[@{n} * i + c] *= inverse;
         }
-        for (int j = c + 1; j < @{n}; ++j) {
-            @{real} r = @{zero};
-            for (int i = 0; i < @{m}; ++i) {
-                r += w->a[@{n} * i + c] * w->a[@{n} * i + j];
-            }
-            w->r[@{n} * c + j] = r;
-            for (int i = 0; i < @{m}; ++i) {
-                w->a[@{n} * i + j] -= r * w->a[@{n} * i + c];
-            }
-        }
+@{others}
     }
     return 1;
 }
@@ -52,9 +43,7 @@ static void @{k}_solve(@{k}_work *w)
         }
     }
     for (int c = @{n} - 1; c >= 0; --c) {
-        for (int j = c + 1; j < @{n}; ++j) {
-            y[c] -= w->r[@{n} * c + j] * w->f[j];
-        }
+@{above}
         w->f[c] = y[c] * w->r[@{n} * c + c];
     }
 }

@@ -14,6 +14,10 @@ static @{p}_status @{p}_unit(const @{p}_pose *pose, @{real} x[7])
         x[5] = q[2] * inverse;
         x[6] = q[3] * inverse;
     } else {
+        x[3] = q[0];
+        x[4] = q[1];
+        x[5] = q[2];
+        x[6] = q[3];
         status = @{p}_verdict(q, 4, @{P}_OUT_OF_RANGE);
     }
     return status;
