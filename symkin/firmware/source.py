@@ -99,7 +99,7 @@ def kernel_source(
         "shared": f"    {real.type} d[{nd}]; /* what rows and matrix share */" if nd else "",
         "r": "" if kernel.is_square else f"    {real.type} r[{n * n}]; /* R of QR */",
         "row_length": literal(kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
-        "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "settling2": literal(1.0), "quick": literal(256.0),
+        "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0), "settling2": literal(1.0), "quick": literal(400.0),
         "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0), "shrink": literal(0.375),
         "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
         "save": indent(copy("w->x0", "w->x", ns), 4), "guard": literal(GUARD**-2),

@@ -1,8 +1,8 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where a step is
- * longer than a quarter of the step before it, the Newton-Kantorovich bound that ties the answer to the guess does not
- * hold: the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
+ * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
+ * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
  * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
@@ -13,6 +13,9 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{real} aim = @{start_aim};
     @{real} size = @{zero};
     @{real} kappa2 = @{kappa2};
+    @{real} limit;
+    @{real} most = @{zero};
+    @{real} contraction2 = @{contraction2};
     @{real} residual = @{huge};
     int sign = 0;
     unsigned int count = 0U;
@@ -56,7 +59,15 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_move(@{ga}w);
-        if (judging ? ((size <= (settling ? @{settling2} : @{contraction2}) * before) || (size <= @{floor2})) : (size <= longest2)) {
+        if (!judging) {
+            limit = longest2;
+        } else if (settling) {
+            limit = (before < most) ? before : most;
+        } else {
+            limit = contraction2 * before;
+            most = @{careful2} * before;
+        }
+        if ((size <= limit) || (judging && (size <= @{floor2}))) {
             if (aim >= @{one}) {
                 @{real} error2;
                 @{real} gain2;
@@ -95,6 +106,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             aim = done + @{shrink} * (aim - done);
             @{k}_target(@{ga}w, to, aim);
             fresh = settling || !kept;
+            contraction2 = @{careful2};
             judging = false;
             settling = false;
         } else {
