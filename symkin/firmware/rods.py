@@ -51,7 +51,7 @@ class RodPlatform:
             return []
         names: list[str] = []
         for k in range(6):
-            names += indexed(f"g->base[{k}]", 3) + indexed(f"g->platform[{k}]", 3) + [f"g->offset[{k}]"]
+            names += indexed(f"geometry->base[{k}]", 3) + indexed(f"geometry->platform[{k}]", 3) + [f"geometry->offset[{k}]"]
         return names
 
     def rods(self, parameters: ca.SX) -> Rods:
@@ -111,6 +111,7 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
     source = kernel_source(
         kernel, name, real, platform.geometry_names, matrices, _target(platform, rods, kernel.geometry), kappa,
         lazy=[f"(void){name}_unit(w->guess, w->x);", f"{name}_legs({values['ga']}w->x, w->at);"],
+        guess=f"const {name}_pose *guess;",
     )  # fmt: skip
     literal = real.literal
     values |= {
@@ -156,7 +157,7 @@ def _check(platform: RodPlatform, values: dict[str, object]) -> str:
         assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
         low = max(-limb.offset + 1e-6 * size, limb.limits[0] - slack if limb.limits else -np.inf) - zero[i]
         if platform.options.geometry == "struct" and not limb.limits and not platform.options.home_relative:
-            parts.append(f"(joints[{i}] + g->offset[{i}] >= {real.literal(1e-6 * size)})")
+            parts.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
         else:
             parts.append(f"(joints[{i}] >= {real.literal(low)})")
         if limb.limits:

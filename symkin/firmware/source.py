@@ -27,8 +27,9 @@ def fill(template: str, values: Mapping[str, object]) -> str:
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
-    filled = _C(text).substitute(values)
-    return "\n".join(line.rstrip() for line in filled.split("\n"))
+    """Text with its names replaced; lines whose name stands for nothing are left out."""
+    lines = [(line, _C(line).substitute(values).rstrip()) for line in text.split("\n")]
+    return "\n".join(filled for line, filled in lines if filled or not line)
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ def common_values(name: str, real: Real, struct: bool) -> dict[str, object]:
     return {
         "p": name, "P": name.upper(), "real": real.type,
         "COLD": f"{name.upper()}_COLD",
-        "gp": f"const {name}_geometry *g, " if struct else "", "ga": "g, " if struct else "",
+        "gp": f"const {name}_geometry *geometry, " if struct else "", "ga": "geometry, " if struct else "",
+        "use": "    (void)geometry;" if struct else "",
         "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
         "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
         "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
@@ -83,6 +85,7 @@ def kernel_source(
     start_aim: str | None = None,
     lazy: Sequence[str] = (),
     known_count: int | None = None,
+    guess: str = "",
 ) -> KernelSource:
     """The functions of one kernel, named NAME_KERNEL_...; `target` are statements that set w->k from w->at, to and part;
     `lazy` statements put the guess into w->x and its known values into w->at when they are first needed."""
@@ -106,7 +109,7 @@ def kernel_source(
         "save0": "" if lazy else indent(copy("w->x0", "w->x", ns)),
         "restore": indent([*_lazily(lazy, ns), *copy("w->x", "w->x0", ns)], 3),
         "lined": "    bool lined = false;" if lazy else "",
-        "guess": (f"    const {name}_pose *guess;" if lazy else "")
+        "guess": (f"    {guess}" if lazy else "")
         + (f"    {real.type} aim; /* how much of the line to try first */" if start_aim == "w->aim" else ""),
     }  # fmt: skip
     row_emitter = Emitter(kernel.row_function(), inputs, real)
@@ -125,8 +128,7 @@ def kernel_source(
     operations = {key: row_emitter.operations[key] + move_emitter.operations[key] + counted.get(key, 0)
                   for key in sorted({*row_emitter.operations, *move_emitter.operations, *counted})}  # fmt: skip
     text = fill("work.c", values) + body + linear + fill("newton.c", values)
-    text = "\n".join(line for line in text.split("\n") if line.strip() or True)
-    return KernelSource(kernel, _tidy(text), operations, pivots, tuning)
+    return KernelSource(kernel, text, operations, pivots, tuning)
 
 
 def _residual(count: int, real: Real, length: float) -> list[str]:
@@ -203,12 +205,3 @@ def _qr_loops(n: int, m: int, real: Real) -> dict[str, str]:
     ]  # fmt: skip
     above = [f"for (int j = c + 1; j < {n}; ++j) {{", f"    y[c] -= w->r[{n} * c + j] * w->f[j];", "}"]
     return {"others": indent(others, 2), "above": indent(above, 2)}
-
-
-def _tidy(text: str) -> str:
-    """No runs of empty lines, none inside a function's start."""
-    lines: list[str] = []
-    for line in text.split("\n"):
-        if line or (lines and lines[-1] and not lines[-1].endswith("{")):
-            lines.append(line)
-    return "\n".join(lines)

@@ -12,6 +12,7 @@ static @{real} @{k}_residual(const @{k}_work *w)
 /* Puts the step on; its squared length. */
 static @{real} @{k}_move(@{gp}@{k}_work *w)
 {
+@{use}
 @{move}
 }
 

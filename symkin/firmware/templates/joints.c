@@ -2,6 +2,7 @@
 static @{p}_status @{p}_check(@{gp}const @{real} joints[@{nq}])
 {
     @{p}_status status = @{P}_OK;
+@{use}
     if (!(@{ranges})) {
         status = @{p}_verdict(joints, @{nq}, @{P}_OUT_OF_RANGE);
     }
