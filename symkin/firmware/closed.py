@@ -133,16 +133,18 @@ def _quaternion_place(pose: Sequence[Coordinate]) -> int | None:
 
 
 def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
-    """Statements: w->k on the line from w->at to `to`; unit quaternions along the shorter arc."""
-    lines = [f"for (int i = 0; i < {count}; ++i) {{", "    w->k[i] = to[i];", "}", f"if (part < {real.literal(1.0)}) {{"]
-    lines += [f"    for (int i = 0; i < {count}; ++i) {{", "        w->k[i] = w->at[i] + part * (to[i] - w->at[i]);", "    }"]
+    """Statements: w->k on the line from w->at to `to`; unit quaternions along the shorter arc, with the
+    sign of the guess's."""
+    loop = f"for (int i = 0; i < {count}; ++i) {{"
+    lines = [loop, "    w->k[i] = to[i];", "}"]
+    at, to, k = (indexed(name, 4, quaternion or 0) for name in ("w->at", "to", "w->k"))
     if quaternion is not None:
-        at, to, k = (indexed(name, 4, quaternion) for name in ("w->at", "to", "w->k"))
-        zero, one = real.literal(0.0), real.literal(1.0)
-        lines.append(f"    const {real.type} cosine = {' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))};")
-        lines += [f"    if (cosine < {zero}) {{", f"        for (int i = {quaternion}; i < {quaternion + 4}; ++i) {{",
-                  "            w->k[i] = w->at[i] - part * (to[i] + w->at[i]);", "        }", "    }"]  # fmt: skip
-        lines.append(f"    const {real.type} inverse = {one} / {real.call('sqrt')}({' + '.join(f'{v} * {v}' for v in k)});")
+        lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
+        lines += [*(f"    {v} = -{v};" for v in k), "}"]
+    lines += [f"if (part < {real.literal(1.0)}) {{", f"    {loop}", "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);", "    }"]
+    if quaternion is not None:
+        square = " + ".join(f"{v} * {v}" for v in k)
+        lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
 
@@ -270,9 +272,10 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     real, name = made.real, made.name
     passive = sum(c.width for c in made.passive)
     nc = int(str(values["nc"]))
-    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}];", f"{name}_info unread;", f"status = {name}_coordinates(guess, c);",
+    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};", f"{name}_info unread;", f"status = {name}_coordinates(guess, c);",
              f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs(c, w->at, passive, &unread);",
              *("    " + line for line in copy("w->x", "passive", passive) if passive), "}",
+             f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
              *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
     literal = real.literal
     return {

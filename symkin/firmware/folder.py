@@ -96,7 +96,8 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#ifndef {name.upper()}_VECTORS_H", f"#define {name.upper()}_VECTORS_H", "", f'#include "{name}.h"', "",
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
-        f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}", "",
+        f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
+        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.size)}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
@@ -116,9 +117,5 @@ def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
 
 
 def _far(vectors: Vectors) -> np.ndarray:
-    """A pose a long step away from the first vector's joints: that pose, moved."""
-    spread = np.max(np.ptp(vectors.poses[:, :3], axis=0))
-    far = vectors.poses[0].copy()
-    far[:3] += 3.0 * spread * np.sign(vectors.poses[0][:3] - vectors.home[:3])
-    return far
-
+    """The pose farthest from the first vector's: too long a step for tracking."""
+    return np.asarray(vectors.poses[int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))])

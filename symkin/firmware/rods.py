@@ -117,8 +117,7 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
     values |= {
         "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "values", 6), 3),
         "enter": indent(["w->guess = guess;", f"status = {name}_unit(guess, w->x);"], 2),
-        "leave": indent([*copy("pose->position", "w->x", 3), *copy("pose->quaternion", "w->x", 4)]).replace(
-            "pose->quaternion[i] = w->x[i]", "pose->quaternion[i] = w->x[3 + i]"),
+        "leave": indent([*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]),
         "towards": "", "to": "joints",
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((platform.mechanism.size / 24) ** 2),
     }  # fmt: skip

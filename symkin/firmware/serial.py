@@ -113,7 +113,6 @@ def serial_source(arm: SerialArm) -> tuple[str, KernelSource, dict[str, object]]
     kappa = curvature(kernel, states, poses, np.zeros(0))
     source = kernel_source(
         kernel, name, real, [], matrices, line_target(real, 7, 3), kappa,
-        lazy=[*copy("w->x", "w->guess", nq), f"{name}_forward(w->x, w->at);"], guess=f"const {real.type} *guess;",
     )  # fmt: skip
     forward = Emitter(ca.Function("f", [arm.joints], [ca.densify(arm.pose)], {"cse": True}), [indexed("q", nq)], real)
     texts = [forward.value(0, i) for i in range(7)]

@@ -16,6 +16,7 @@ from symkin.firmware.rods import RodPlatform
 from symkin.firmware.samples import Configuration, configurations
 from symkin.firmware.serial import SerialArm
 from symkin.model.closure import Closure
+from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
 from symkin.position.system import System
@@ -52,10 +53,21 @@ def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
     return exact.astype(np.float32).astype(float) if real.name == "float" else exact
 
 
-def _tidy(values: Sequence[float] | np.ndarray, size: float) -> np.ndarray:
-    """Rounded to 13 digits of the size: below every tolerance, above what linear algebra libraries differ by."""
-    decimals = 13 - int(np.ceil(np.log10(max(size, 1e-3))))
-    return np.asarray(np.round(np.asarray(values, dtype=float), decimals) + 0.0)
+def _tidy(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float) -> np.ndarray:
+    """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and quaternions): below every
+    tolerance, above what linear algebra libraries differ by."""
+    numbers = np.asarray(values, dtype=float)
+    digits = [13 - int(np.ceil(np.log10(max(scale, 1e-3)))) for scale in np.broadcast_to(scales, numbers.shape).ravel()]
+    rounded = [round(float(v), d) + 0.0 for v, d in zip(numbers.ravel(), digits, strict=True)]
+    return np.array(rounded).reshape(numbers.shape)
+
+
+def _pose_scales(size: float) -> list[float]:
+    return [size] * 3 + [1.0] * 4
+
+
+def _joint_scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
+    return [1.0 if c.is_angular else size for c in coordinates]
 
 
 def _bound(real: Real, size: float, condition: float, tolerance: float) -> float:
@@ -68,23 +80,24 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> Vectors:
     direct = build_problem(mechanism, "direct")
     closure, size = direct.closure, direct.closure.size
     home = home_values(kind, closure)
+    lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
     joints, guesses, poses, inverse, jacobians, bounds = [], [], [], [], [], []
     for number, case in enumerate(cases):
-        given = rounded_to(real, _tidy(case.known - _zero(kind), size))
+        given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
         z = direct.system.polish(case.unknown, given + _zero(kind), 6)
         pose = pose_of(closure, direct.assemble(z, given + _zero(kind)))
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
-        guesses.append(rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), size)))
+        guesses.append(rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven)))
         joints.append(given)
-        poses.append(_tidy(stated(kind, pose), size))
+        poses.append(_tidy(stated(kind, pose), seven))
         bounds.append(_bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance))
         values = direct.assemble(z, given + _zero(kind))
-        inverse.append(_tidy(_inverse_at(kind, rounded_to(real, poses[-1]), values), size))
+        inverse.append(_tidy(_inverse_at(kind, rounded_to(real, poses[-1]), values), lengths))
         if number < JACOBIANS:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
-    here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), size))
+    here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), seven))
     return Vectors(*(np.array(v) for v in (joints, guesses, poses, inverse, jacobians, bounds)), here, _flat(kind))
 
 
@@ -170,14 +183,17 @@ def _serial(arm: SerialArm) -> Vectors:
     for q, _ in arm.samples:
         given = rounded_to(real, q)
         pose = _canonical(np.asarray(forward(given)).ravel())
-        target = rounded_to(real, _tidy(pose, size))
+        target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
-        if condition > 300.0 or len(joints) == COUNT:
+        unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
+        guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
+        if condition > 300.0 or len(joints) == COUNT or not _reached(arm, guess, np.asarray(forward(guess)).ravel(), given, unit):
             continue
+        scales = _joint_scales(arm.actuated, size)
         joints.append(given)
-        poses.append(_tidy(pose, size))
-        inverse.append(_tidy(system.polish(given, target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4]), 6), size))
-        guesses.append(rounded_to(real, np.round(inverse[-1] + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6)))
+        poses.append(_tidy(pose, _pose_scales(size)))
+        inverse.append(_tidy(system.polish(given, unit, 6), scales))
+        guesses.append(guess)
         bounds.append(_bound(real, size, condition, tolerance))
         if len(jacobians) < JACOBIANS:
             jacobians.append(_tidy(np.asarray(matrix(given)), size).ravel())
@@ -189,6 +205,20 @@ def _serial(arm: SerialArm) -> Vectors:
 
 def _scales(arm: SerialArm) -> np.ndarray:
     return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.size for c in arm.actuated])
+
+
+def _reached(arm: SerialArm, guess: np.ndarray, start: np.ndarray, joints: np.ndarray, target: np.ndarray) -> bool:
+    """Whether the line of poses from the guess's leads to the joints, in small steps."""
+    start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
+    q = guess
+    for k in range(1, 41):
+        pose = start + k / 40 * (target - start)
+        pose[3:] /= np.linalg.norm(pose[3:])
+        moved = arm.inverse.system.polish(q, pose, 6)
+        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1:
+            return False
+        q = moved
+    return bool(np.max(np.abs(q - joints) / _scales(arm)) < 1e-6)
 
 
 def _canonical(pose: np.ndarray) -> np.ndarray:

@@ -1,8 +1,8 @@
 @{p}_status @{p}_inverse(const @{p}_pose *pose, @{real} joints[@{nq}])
 {
     @{real} c[@{nc}];
-    @{real} q[@{nq}];
-    @{real} passive[@{np}];
+    @{real} q[@{nq}] = { @{zero} };
+    @{real} passive[@{np}] = { @{zero} };
     @{p}_info unread;
     @{p}_status status = @{p}_coordinates(pose, c);
     if (status == @{P}_OK) {

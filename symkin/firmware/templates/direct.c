@@ -36,7 +36,7 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
         if (status == @{P}_OK) {
             @{p}_leave(&w, pose);
         } else {
-            status = @{p}_verdict(w.x0, @{ns}, @{p}_verdict(joints, @{nq}, status));
+            status = @{p}_verdict(guess->position, 3, @{p}_verdict(joints, @{nq}, status));
         }
     } else {
         @{p}_refused(told);
@@ -56,7 +56,7 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
         @{p}_direct_rows(@{ga}&w);
         if (@{p}_direct_factor(@{ga}&w) == 0) {
             @{p}_refused(told);
-            status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
+            status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
         } else {
             @{p}_direct_solve(&w);
             const @{real} size = @{p}_direct_move(@{ga}&w);
@@ -67,7 +67,7 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
             if (size <= @{track2}) {
                 @{p}_leave(&w, pose);
             } else {
-                status = @{p}_verdict(w.x, @{ns}, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
+                status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
             }
         }
     } else {

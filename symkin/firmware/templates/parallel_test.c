@@ -63,6 +63,7 @@ static @{p}_status refused(const @{p}_config *config, const @{p}_real joints[@{P
 {
     const @{p}_real marks[7] = { @{one}, @{two}, @{four}, @{one}, @{two}, @{four}, @{one} };
     const @{p}_pose untouched = pose_from(marks);
+@{nominal}
     @{p}_pose pose = untouched;
     @{p}_info info;
     @{p}_status status;
@@ -144,8 +145,12 @@ static void refuse_all(void)
     expect(@{p}_track(@{ga}joints, &wrong, NULL) == @{P}_NONFINITE, "NONFINITE of track", 0);
     wrong = pose_from(@{p}_vector_far);
     pose = wrong;
+#if @{P}_VECTOR_FAR > 0
     expect(@{p}_track(@{ga}joints, &wrong, &info) == @{P}_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
+#else
+    (void)@{p}_track(@{ga}joints, &pose, &info);
+#endif
 #if @{P}_VECTOR_SINGULAR > 0
     for (int k = 0; k < @{P}_VECTOR_SINGULAR; ++k) {
         wrong = pose_from(@{p}_vector_singular[k]);

@@ -33,8 +33,8 @@
     told->step = @{zero};
     told->min_pivot = @{zero};
     if (status == @{P}_OK) {
-        w.guess = guess;
 @{to_x}
+        @{p}_forward(w.x, w.at);
         status = @{p}_inverse_newton(&w, to, (config != NULL) ? config : &usual, told);
         if (status == @{P}_OK) {
             status = @{p}_check(w.x);
