@@ -20,7 +20,7 @@ from symkin.firmware.kernel import Kernel, system_kernel
 from symkin.firmware.motion import COLUMNS, coordinates_text, pose_text
 from symkin.firmware.options import Options
 from symkin.firmware.samples import Configuration, configurations
-from symkin.firmware.source import KernelSource, common_values, copy, fill, kernel_source
+from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -280,7 +280,7 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     literal = real.literal
     return {
         "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of(&w->x[{passive}], pose);"]),
-        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given",
+        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "track_factor": factored(source.kernel, f"{name}_direct", "&w"),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
     }  # fmt: skip
 
@@ -312,7 +312,7 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         tangent = _tangent_index(block.system)
         scales = {c_index: (1 / size if angular else 1.0) for c_index, angular in tangent.values()}
         body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c, &unread);", f"if (status == {name.upper()}_OK) {{",
-                f"    {k}_sides(&w, sides);", f"    if ({k}_factor(&w) == 0) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+                f"    {k}_sides(&w, sides);", f"    if ({factored(block.kernel, k, '&w')}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
         for j, column in enumerate(columns):
             body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i + {j}];", "        }", f"        {k}_solve(&w);"]
             for there, here in places:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.firmware.emit import Emitter, Real, indent, indexed
+from symkin.firmware.emit import Emitter, Real, indent, indexed, snap
 from symkin.firmware.factor import curvature
 from symkin.firmware.kernel import Kernel, Rods, rod_geometry, rod_kernel, rod_vectors
 from symkin.firmware.options import Options
-from symkin.firmware.source import KernelSource, common_values, copy, fill, kernel_source
+from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
@@ -110,19 +110,21 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
     matrices, kappa = sampled(platform, kernel)
     source = kernel_source(
         kernel, name, real, platform.geometry_names, matrices, _target(platform, rods, kernel.geometry), kappa,
-        lazy=[f"(void){name}_unit(w->guess, w->x);", f"{name}_legs({values['ga']}w->x, w->at);"],
-        guess=f"const {name}_pose *guess;",
+        lazy=[f"(void){name}_unit(w->guess, w->x);", f"{name}_legs({values['ga']}w);"],
+        guess=f"const {name}_pose *guess;", matrix=_matrix(platform),
     )  # fmt: skip
     literal = real.literal
     values |= {
-        "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "values", 6), 3),
+        "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "w.at", 6), 3),
         "enter": indent(["w->guess = guess;", f"status = {name}_unit(guess, w->x);"], 2),
         "leave": indent([*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]),
-        "towards": "", "to": "joints",
+        "towards": "", "to": "joints", "track_factor": factored(kernel, f"{name}_direct", "&w", str(values["ga"])),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((platform.mechanism.size / 24) ** 2),
     }  # fmt: skip
-    text = fill("unit.c", values) + _check(platform, values) + _legs(platform, rods, kernel.geometry, values)
-    text += source.text + fill("direct.c", values) + "\n" + _inverse(platform, rods, kernel.geometry, values)
+    legs = _legs(platform, rods, kernel.geometry, values)
+    before, driver = source.text.split("/* Newton's method along", 1)
+    text = fill("unit.c", values) + _check(platform, values) + before + legs + "/* Newton's method along" + driver
+    text += fill("direct.c", values) + "\n" + _inverse(platform, rods, kernel.geometry, values)
     return text, source, values
 
 
@@ -144,6 +146,19 @@ def _target(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> list[str]:
     start = [f"{real.type} j[6];", f"if (part < {real.literal(1.0)}) {{", *("    " + line for line in at_part), "} else {",
              *("    " + line for line in copy("j", "to", 6)), "}"]  # fmt: skip
     return start + lines
+
+
+def _matrix(platform: RodPlatform) -> list[str]:
+    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but room does."""
+    real = platform.real
+    rows = platform.geometry_values.reshape(6, 7)[:, :3]
+    base = ", ".join("{ " + ", ".join(real.literal(snap(float(v))) for v in row) + " }" for row in rows)
+    struct = platform.options.geometry == "struct"
+    table = [] if struct else [f"static const {real.type} base[6][3] = {{ {base} }};"]
+    b, four = ("geometry->base[i]" if struct else "base[i]"), real.literal(4.0)
+    cross_rows = [f"    row[{3 + k}] = {four} * (b[{i}] * d[{j}] - b[{j}] * d[{i}]);" for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1))]
+    return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
+            f"    {real.type} *const row = &w->a[6 * i];", *("    " + line for line in copy("row", "d", 3)), *cross_rows, "}"]  # fmt: skip
 
 
 def _check(platform: RodPlatform, values: dict[str, object]) -> str:
@@ -189,14 +204,20 @@ def _pose_function(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> ca.Fun
 
 
 def _legs(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> str:
-    emitter = Emitter(_pose_function(platform, rods, geometry), [indexed("x", 7), platform.geometry_names], platform.real)
-    lines = []
+    """Joint values from the rows: with w->k = 0 they are -d.d, or -(2 d0 + delta).delta in the home-relative form."""
+    real = platform.real
+    f = ca.SX.sym("f", 6)
+    if rods.home is None:
+        joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
+    else:
+        joints = [-f[i] / (ca.sqrt(length**2 - f[i]) + length) for i, length in enumerate(rods.home_lengths)]
+    emitter = Emitter(ca.Function("legs", [f, geometry], [ca.vertcat(*joints)], {"cse": True}), [indexed("w->f", 6), platform.geometry_names], real)
     for i in range(6):
         text = emitter.value(0, i)
-        emitter.lines.append(f"joints[{i}] = {text};")
-    lines = emitter.lines
-    head = f"/* Joint values at (position, unit quaternion). */\nstatic void {platform.name}_legs({values['gp']}const {values['real']} x[7], {values['real']} joints[6])\n{{\n"
-    return head + indent(lines) + "\n}\n\n"
+        emitter.lines.append(f"w->at[{i}] = {text};")
+    body = [*(f"w->k[{i}] = {real.literal(0.0)};" for i in range(6)), f"{platform.name}_direct_rows({values['ga']}w);", *emitter.lines]
+    head = f"/* Joint values at the state, into w->at. */\nstatic void {platform.name}_legs({values['gp']}{platform.name}_direct_work *w)\n{{\n"
+    return head + indent(body) + "\n}\n\n"
 
 
 def _inverse(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> str:

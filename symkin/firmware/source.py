@@ -86,9 +86,11 @@ def kernel_source(
     lazy: Sequence[str] = (),
     known_count: int | None = None,
     guess: str = "",
+    matrix: Sequence[str] = (),
 ) -> KernelSource:
     """The functions of one kernel, named NAME_KERNEL_...; `target` are statements that set w->k from w->at, to and part;
-    `lazy` statements put the guess into w->x and its known values into w->at when they are first needed."""
+    `matrix` statements fill w->a, where something shorter than the emitted ones is
+    known; `lazy` statements put the guess into w->x and its known values into w->at when they are first needed."""
     struct = bool(geometry)
     tuning = tuning_of(kernel, real, kappa)
     k = f"{name}_{kernel.name}"
@@ -101,13 +103,14 @@ def kernel_source(
         "na": n * n if kernel.is_square else m * n,
         "shared": f"    {real.type} d[{nd}]; /* what rows and matrix share */" if nd else "",
         "r": "" if kernel.is_square else f"    {real.type} r[{n * n}]; /* R of QR */",
+        **_factor_calls(kernel, k, struct),
         "row_length": literal(kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
         "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0), "settling2": literal(1.0), "quick": literal(400.0),
         "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0), "shrink": literal(0.375),
         "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
-        "save": indent(copy("w->x0", "w->x", ns), 4), "guard": literal(GUARD**-2),
+        "save": indent(_loop("w->x0", "w->x", ns), 4), "guard": literal(GUARD**-2),
         "save0": "" if lazy else indent(copy("w->x0", "w->x", ns)),
-        "restore": indent([*_lazily(lazy, ns), *copy("w->x", "w->x0", ns)], 3),
+        "restore": indent([*_lazily(lazy, ns), *_loop("w->x", "w->x0", ns)], 3),
         "lined": "    bool lined = false;" if lazy else "",
         "guess": (f"    {guess}" if lazy else "")
         + (f"    {real.type} aim; /* how much of the line to try first */" if start_aim == "w->aim" else ""),
@@ -124,7 +127,7 @@ def kernel_source(
         "rows": indent(row_lines), "move": indent(move_lines), "target": indent(target),
     })  # fmt: skip
     jacobian_inputs = [*inputs, indexed("w->d", nd)]
-    linear, pivots, counted = _linear(kernel, real, jacobian_inputs, matrices, values)
+    linear, pivots, counted = _linear(kernel, real, jacobian_inputs, matrices, values, matrix)
     operations = {key: row_emitter.operations[key] + move_emitter.operations[key] + counted.get(key, 0)
                   for key in sorted({*row_emitter.operations, *move_emitter.operations, *counted})}  # fmt: skip
     text = fill("work.c", values) + body + linear + fill("newton.c", values)
@@ -142,8 +145,25 @@ def _lazily(lazy: Sequence[str], ns: int) -> list[str]:
     """State and known values of the guess, once they are needed."""
     if not lazy:
         return []
-    body = [*lazy, *copy("w->x0", "w->x", ns)]
+    body = [*lazy, *_loop("w->x0", "w->x", ns)]
     return ["if (!lined) {", "    lined = true;", *("    " + line for line in body), "}"]
+
+
+def _factor_calls(kernel: Kernel, k: str, struct: bool) -> dict[str, str]:
+    """How the driver gets its factors: unrolled with the pivoting fallback, pivoting loops, or QR."""
+    ga = "geometry, " if struct else ""
+    if kernel.is_square and kernel.n <= UNROLLED:
+        second = ["if (turn == 0) {", f"    turn = {k}_pivoted({ga}w);", "}"]
+        return {"first_factor": f"{k}_factor({ga}w)", "second_factor": indent(second, 3)}
+    return {"first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}({ga}w)", "second_factor": ""}
+
+
+def factored(kernel: Kernel, k: str, work: str, ga: str = "") -> str:
+    """C condition: the matrix is singular."""
+    if not kernel.is_square:
+        return f"{k}_factor({ga}{work}) == 0"
+    pivoted = f"{k}_pivoted({ga}{work}) == 0"
+    return pivoted if kernel.n > UNROLLED else f"({k}_factor({ga}{work}) == 0) && ({pivoted})"
 
 
 def fill_text(template: str) -> str:
@@ -154,6 +174,10 @@ def copy(target: str, source: str, count: int) -> list[str]:
     """Statements that copy an array; short ones without a loop."""
     if count <= 8:
         return [f"{target}[{i}] = {source}[{i}];" for i in range(count)]
+    return _loop(target, source, count)
+
+
+def _loop(target: str, source: str, count: int) -> list[str]:
     return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]
 
 
@@ -170,12 +194,13 @@ def _stores(emitter: Emitter, first: Sequence[tuple[int, int, str]], shared: Seq
 
 
 def _linear(
-    kernel: Kernel, real: Real, inputs: Sequence[Sequence[str]], matrices: np.ndarray, values: Mapping[str, object]
+    kernel: Kernel, real: Real, inputs: Sequence[Sequence[str]], matrices: np.ndarray,
+    values: Mapping[str, object], given: Sequence[str],
 ) -> tuple[str, Pivots | None, dict[str, int]]:
     """Text of factor, solve and min_pivot."""
     function = kernel.jacobian_function()
     dense = Emitter(function, inputs, real)
-    matrix = indent(dense_statements(dense, kernel.m, kernel.n, "w->a"))
+    matrix = indent(given or dense_statements(dense, kernel.m, kernel.n, "w->a"))
     if not kernel.is_square:
         n, m = kernel.n, kernel.m
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}

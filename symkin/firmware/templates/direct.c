@@ -54,7 +54,7 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
 @{towards}
         @{p}_direct_target(@{ga}&w, @{to}, @{one});
         @{p}_direct_rows(@{ga}&w);
-        if (@{p}_direct_factor(@{ga}&w) == 0) {
+        if (@{track_factor}) {
             @{p}_refused(told);
             status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
         } else {

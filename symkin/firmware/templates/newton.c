@@ -44,7 +44,8 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
         ++count;
         if (fresh) {
-            const int turn = @{k}_factor(@{ga}w);
+            int turn = @{first_factor};
+@{second_factor}
             kept = !judging;
             if (turn == 0) {
                 status = @{P}_SINGULAR;

@@ -1,15 +1,14 @@
 @{p}_status @{p}_inverse(@{gp}const @{p}_pose *pose, @{real} joints[6])
 {
-    @{real} x[7];
-    @{real} values[6];
-    @{p}_status status = @{p}_unit(pose, x);
+    @{p}_direct_work w;
+    @{p}_status status = @{p}_unit(pose, w.x);
     if (status == @{P}_OK) {
-        @{p}_legs(@{ga}x, values);
-        status = @{p}_check(@{ga}values);
+        @{p}_legs(@{ga}&w);
+        status = @{p}_check(@{ga}w.at);
         if (status == @{P}_OK) {
 @{copy_joints}
         } else {
-            status = @{p}_verdict(x, 3, status);
+            status = @{p}_verdict(w.x, 3, status);
         }
     }
     return status;

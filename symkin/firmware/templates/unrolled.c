@@ -1,14 +1,11 @@
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where the
- * matrix is singular. A pivot far below its usual size is left to @{k}_pivoted. */
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
+ * pivot is far below its usual size, which is left to @{k}_pivoted. */
 static int @{k}_factor(@{gp}@{k}_work *w)
 {
     @{real} det;
     w->pivoted = false;
 @{factor}
-    if (!(w->spread < @{guard})) {
-        return @{k}_pivoted(@{ga}w);
-    }
-    return (det @{sign} @{zero}) ? 1 : -1;
+    return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;
 }
 
 /* The step from w->f into w->f. */
