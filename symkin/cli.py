@@ -173,7 +173,6 @@ def solve(
     raise typer.Exit(0 if result.solution is not None else 3)
 
 
-
 @app.command()
 def firmware(
     mech: MechArgument,

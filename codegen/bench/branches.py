@@ -73,9 +73,7 @@ def continued(lengths: np.ndarray, base: np.ndarray, end: np.ndarray, home: np.n
     return x, regular
 
 
-def walked(
-    lengths: np.ndarray, base: np.ndarray, end: np.ndarray, home: np.ndarray, steps: int
-) -> tuple[np.ndarray, np.ndarray]:
+def walked(lengths: np.ndarray, base: np.ndarray, end: np.ndarray, home: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
     x = np.repeat(home[None], len(lengths), 0)
     _, d = vectors(x, base, end)
     start = np.linalg.norm(d, axis=2)
@@ -97,7 +95,19 @@ def walked(
 def generated(real: str, home: tuple[float, ...]) -> ctypes.CDLL:
     folder = Path(tempfile.mkdtemp())
     write_folder(load("zhang2009"), folder, Options(real, home=home))  # type: ignore[arg-type]
-    command = ["gcc", "-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC", "zhang2009.c", "-o", "z.so", "-lm"]
+    command = [
+        "gcc",
+        "-O2",
+        "-std=c99",
+        "-fno-math-errno",
+        "-ffp-contract=off",
+        "-shared",
+        "-fPIC",
+        "zhang2009.c",
+        "-o",
+        "z.so",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "z.so"))
 

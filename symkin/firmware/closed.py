@@ -77,7 +77,9 @@ class ClosedMechanism:
 
     @cached_property
     def direct_kernel(self) -> Kernel:
-        return system_kernel("direct", self.direct.system, self.direct.system.known, [c.is_angular for c in self.actuated], None, _none())
+        return system_kernel(
+            "direct", self.direct.system, self.direct.system.known, [c.is_angular for c in self.actuated], None, _none()
+        )
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
@@ -88,7 +90,9 @@ class ClosedMechanism:
             if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
                 rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known])
             else:
-                kernel = system_kernel(f"limb{number}", system, system.known, [c.is_angular for c in pose], _quaternion_place(pose), _none())
+                kernel = system_kernel(
+                    f"limb{number}", system, system.known, [c.is_angular for c in pose], _quaternion_place(pose), _none()
+                )
             of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
             scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
             sides = ca.mtimes(of_pose.jacobian, scale)
@@ -141,7 +145,12 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     if quaternion is not None:
         lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
-    lines += [f"if (part < {real.literal(1.0)}) {{", f"    {loop}", "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);", "    }"]
+    lines += [
+        f"if (part < {real.literal(1.0)}) {{",
+        f"    {loop}",
+        "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
+        "    }",
+    ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
         lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
@@ -234,7 +243,7 @@ def _places(made: ClosedMechanism, block: Block) -> list[tuple[str, int, int]]:
 
 def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
     """All limbs for a pose, on the reference's branches."""
-    real, name = made.real, made.name
+    name = made.name
     lines: list[str] = []
     for block in made.blocks:
         if block.kernel is None:
@@ -263,8 +272,16 @@ def _rod_lines(made: ClosedMechanism, block: Block) -> list[str]:
 def _condition_lines(made: ClosedMechanism, conditions: System) -> list[str]:
     """Rows that no joint enters: the pose alone must satisfy them."""
     real = made.real
-    emitter = Emitter(ca.Function("conditions", [conditions.known], [conditions.rows], {"cse": True}), [indexed("c", int(conditions.known.shape[0]))], real, prefix="v")
-    tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {real.literal(max(1e-6, 64 * real.epsilon) * conditions.size)})" for i in range(int(conditions.rows.shape[0]))]
+    emitter = Emitter(
+        ca.Function("conditions", [conditions.known], [conditions.rows], {"cse": True}),
+        [indexed("c", int(conditions.known.shape[0]))],
+        real,
+        prefix="v",
+    )
+    tests = [
+        f"({real.call('fabs')}({emitter.value(0, i)}) <= {real.literal(max(1e-6, 64 * real.epsilon) * conditions.size)})"
+        for i in range(int(conditions.rows.shape[0]))
+    ]
     return [*emitter.lines, f"if (!({' && '.join(tests)})) {{", f"    status = {made.name.upper()}_OUT_OF_RANGE;", "}"]
 
 
@@ -306,7 +323,10 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
             emitter = Emitter(ca.Function("rod", [block.system.unknown, block.system.known], [ca.densify(block.sides)], {"cse": True}),
                               [["0"], indexed("c", int(block.system.known.shape[0]))], real, prefix=f"{block.system.unknowns[0].name}_")  # fmt: skip
             texts = [emitter.value(0, j) for j in range(len(columns))]
-            lines += [*emitter.lines, *(f"jacobian[{6 * places[0][0] + column}] = {text};" for column, text in zip(columns, texts, strict=True))]
+            lines += [
+                *emitter.lines,
+                *(f"jacobian[{6 * places[0][0] + column}] = {text};" for column, text in zip(columns, texts, strict=True)),
+            ]
             continue
         k, m = f"{name}_{block.kernel.name}", block.kernel.m
         tangent = _tangent_index(block.system)
@@ -314,13 +334,24 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c, &unread);", f"if (status == {name.upper()}_OK) {{",
                 f"    {k}_sides(&w, sides);", f"    if ({factored(block.kernel, k, '&w')}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
         for j, column in enumerate(columns):
-            body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i + {j}];", "        }", f"        {k}_solve(&w);"]
+            body += [
+                f"        for (int i = 0; i < {m}; ++i) {{",
+                f"            w.f[i] = sides[{len(columns)} * i + {j}];",
+                "        }",
+                f"        {k}_solve(&w);",
+            ]
             for there, here in places:
                 index = tangent[here][0]
                 scale = scales[index]
-                body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]" + ("" if scale == 1.0 else f" * {real.literal(scale)}") + ";")
+                body.append(
+                    f"        jacobian[{6 * there + column}] = w.f[{index}]"
+                    + ("" if scale == 1.0 else f" * {real.literal(scale)}")
+                    + ";"
+                )
         lines += [f"if (status == {name.upper()}_OK) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
-    return fill("closed.c", values | {"rates": indent(lines, 2), "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3)})
+    return fill(
+        "closed.c", values | {"rates": indent(lines, 2), "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3)}
+    )
 
 
 def _tangent_index(system: System) -> dict[int, tuple[int, bool]]:

@@ -174,7 +174,7 @@ class Emitter:
                 wanted.add(k)
                 stack.extend(nodes[k].reads)
         for k in sorted(wanted):
-            self._text[k] = self._statement(nodes[k], k)
+            self._text[k] = self._statement(nodes[k])
         return self._text[outputs[output, nonzero]]
 
     def assign(self, text: str) -> str:
@@ -182,7 +182,7 @@ class Emitter:
         self.lines.append(f"const {self.real.type} {name} = {text};")
         return name
 
-    def _statement(self, node: _Node, k: int) -> str:
+    def _statement(self, node: _Node) -> str:
         if node.op == ca.OP_CONST:
             return self.real.literal(node.constant)
         if node.op == ca.OP_INPUT:

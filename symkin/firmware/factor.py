@@ -59,7 +59,7 @@ def choose_pivots(matrices: np.ndarray) -> Pivots:
     """The elimination order for sampled matrices (count, n, n)."""
     row_scale, column_scale = scales(matrices)
     work = matrices / row_scale[:, None] / column_scale
-    count, n, _ = work.shape
+    n = work.shape[1]
     rows, columns, usual = list(range(n)), list(range(n)), []
     chosen_rows: list[int] = []
     chosen_columns: list[int] = []
@@ -88,7 +88,9 @@ def rounded(value: float) -> float:
     return float(f"{value:.3g}")
 
 
-def curvature(kernel: Kernel, states: Sequence[np.ndarray], known: Sequence[np.ndarray], geometry: np.ndarray, seed: int = 5) -> float:
+def curvature(
+    kernel: Kernel, states: Sequence[np.ndarray], known: Sequence[np.ndarray], geometry: np.ndarray, seed: int = 5
+) -> float:
     """kappa of a typical pose: a Newton step s leaves an error of kappa |s|^2, kappa = |J^-1 (J(x + s) - J(x)) s| / (2 |s|^2).
     The ninth decile over states and random directions."""
     rng = np.random.default_rng(seed)

@@ -61,7 +61,12 @@ def manifest(program: Program, files: dict[str, str]) -> str:
         "model_sha256": model_digest(program.mechanism),
         "symkin": __version__,
         "casadi": ca.__version__,
-        "options": {"real": options.real, "home_relative": options.home_relative, "geometry": options.geometry, "home": options.home},
+        "options": {
+            "real": options.real,
+            "home_relative": options.home_relative,
+            "geometry": options.geometry,
+            "home": options.home,
+        },
         "operations_per_iteration": program.main.operations,
         "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
     }
@@ -73,7 +78,11 @@ def _test_values(program: Program) -> dict[str, object]:
     angular = any(c.is_angular for c in mechanism.actuated)
     struct = program.options.geometry == "struct"
     name = mechanism.name
-    nominal = f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n    const {name}_geometry *const geometry = &nominal;" if struct else ""
+    nominal = (
+        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n    const {name}_geometry *const geometry = &nominal;"
+        if struct
+        else ""
+    )
     return {
         "far": real.literal(1e4 * max(mechanism.size, 1.0)),
         "angle_bound": f" * {max(1.0, 2.0 / mechanism.size)!r}" if angular else "",
@@ -89,7 +98,13 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
     serial = program.mechanism.serial
     kind = f"{name}_real"
     far = vectors.home if serial else _far(vectors)
-    tables = [("guesses", vectors.guesses), ("joints", vectors.joints), ("poses", vectors.poses), ("inverse", vectors.inverse), ("jacobians", vectors.jacobians)]
+    tables = [
+        ("guesses", vectors.guesses),
+        ("joints", vectors.joints),
+        ("poses", vectors.poses),
+        ("inverse", vectors.inverse),
+        ("jacobians", vectors.jacobians),
+    ]
     lines = [
         f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
         " * SPDX-License-Identifier: MIT */",
@@ -105,9 +120,18 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
     if not serial:
         for label, row in (("home", vectors.home), ("far", far)):
-            lines.append(f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};")
+            lines.append(
+                f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+            )
     bounds = ", ".join(f"{float(v):.2g}" for v in vectors.bounds)
-    lines += ["", "/* Error allowed, as a length. */", f"static const double {name}_vector_bounds[{len(vectors.bounds)}] = {{ {bounds} }};", "", "#endif", ""]
+    lines += [
+        "",
+        "/* Error allowed, as a length. */",
+        f"static const double {name}_vector_bounds[{len(vectors.bounds)}] = {{ {bounds} }};",
+        "",
+        "#endif",
+        "",
+    ]
     return "\n".join(lines)
 
 

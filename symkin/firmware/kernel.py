@@ -214,7 +214,9 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
     )  # fmt: skip
 
 
-def system_kernel(name: str, system: System, known: ca.SX, angles: Sequence[bool], quaternion: int | None, geometry: ca.SX) -> Kernel:
+def system_kernel(
+    name: str, system: System, known: ca.SX, angles: Sequence[bool], quaternion: int | None, geometry: ca.SX
+) -> Kernel:
     """The kernel of a position system: rows -F, J = dF/dd over the system's tangent space."""
     step = ca.SX.sym("s", system.freedom)
     moved, column = [], 0

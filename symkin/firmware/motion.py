@@ -46,7 +46,14 @@ def coordinates_text(closure: Closure, real: Real, values: dict[str, object]) ->
     if motion in ("schoenflies", "planar"):
         pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
         angle = f"c[{count - 1}]"
-        stores += [f"if ({angle} > {pi}) {{", f"    {angle} -= {two_pi};", "}", f"if ({angle} < -{pi}) {{", f"    {angle} += {two_pi};", "}"]
+        stores += [
+            f"if ({angle} > {pi}) {{",
+            f"    {angle} -= {two_pi};",
+            "}",
+            f"if ({angle} < -{pi}) {{",
+            f"    {angle} += {two_pi};",
+            "}",
+        ]
     body = [*emitter.lines, *stores]
     if tests:
         refused = f"    status = {values['p']}_verdict(x, 7, {values['P']}_OUT_OF_RANGE);"
@@ -64,7 +71,9 @@ def pose_text(closure: Closure, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_of: the pose of pose coordinates."""
     symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
     expression = snapped_expression(closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion)), [symbols])
-    emitter = Emitter(ca.Function("p", [symbols], [ca.densify(expression)], {"cse": True}), [indexed("c", int(symbols.shape[0]))], real)
+    emitter = Emitter(
+        ca.Function("p", [symbols], [ca.densify(expression)], {"cse": True}), [indexed("c", int(symbols.shape[0]))], real
+    )
     targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
     texts = [emitter.value(0, i) for i in range(7)]
     body = [*emitter.lines, *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True))]

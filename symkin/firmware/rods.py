@@ -80,7 +80,7 @@ class RodPlatform:
         return np.asarray(self.lengths(pose) - zero)
 
 
-def sample_poses(mechanism: Mechanism, home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:
+def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:
     """Random poses about home: positions within `reach`, rotation vectors within `tilt` (both per component)."""
     rng = np.random.default_rng(seed)
     poses = []
@@ -94,7 +94,7 @@ def sample_poses(mechanism: Mechanism, home: Pose, count: int, reach: float, til
 def sampled(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
     """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
     size = platform.mechanism.size
-    poses = sample_poses(platform.mechanism, platform.home, 100, size / 7, 0.3, 1)
+    poses = sample_poses(platform.home, 100, size / 7, 0.3, 1)
     geometry = platform.geometry_values if platform.options.geometry == "struct" else np.zeros(0)
     states = [platform.stated(pose) for pose in poses]
     matrices = np.array([kernel.matrix(state, np.zeros(6), geometry) for state in states])
@@ -156,7 +156,9 @@ def _matrix(platform: RodPlatform) -> list[str]:
     struct = platform.options.geometry == "struct"
     table = [] if struct else [f"static const {real.type} base[6][3] = {{ {base} }};"]
     b, four = ("geometry->base[i]" if struct else "base[i]"), real.literal(4.0)
-    cross_rows = [f"    row[{3 + k}] = {four} * (b[{i}] * d[{j}] - b[{j}] * d[{i}]);" for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1))]
+    cross_rows = [
+        f"    row[{3 + k}] = {four} * (b[{i}] * d[{j}] - b[{j}] * d[{i}]);" for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    ]
     return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
             f"    {real.type} *const row = &w->a[6 * i];", *("    " + line for line in copy("row", "d", 3)), *cross_rows, "}"]  # fmt: skip
 
@@ -180,7 +182,7 @@ def _check(platform: RodPlatform, values: dict[str, object]) -> str:
     return fill("joints.c", values | {"ranges": text.replace(" && ", "\n        && "), "positive": " and rods longer than zero"})
 
 
-def _pose_function(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> ca.Function:
+def _pose_function(rods: Rods, geometry: ca.SX) -> ca.Function:
     """Joint values, squared rod lengths' smallest and the Jacobian's rows at (position, quaternion)."""
     x = ca.SX.sym("x", 7)
     arms, d, delta = rod_vectors(rods, x[:3], x[3:])
@@ -211,17 +213,25 @@ def _legs(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, 
         joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
     else:
         joints = [-f[i] / (ca.sqrt(length**2 - f[i]) + length) for i, length in enumerate(rods.home_lengths)]
-    emitter = Emitter(ca.Function("legs", [f, geometry], [ca.vertcat(*joints)], {"cse": True}), [indexed("w->f", 6), platform.geometry_names], real)
+    emitter = Emitter(
+        ca.Function("legs", [f, geometry], [ca.vertcat(*joints)], {"cse": True}),
+        [indexed("w->f", 6), platform.geometry_names],
+        real,
+    )
     for i in range(6):
         text = emitter.value(0, i)
         emitter.lines.append(f"w->at[{i}] = {text};")
-    body = [*(f"w->k[{i}] = {real.literal(0.0)};" for i in range(6)), f"{platform.name}_direct_rows({values['ga']}w);", *emitter.lines]
+    body = [
+        *(f"w->k[{i}] = {real.literal(0.0)};" for i in range(6)),
+        f"{platform.name}_direct_rows({values['ga']}w);",
+        *emitter.lines,
+    ]
     head = f"/* Joint values at the state, into w->at. */\nstatic void {platform.name}_legs({values['gp']}{platform.name}_direct_work *w)\n{{\n"
     return head + indent(body) + "\n}\n\n"
 
 
 def _inverse(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> str:
-    emitter = Emitter(_pose_function(platform, rods, geometry), [indexed("x", 7), platform.geometry_names], platform.real)
+    emitter = Emitter(_pose_function(rods, geometry), [indexed("x", 7), platform.geometry_names], platform.real)
     shortest = emitter.value(2, 0)
     entries = [emitter.value(1, k) for k in range(36)]
     jacobian = [*emitter.lines, f"const {platform.real.type} shortest = {shortest};"]

@@ -22,7 +22,9 @@ class Configuration:
     known: np.ndarray
 
 
-def configurations(direct: Problem, home: np.ndarray, count: int, seed: int, spread: float = 0.1, turn: float = 0.25) -> list[Configuration]:
+def configurations(
+    direct: Problem, home: np.ndarray, count: int, seed: int, spread: float = 0.1, turn: float = 0.25
+) -> list[Configuration]:
     """Configurations that the machine reaches from `home` (all variables) when its joints move in straight lines by up to
     `spread` times the size and `turn` radians; lines that meet a singularity are left out."""
     rng = np.random.default_rng(seed)

@@ -194,8 +194,12 @@ def _stores(emitter: Emitter, first: Sequence[tuple[int, int, str]], shared: Seq
 
 
 def _linear(
-    kernel: Kernel, real: Real, inputs: Sequence[Sequence[str]], matrices: np.ndarray,
-    values: Mapping[str, object], given: Sequence[str],
+    kernel: Kernel,
+    real: Real,
+    inputs: Sequence[Sequence[str]],
+    matrices: np.ndarray,
+    values: Mapping[str, object],
+    given: Sequence[str],
 ) -> tuple[str, Pivots | None, dict[str, int]]:
     """Text of factor, solve and min_pivot."""
     function = kernel.jacobian_function()
@@ -204,7 +208,7 @@ def _linear(
     if not kernel.is_square:
         n, m = kernel.n, kernel.m
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}
-        return fill("qr.c", values | {"matrix": matrix, **_qr_loops(n, m, real)}), None, counted
+        return fill("qr.c", {**values, "matrix": matrix, **_qr_loops(n, m, real)}), None, counted
     _, column_scale = scales(matrices)
     text = fill("pivoted.c", {**values, "matrix": matrix,
                               "column_scales": ", ".join(real.literal(rounded(float(s))) for s in column_scale)})  # fmt: skip

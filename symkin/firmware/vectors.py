@@ -83,7 +83,12 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> Vectors:
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
-    joints, guesses, poses, inverse, jacobians, bounds = [], [], [], [], [], []
+    joints: list[np.ndarray] = []
+    guesses: list[np.ndarray] = []
+    poses: list[np.ndarray] = []
+    inverse: list[np.ndarray] = []
+    jacobians: list[np.ndarray] = []
+    bounds: list[float] = []
     for number, case in enumerate(cases):
         given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
         z = direct.system.polish(case.unknown, given + _zero(kind), 6)
@@ -98,7 +103,12 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> Vectors:
         if number < JACOBIANS:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
     here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), seven))
-    return Vectors(*(np.array(v) for v in (joints, guesses, poses, inverse, jacobians, bounds)), here, _flat(kind))
+    return _vectors((joints, guesses, poses, inverse, jacobians), bounds, here, _flat(kind))
+
+
+def _vectors(tables: Sequence[list[np.ndarray]], bounds: list[float], home: np.ndarray, singular: np.ndarray) -> Vectors:
+    joints, guesses, poses, inverse, jacobians = (np.array(table) for table in tables)
+    return Vectors(joints, guesses, poses, inverse, jacobians, np.array(bounds), home, singular)
 
 
 def home_values(kind: RodPlatform | ClosedMechanism, closure: Closure) -> np.ndarray:
@@ -145,7 +155,14 @@ def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
     inverse = build_problem(closure.mechanism, "inverse")
     unknown, known = inverse.take(values, inverse.system.unknowns), inverse.take(values, inverse.known_coordinates)
     _, by_joints = inverse.system.linearise_one(unknown, known)
-    pose = System(inverse.known_coordinates, inverse.system.known, inverse.system.unknown, inverse.system.rows, inverse.system.errors, closure.size)
+    pose = System(
+        inverse.known_coordinates,
+        inverse.system.known,
+        inverse.system.unknown,
+        inverse.system.rows,
+        inverse.system.errors,
+        closure.size,
+    )
     _, by_pose = pose.linearise_one(known, unknown)
     solved = np.linalg.lstsq(by_joints, -by_pose, rcond=1e-12)[0]
     columns = COLUMNS[closure.mechanism.motion]
@@ -179,7 +196,12 @@ def _serial(arm: SerialArm) -> Vectors:
     forward = ca.Function("forward", [arm.joints], [arm.pose])
     matrix = ca.Function("jacobian", [arm.joints], [ca.densify(arm.jacobian)])
     rng = np.random.default_rng(21)
-    joints, guesses, poses, inverse, jacobians, bounds = [], [], [], [], [], []
+    joints: list[np.ndarray] = []
+    guesses: list[np.ndarray] = []
+    poses: list[np.ndarray] = []
+    inverse: list[np.ndarray] = []
+    jacobians: list[np.ndarray] = []
+    bounds: list[float] = []
     for q, _ in arm.samples:
         given = rounded_to(real, q)
         pose = _canonical(np.asarray(forward(given)).ravel())
@@ -200,7 +222,7 @@ def _serial(arm: SerialArm) -> Vectors:
     zero = np.array([c.reference[0] for c in arm.actuated])
     singular = np.linalg.svd(arm.kernel.matrix(zero, np.asarray(forward(zero)).ravel(), np.zeros(0)), compute_uv=False)
     starts = zero[None] if singular[-1] < 1e-14 * singular[0] else np.zeros((0, len(zero)))
-    return Vectors(*(np.array(v) for v in (joints, guesses, poses, inverse, jacobians, bounds)), zero, starts)
+    return _vectors((joints, guesses, poses, inverse, jacobians), bounds, zero, starts)
 
 
 def _scales(arm: SerialArm) -> np.ndarray:

@@ -125,9 +125,9 @@ static void refuse_all(void)
     }
     expect(refused(&one_step, joints, &home, "one step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
-    joints[0] = NAN;
+    joints[0] = (@{p}_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == @{P}_NONFINITE, "NONFINITE", 0);
-    joints[0] = INFINITY;
+    joints[0] = (@{p}_real)INFINITY;
     expect(refused(NULL, joints, &home, "infinite joint") == @{P}_NONFINITE, "NONFINITE", 1);
     joints[0] = -@{far};
     expect(refused(NULL, joints, &home, "joint out of range") == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
@@ -139,7 +139,7 @@ static void refuse_all(void)
     expect(@{p}_inverse(@{ga}&wrong, joints) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
     expect(@{p}_jacobian(@{ga}&wrong, jacobian) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
     wrong = home;
-    wrong.position[1] = NAN;
+    wrong.position[1] = (@{p}_real)NAN;
     expect(refused(NULL, joints, &wrong, "NaN guess") == @{P}_NONFINITE, "NONFINITE", 2);
     expect(@{p}_inverse(@{ga}&wrong, joints) == @{P}_NONFINITE, "NONFINITE of inverse", 0);
     expect(@{p}_track(@{ga}joints, &wrong, NULL) == @{P}_NONFINITE, "NONFINITE of track", 0);

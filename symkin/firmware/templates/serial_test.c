@@ -90,13 +90,13 @@ static void refuse_all(void)
         joints[i] = @{p}_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
-    joints[0] = NAN;
+    joints[0] = (@{p}_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == @{P}_NONFINITE, "NONFINITE", 0);
     expect(@{p}_direct(joints, &wrong) == @{P}_NONFINITE, "NONFINITE of direct", 0);
     joints[0] = @{far};
     expect(@{p}_direct(joints, &wrong) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
     joints[0] = @{p}_vector_guesses[0][0];
-    wrong.position[2] = INFINITY;
+    wrong.position[2] = (@{p}_real)INFINITY;
     expect(refused(NULL, &wrong, joints, "infinite pose") == @{P}_NONFINITE, "NONFINITE", 1);
     wrong = pose;
     wrong.quaternion[0] = @{two};
