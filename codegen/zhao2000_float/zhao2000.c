@@ -2275,7 +2275,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                     status = ZHAO2000_SINGULAR;
                 } else {
                     for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 0];
+                        w.f[i] = sides[4 * i];
                     }
                     zhao2000_limb1_solve(&w);
                     jacobian[0] = w.f[0] * 0.004166667f;
@@ -2307,7 +2307,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                     status = ZHAO2000_SINGULAR;
                 } else {
                     for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 0];
+                        w.f[i] = sides[4 * i];
                     }
                     zhao2000_limb2_solve(&w);
                     jacobian[6] = w.f[0] * 0.004166667f;
@@ -2339,7 +2339,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                     status = ZHAO2000_SINGULAR;
                 } else {
                     for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 0];
+                        w.f[i] = sides[4 * i];
                     }
                     zhao2000_limb3_solve(&w);
                     jacobian[12] = w.f[0] * 0.004166667f;

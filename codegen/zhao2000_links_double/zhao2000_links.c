@@ -5829,7 +5829,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
                     for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 0];
+                        w.f[i] = sides[6 * i];
                     }
                     zhao2000_links_limb1_solve(&w);
                     jacobian[0] = w.f[0] * 0.004084637196891047;
@@ -5871,7 +5871,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
                     for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 0];
+                        w.f[i] = sides[6 * i];
                     }
                     zhao2000_links_limb2_solve(&w);
                     jacobian[6] = w.f[0] * 0.004084637196891047;
@@ -5913,7 +5913,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
                     for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 0];
+                        w.f[i] = sides[6 * i];
                     }
                     zhao2000_links_limb3_solve(&w);
                     jacobian[12] = w.f[0] * 0.004084637196891047;

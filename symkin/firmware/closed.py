@@ -336,7 +336,7 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         for j, column in enumerate(columns):
             body += [
                 f"        for (int i = 0; i < {m}; ++i) {{",
-                f"            w.f[i] = sides[{len(columns)} * i + {j}];",
+                f"            w.f[i] = sides[{len(columns)} * i{_plus(j)}];",
                 "        }",
                 f"        {k}_solve(&w);",
             ]
@@ -352,6 +352,10 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
     return fill(
         "closed.c", values | {"rates": indent(lines, 2), "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3)}
     )
+
+
+def _plus(offset: int) -> str:
+    return f" + {offset}" if offset else ""
 
 
 def _tangent_index(system: System) -> dict[int, tuple[int, bool]]:
