@@ -2322,9 +2322,9 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)

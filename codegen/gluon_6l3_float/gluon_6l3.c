@@ -2322,9 +2322,9 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)

@@ -759,9 +759,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -838,6 +838,9 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
             if (size <= 0.004959483072916667) {
                 ren2008_leave(&w, pose);
             } else {
+                if (!(size >= 0.0)) {
+                    ren2008_refused(told);
+                }
                 status = ren2008_verdict(pose->position, 3, ren2008_verdict(joints, 6, REN2008_WRONG_BRANCH));
             }
         }

@@ -759,9 +759,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -838,6 +838,9 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
             if (size <= 0.004959483f) {
                 ren2008_leave(&w, pose);
             } else {
+                if (!(size >= 0.0f)) {
+                    ren2008_refused(told);
+                }
                 status = ren2008_verdict(pose->position, 3, ren2008_verdict(joints, 6, REN2008_WRONG_BRANCH));
             }
         }

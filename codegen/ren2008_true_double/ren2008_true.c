@@ -821,9 +821,9 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -900,6 +900,9 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
             if (size <= 0.004994014184027777) {
                 ren2008_true_leave(&w, pose);
             } else {
+                if (!(size >= 0.0)) {
+                    ren2008_true_refused(told);
+                }
                 status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_WRONG_BRANCH));
             }
         }

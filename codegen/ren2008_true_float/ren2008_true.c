@@ -821,9 +821,9 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -900,6 +900,9 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
             if (size <= 0.0049940143f) {
                 ren2008_true_leave(&w, pose);
             } else {
+                if (!(size >= 0.0f)) {
+                    ren2008_true_refused(told);
+                }
                 status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_WRONG_BRANCH));
             }
         }

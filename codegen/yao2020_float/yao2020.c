@@ -1864,9 +1864,9 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)

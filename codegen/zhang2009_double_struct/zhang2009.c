@@ -901,9 +901,9 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -980,6 +980,9 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
             if (size <= 489.99364986527155) {
                 zhang2009_leave(&w, pose);
             } else {
+                if (!(size >= 0.0)) {
+                    zhang2009_refused(told);
+                }
                 status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_WRONG_BRANCH));
             }
         }

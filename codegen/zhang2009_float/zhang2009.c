@@ -757,9 +757,9 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -836,6 +836,9 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
             if (size <= 489.99365f) {
                 zhang2009_leave(&w, pose);
             } else {
+                if (!(size >= 0.0f)) {
+                    zhang2009_refused(told);
+                }
                 status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_WRONG_BRANCH));
             }
         }

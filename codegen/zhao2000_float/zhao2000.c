@@ -469,9 +469,9 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -929,9 +929,9 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1400,9 +1400,9 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -2106,9 +2106,9 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrtf(size);
-    info->min_pivot = (sign == 0) ? 0.0f : (1.0f / sqrtf(w->spread));
+    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -2224,6 +2224,9 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
             if (size <= 100.0f) {
                 zhao2000_leave(&w, pose);
             } else {
+                if (!(size >= 0.0f)) {
+                    zhao2000_refused(told);
+                }
                 status = zhao2000_verdict(pose->position, 3, zhao2000_verdict(joints, 4, ZHAO2000_WRONG_BRANCH));
             }
         }

@@ -748,9 +748,9 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1844,9 +1844,9 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -3004,9 +3004,9 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -5660,9 +5660,9 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = sqrt(size);
-    info->min_pivot = (sign == 0) ? 0.0 : (1.0 / sqrt(w->spread));
+    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -5778,6 +5778,9 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
             if (size <= 104.05681785761409) {
                 zhao2000_links_leave(&w, pose);
             } else {
+                if (!(size >= 0.0)) {
+                    zhao2000_links_refused(told);
+                }
                 status = zhao2000_links_verdict(pose->position, 3, zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_WRONG_BRANCH));
             }
         }

@@ -67,6 +67,9 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
             if (size <= @{track2}) {
                 @{p}_leave(&w, pose);
             } else {
+                if (!(size >= @{zero})) {
+                    @{p}_refused(told);
+                }
                 status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
             }
         }

@@ -116,8 +116,8 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
     }
     info->iterations = (uint8_t)count;
-    info->residual = residual;
-    info->step = @{sqrt}(size);
-    info->min_pivot = (sign == 0) ? @{zero} : (@{one} / @{sqrt}(w->spread));
+    info->residual = (residual >= @{zero}) ? residual : @{huge};
+    info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
+    info->min_pivot = ((sign != 0) && (w->spread > @{zero})) ? (@{one} / @{sqrt}(w->spread)) : @{zero};
     return status;
 }
