@@ -2321,10 +2321,12 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
@@ -2350,17 +2352,17 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
 {
     static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, GLUON_6L3_MAX_STEP };
     gluon_6l3_inverse_work w;
-    gluon_6l3_info unread;
-    gluon_6l3_info *const told = (info != NULL) ? info : &unread;
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_unit(pose, to);
     if (status == GLUON_6L3_OK) {
         status = gluon_6l3_verdict(to, 7, gluon_6l3_verdict(guess, 6, GLUON_6L3_OK));
     }
-    told->iterations = 0U;
-    told->residual = HUGE_VAL;
-    told->step = 0.0;
-    told->min_pivot = 0.0;
+    if (info != NULL) {
+        info->iterations = 0U;
+        info->residual = HUGE_VAL;
+        info->step = 0.0;
+        info->min_pivot = 0.0;
+    }
     if (status == GLUON_6L3_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2369,7 +2371,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         w.x[4] = guess[4];
         w.x[5] = guess[5];
         gluon_6l3_forward(w.x, w.at);
-        status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, told);
+        status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == GLUON_6L3_OK) {
             status = gluon_6l3_check(w.x);
         }

@@ -758,10 +758,12 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -790,28 +792,28 @@ static void ren2008_leave(const ren2008_direct_work *w, ren2008_pose *pose)
 /* What is told of a call that took no step. */
 static REN2008_COLD void ren2008_refused(ren2008_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VAL;
-    told->step = 0.0;
-    told->min_pivot = 0.0;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VAL;
+        told->step = 0.0;
+        told->min_pivot = 0.0;
+    }
 }
 
 ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[6], const ren2008_pose *guess, ren2008_pose *pose, ren2008_info *info)
 {
     static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
     ren2008_direct_work w;
-    ren2008_info unread;
-    ren2008_info *const told = (info != NULL) ? info : &unread;
     ren2008_status status = ren2008_enter(&w, joints, guess);
     if (status == REN2008_OK) {
-        status = ren2008_direct_newton(&w, joints, (config != NULL) ? config : &usual, told);
+        status = ren2008_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_OK) {
             ren2008_leave(&w, pose);
         } else {
             status = ren2008_verdict(guess->position, 3, ren2008_verdict(joints, 6, status));
         }
     } else {
-        ren2008_refused(told);
+        ren2008_refused(info);
     }
     return status;
 }
@@ -819,33 +821,33 @@ ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real j
 ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, ren2008_info *info)
 {
     ren2008_direct_work w;
-    ren2008_info unread;
-    ren2008_info *const told = (info != NULL) ? info : &unread;
     ren2008_status status = ren2008_enter(&w, joints, pose);
     if (status == REN2008_OK) {
         ren2008_direct_target(&w, joints, 1.0);
         ren2008_direct_rows(&w);
         if ((ren2008_direct_factor(&w) == 0) && (ren2008_direct_pivoted(&w) == 0)) {
-            ren2008_refused(told);
+            ren2008_refused(info);
             status = ren2008_verdict(pose->position, 3, ren2008_verdict(joints, 6, REN2008_SINGULAR));
         } else {
             ren2008_direct_solve(&w);
             const ren2008_real size = ren2008_direct_move(&w);
-            told->iterations = 1U;
-            told->residual = 0.471 * size;
-            told->step = sqrt(size);
-            told->min_pivot = 1.0 / sqrt(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.471 * size;
+                info->step = sqrt(size);
+                info->min_pivot = 1.0 / sqrt(w.spread);
+            }
             if (size <= 0.004959483072916667) {
                 ren2008_leave(&w, pose);
             } else {
                 if (!(size >= 0.0)) {
-                    ren2008_refused(told);
+                    ren2008_refused(info);
                 }
                 status = ren2008_verdict(pose->position, 3, ren2008_verdict(joints, 6, REN2008_WRONG_BRANCH));
             }
         }
     } else {
-        ren2008_refused(told);
+        ren2008_refused(info);
     }
     return status;
 }

@@ -820,10 +820,12 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -852,28 +854,28 @@ static void ren2008_true_leave(const ren2008_true_direct_work *w, ren2008_true_p
 /* What is told of a call that took no step. */
 static REN2008_TRUE_COLD void ren2008_true_refused(ren2008_true_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VALF;
-    told->step = 0.0f;
-    told->min_pivot = 0.0f;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VALF;
+        told->step = 0.0f;
+        told->min_pivot = 0.0f;
+    }
 }
 
 ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose, ren2008_true_info *info)
 {
     static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
     ren2008_true_direct_work w;
-    ren2008_true_info unread;
-    ren2008_true_info *const told = (info != NULL) ? info : &unread;
     ren2008_true_status status = ren2008_true_enter(&w, joints, guess);
     if (status == REN2008_TRUE_OK) {
-        status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, told);
+        status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_TRUE_OK) {
             ren2008_true_leave(&w, pose);
         } else {
             status = ren2008_true_verdict(guess->position, 3, ren2008_true_verdict(joints, 6, status));
         }
     } else {
-        ren2008_true_refused(told);
+        ren2008_true_refused(info);
     }
     return status;
 }
@@ -881,33 +883,33 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
 ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren2008_true_pose *pose, ren2008_true_info *info)
 {
     ren2008_true_direct_work w;
-    ren2008_true_info unread;
-    ren2008_true_info *const told = (info != NULL) ? info : &unread;
     ren2008_true_status status = ren2008_true_enter(&w, joints, pose);
     if (status == REN2008_TRUE_OK) {
         ren2008_true_direct_target(&w, joints, 1.0f);
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
-            ren2008_true_refused(told);
+            ren2008_true_refused(info);
             status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_SINGULAR));
         } else {
             ren2008_true_direct_solve(&w);
             const ren2008_true_real size = ren2008_true_direct_move(&w);
-            told->iterations = 1U;
-            told->residual = 0.468f * size;
-            told->step = sqrtf(size);
-            told->min_pivot = 1.0f / sqrtf(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.468f * size;
+                info->step = sqrtf(size);
+                info->min_pivot = 1.0f / sqrtf(w.spread);
+            }
             if (size <= 0.0049940143f) {
                 ren2008_true_leave(&w, pose);
             } else {
                 if (!(size >= 0.0f)) {
-                    ren2008_true_refused(told);
+                    ren2008_true_refused(info);
                 }
                 status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_WRONG_BRANCH));
             }
         }
     } else {
-        ren2008_true_refused(told);
+        ren2008_true_refused(info);
     }
     return status;
 }

@@ -1863,10 +1863,12 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
@@ -1892,17 +1894,17 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
     yao2020_inverse_work w;
-    yao2020_info unread;
-    yao2020_info *const told = (info != NULL) ? info : &unread;
     yao2020_real to[7];
     yao2020_status status = yao2020_unit(pose, to);
     if (status == YAO2020_OK) {
         status = yao2020_verdict(to, 7, yao2020_verdict(guess, 6, YAO2020_OK));
     }
-    told->iterations = 0U;
-    told->residual = HUGE_VAL;
-    told->step = 0.0;
-    told->min_pivot = 0.0;
+    if (info != NULL) {
+        info->iterations = 0U;
+        info->residual = HUGE_VAL;
+        info->step = 0.0;
+        info->min_pivot = 0.0;
+    }
     if (status == YAO2020_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -1911,7 +1913,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         w.x[4] = guess[4];
         w.x[5] = guess[5];
         yao2020_forward(w.x, w.at);
-        status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, told);
+        status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == YAO2020_OK) {
             status = yao2020_check(w.x);
         }

@@ -900,10 +900,12 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -932,28 +934,28 @@ static void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose
 /* What is told of a call that took no step. */
 static ZHANG2009_COLD void zhang2009_refused(zhang2009_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VAL;
-    told->step = 0.0;
-    told->min_pivot = 0.0;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VAL;
+        told->step = 0.0;
+        told->min_pivot = 0.0;
+    }
 }
 
 zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
-    zhang2009_info unread;
-    zhang2009_info *const told = (info != NULL) ? info : &unread;
     zhang2009_status status = zhang2009_enter(geometry, &w, joints, guess);
     if (status == ZHANG2009_OK) {
-        status = zhang2009_direct_newton(geometry, &w, joints, (config != NULL) ? config : &usual, told);
+        status = zhang2009_direct_newton(geometry, &w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_leave(&w, pose);
         } else {
             status = zhang2009_verdict(guess->position, 3, zhang2009_verdict(joints, 6, status));
         }
     } else {
-        zhang2009_refused(told);
+        zhang2009_refused(info);
     }
     return status;
 }
@@ -961,33 +963,33 @@ zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhan
 zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang2009_real joints[6], zhang2009_pose *pose, zhang2009_info *info)
 {
     zhang2009_direct_work w;
-    zhang2009_info unread;
-    zhang2009_info *const told = (info != NULL) ? info : &unread;
     zhang2009_status status = zhang2009_enter(geometry, &w, joints, pose);
     if (status == ZHANG2009_OK) {
         zhang2009_direct_target(geometry, &w, joints, 1.0);
         zhang2009_direct_rows(geometry, &w);
         if ((zhang2009_direct_factor(geometry, &w) == 0) && (zhang2009_direct_pivoted(geometry, &w) == 0)) {
-            zhang2009_refused(told);
+            zhang2009_refused(info);
             status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_SINGULAR));
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_move(geometry, &w);
-            told->iterations = 1U;
-            told->residual = 0.00142 * size;
-            told->step = sqrt(size);
-            told->min_pivot = 1.0 / sqrt(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.00142 * size;
+                info->step = sqrt(size);
+                info->min_pivot = 1.0 / sqrt(w.spread);
+            }
             if (size <= 489.99364986527155) {
                 zhang2009_leave(&w, pose);
             } else {
                 if (!(size >= 0.0)) {
-                    zhang2009_refused(told);
+                    zhang2009_refused(info);
                 }
                 status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_WRONG_BRANCH));
             }
         }
     } else {
-        zhang2009_refused(told);
+        zhang2009_refused(info);
     }
     return status;
 }

@@ -756,10 +756,12 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -788,28 +790,28 @@ static void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose
 /* What is told of a call that took no step. */
 static ZHANG2009_COLD void zhang2009_refused(zhang2009_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VALF;
-    told->step = 0.0f;
-    told->min_pivot = 0.0f;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VALF;
+        told->step = 0.0f;
+        told->min_pivot = 0.0f;
+    }
 }
 
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
-    zhang2009_info unread;
-    zhang2009_info *const told = (info != NULL) ? info : &unread;
     zhang2009_status status = zhang2009_enter(&w, joints, guess);
     if (status == ZHANG2009_OK) {
-        status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, told);
+        status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_leave(&w, pose);
         } else {
             status = zhang2009_verdict(guess->position, 3, zhang2009_verdict(joints, 6, status));
         }
     } else {
-        zhang2009_refused(told);
+        zhang2009_refused(info);
     }
     return status;
 }
@@ -817,33 +819,33 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
 zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose, zhang2009_info *info)
 {
     zhang2009_direct_work w;
-    zhang2009_info unread;
-    zhang2009_info *const told = (info != NULL) ? info : &unread;
     zhang2009_status status = zhang2009_enter(&w, joints, pose);
     if (status == ZHANG2009_OK) {
         zhang2009_direct_target(&w, joints, 1.0f);
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
-            zhang2009_refused(told);
+            zhang2009_refused(info);
             status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_SINGULAR));
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_move(&w);
-            told->iterations = 1U;
-            told->residual = 0.00142f * size;
-            told->step = sqrtf(size);
-            told->min_pivot = 1.0f / sqrtf(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.00142f * size;
+                info->step = sqrtf(size);
+                info->min_pivot = 1.0f / sqrtf(w.spread);
+            }
             if (size <= 489.99365f) {
                 zhang2009_leave(&w, pose);
             } else {
                 if (!(size >= 0.0f)) {
-                    zhang2009_refused(told);
+                    zhang2009_refused(info);
                 }
                 status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_WRONG_BRANCH));
             }
         }
     } else {
-        zhang2009_refused(told);
+        zhang2009_refused(info);
     }
     return status;
 }

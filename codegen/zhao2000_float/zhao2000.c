@@ -468,14 +468,16 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb1_at(zhao2000_limb1_work *w, const zhao2000_real c[4], zhao2000_info *info)
+static zhao2000_status zhao2000_limb1_at(zhao2000_limb1_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     w->x[0] = 1.5707964f;
@@ -485,7 +487,7 @@ static zhao2000_status zhao2000_limb1_at(zhao2000_limb1_work *w, const zhao2000_
     w->at[1] = 0.0f;
     w->at[2] = 100.0f;
     w->at[3] = 0.0f;
-    return zhao2000_limb1_newton(w, c, &usual, info);
+    return zhao2000_limb1_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -928,14 +930,16 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb2_at(zhao2000_limb2_work *w, const zhao2000_real c[4], zhao2000_info *info)
+static zhao2000_status zhao2000_limb2_at(zhao2000_limb2_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     w->x[0] = 3.6651914f;
@@ -945,7 +949,7 @@ static zhao2000_status zhao2000_limb2_at(zhao2000_limb2_work *w, const zhao2000_
     w->at[1] = 0.0f;
     w->at[2] = 100.0f;
     w->at[3] = 0.0f;
-    return zhao2000_limb2_newton(w, c, &usual, info);
+    return zhao2000_limb2_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -1399,14 +1403,16 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb3_at(zhao2000_limb3_work *w, const zhao2000_real c[4], zhao2000_info *info)
+static zhao2000_status zhao2000_limb3_at(zhao2000_limb3_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     w->x[0] = 5.7595863f;
@@ -1416,7 +1422,7 @@ static zhao2000_status zhao2000_limb3_at(zhao2000_limb3_work *w, const zhao2000_
     w->at[1] = 0.0f;
     w->at[2] = 100.0f;
     w->at[3] = 0.0f;
-    return zhao2000_limb3_newton(w, c, &usual, info);
+    return zhao2000_limb3_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -1463,28 +1469,27 @@ static void zhao2000_limb3_sides(const zhao2000_limb3_work *w, zhao2000_real sid
 }
 
 /* Joint values of a pose, actuated and passive, on the branches of the reference configuration. */
-static zhao2000_status zhao2000_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6], zhao2000_info *info)
+static zhao2000_status zhao2000_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
-    (void)info;
     if (status == ZHAO2000_OK) {
         zhao2000_limb1_work w;
-        status = zhao2000_limb1_at(&w, c, info);
+        status = zhao2000_limb1_at(&w, c);
         q[0] = w.x[0];
         passive[0] = w.x[1];
         passive[1] = w.x[2];
     }
     if (status == ZHAO2000_OK) {
         zhao2000_limb2_work w;
-        status = zhao2000_limb2_at(&w, c, info);
+        status = zhao2000_limb2_at(&w, c);
         q[1] = w.x[0];
         passive[2] = w.x[1];
         passive[3] = w.x[2];
     }
     if (status == ZHAO2000_OK) {
         zhao2000_limb3_work w;
-        status = zhao2000_limb3_at(&w, c, info);
+        status = zhao2000_limb3_at(&w, c);
         q[2] = w.x[0];
         passive[4] = w.x[1];
         passive[5] = w.x[2];
@@ -2105,10 +2110,12 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-    info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
+    }
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -2141,10 +2148,9 @@ static zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_re
     if (status == ZHAO2000_OK) {
         zhao2000_real c[4];
         zhao2000_real passive[6] = { 0.0f };
-        zhao2000_info unread;
         status = zhao2000_coordinates(guess, c);
         if (status == ZHAO2000_OK) {
-            status = zhao2000_limbs(c, w->at, passive, &unread);
+            status = zhao2000_limbs(c, w->at, passive);
             w->x[0] = passive[0];
             w->x[1] = passive[1];
             w->x[2] = passive[2];
@@ -2172,30 +2178,30 @@ static void zhao2000_leave(const zhao2000_direct_work *w, zhao2000_pose *pose)
 /* What is told of a call that took no step. */
 static ZHAO2000_COLD void zhao2000_refused(zhao2000_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VALF;
-    told->step = 0.0f;
-    told->min_pivot = 0.0f;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VALF;
+        told->step = 0.0f;
+        told->min_pivot = 0.0f;
+    }
 }
 
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
-    zhao2000_info unread;
-    zhao2000_info *const told = (info != NULL) ? info : &unread;
     zhao2000_status status = zhao2000_enter(&w, joints, guess);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
         w.aim = zhao2000_towards(w.at, joints, given);
-        status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, told);
+        status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_OK) {
             zhao2000_leave(&w, pose);
         } else {
             status = zhao2000_verdict(guess->position, 3, zhao2000_verdict(joints, 4, status));
         }
     } else {
-        zhao2000_refused(told);
+        zhao2000_refused(info);
     }
     return status;
 }
@@ -2203,8 +2209,6 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
 zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose, zhao2000_info *info)
 {
     zhao2000_direct_work w;
-    zhao2000_info unread;
-    zhao2000_info *const told = (info != NULL) ? info : &unread;
     zhao2000_status status = zhao2000_enter(&w, joints, pose);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
@@ -2212,26 +2216,28 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
         zhao2000_direct_target(&w, given, 1.0f);
         zhao2000_direct_rows(&w);
         if (zhao2000_direct_pivoted(&w) == 0) {
-            zhao2000_refused(told);
+            zhao2000_refused(info);
             status = zhao2000_verdict(pose->position, 3, zhao2000_verdict(joints, 4, ZHAO2000_SINGULAR));
         } else {
             zhao2000_direct_solve(&w);
             const zhao2000_real size = zhao2000_direct_move(&w);
-            told->iterations = 1U;
-            told->residual = 0.00428f * size;
-            told->step = sqrtf(size);
-            told->min_pivot = 1.0f / sqrtf(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.00428f * size;
+                info->step = sqrtf(size);
+                info->min_pivot = 1.0f / sqrtf(w.spread);
+            }
             if (size <= 100.0f) {
                 zhao2000_leave(&w, pose);
             } else {
                 if (!(size >= 0.0f)) {
-                    zhao2000_refused(told);
+                    zhao2000_refused(info);
                 }
                 status = zhao2000_verdict(pose->position, 3, zhao2000_verdict(joints, 4, ZHAO2000_WRONG_BRANCH));
             }
         }
     } else {
-        zhao2000_refused(told);
+        zhao2000_refused(info);
     }
     return status;
 }
@@ -2241,10 +2247,9 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     zhao2000_real c[4];
     zhao2000_real q[4] = { 0.0f };
     zhao2000_real passive[6] = { 0.0f };
-    zhao2000_info unread;
     zhao2000_status status = zhao2000_coordinates(pose, c);
     if (status == ZHAO2000_OK) {
-        status = zhao2000_limbs(c, q, passive, &unread);
+        status = zhao2000_limbs(c, q, passive);
         if (status != ZHAO2000_OK) {
             status = zhao2000_verdict(c, 4, ZHAO2000_OUT_OF_RANGE);
         } else {
@@ -2264,14 +2269,12 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
 {
     zhao2000_real c[4];
     zhao2000_real jacobian[4 * 6] = { 0.0f };
-    zhao2000_info unread;
     zhao2000_status status = zhao2000_coordinates(pose, c);
-    (void)unread;
     if (status == ZHAO2000_OK) {
         if (status == ZHAO2000_OK) {
             zhao2000_limb1_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb1_at(&w, c, &unread);
+            status = zhao2000_limb1_at(&w, c);
             if (status == ZHAO2000_OK) {
                 zhao2000_limb1_sides(&w, sides);
                 if ((zhao2000_limb1_factor(&w) == 0) && (zhao2000_limb1_pivoted(&w) == 0)) {
@@ -2303,7 +2306,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         if (status == ZHAO2000_OK) {
             zhao2000_limb2_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb2_at(&w, c, &unread);
+            status = zhao2000_limb2_at(&w, c);
             if (status == ZHAO2000_OK) {
                 zhao2000_limb2_sides(&w, sides);
                 if ((zhao2000_limb2_factor(&w) == 0) && (zhao2000_limb2_pivoted(&w) == 0)) {
@@ -2335,7 +2338,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         if (status == ZHAO2000_OK) {
             zhao2000_limb3_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb3_at(&w, c, &unread);
+            status = zhao2000_limb3_at(&w, c);
             if (status == ZHAO2000_OK) {
                 zhao2000_limb3_sides(&w, sides);
                 if ((zhao2000_limb3_factor(&w) == 0) && (zhao2000_limb3_pivoted(&w) == 0)) {

@@ -747,14 +747,16 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb1_at(zhao2000_links_limb1_work *w, const zhao2000_links_real c[7], zhao2000_links_info *info)
+static zhao2000_links_status zhao2000_links_limb1_at(zhao2000_links_limb1_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     w->x[0] = 1.5707963267948966;
@@ -768,7 +770,7 @@ static zhao2000_links_status zhao2000_links_limb1_at(zhao2000_links_limb1_work *
     w->at[4] = 0.0;
     w->at[5] = 0.0;
     w->at[6] = 0.0;
-    return zhao2000_links_limb1_newton(w, c, &usual, info);
+    return zhao2000_links_limb1_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -1843,14 +1845,16 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb2_at(zhao2000_links_limb2_work *w, const zhao2000_links_real c[7], zhao2000_links_info *info)
+static zhao2000_links_status zhao2000_links_limb2_at(zhao2000_links_limb2_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     w->x[0] = 3.6651914291880923;
@@ -1864,7 +1868,7 @@ static zhao2000_links_status zhao2000_links_limb2_at(zhao2000_links_limb2_work *
     w->at[4] = 0.0;
     w->at[5] = 0.0;
     w->at[6] = 0.0;
-    return zhao2000_links_limb2_newton(w, c, &usual, info);
+    return zhao2000_links_limb2_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -3003,14 +3007,16 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb3_at(zhao2000_links_limb3_work *w, const zhao2000_links_real c[7], zhao2000_links_info *info)
+static zhao2000_links_status zhao2000_links_limb3_at(zhao2000_links_limb3_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     w->x[0] = 5.759586531581287;
@@ -3024,7 +3030,7 @@ static zhao2000_links_status zhao2000_links_limb3_at(zhao2000_links_limb3_work *
     w->at[4] = 0.0;
     w->at[5] = 0.0;
     w->at[6] = 0.0;
-    return zhao2000_links_limb3_newton(w, c, &usual, info);
+    return zhao2000_links_limb3_newton(w, c, &usual, NULL);
 }
 
 /* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
@@ -3300,14 +3306,13 @@ static void zhao2000_links_limb3_sides(const zhao2000_links_limb3_work *w, zhao2
 }
 
 /* Joint values of a pose, actuated and passive, on the branches of the reference configuration. */
-static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7], zhao2000_links_real q[4], zhao2000_links_real passive[9], zhao2000_links_info *info)
+static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7], zhao2000_links_real q[4], zhao2000_links_real passive[9])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
     (void)passive;
-    (void)info;
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb1_work w;
-        status = zhao2000_links_limb1_at(&w, c, info);
+        status = zhao2000_links_limb1_at(&w, c);
         q[0] = w.x[0];
         passive[0] = w.x[1];
         passive[1] = w.x[2];
@@ -3315,7 +3320,7 @@ static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7]
     }
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb2_work w;
-        status = zhao2000_links_limb2_at(&w, c, info);
+        status = zhao2000_links_limb2_at(&w, c);
         q[1] = w.x[0];
         passive[3] = w.x[1];
         passive[4] = w.x[2];
@@ -3323,7 +3328,7 @@ static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7]
     }
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb3_work w;
-        status = zhao2000_links_limb3_at(&w, c, info);
+        status = zhao2000_links_limb3_at(&w, c);
         q[2] = w.x[0];
         passive[6] = w.x[1];
         passive[7] = w.x[2];
@@ -5659,10 +5664,12 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-    info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-    info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
+    }
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -5695,10 +5702,9 @@ static zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w,
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real c[7];
         zhao2000_links_real passive[9] = { 0.0 };
-        zhao2000_links_info unread;
         status = zhao2000_links_coordinates(guess, c);
         if (status == ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_limbs(c, w->at, passive, &unread);
+            status = zhao2000_links_limbs(c, w->at, passive);
             for (int i = 0; i < 9; ++i) {
                 w->x[i] = passive[i];
             }
@@ -5726,30 +5732,30 @@ static void zhao2000_links_leave(const zhao2000_links_direct_work *w, zhao2000_l
 /* What is told of a call that took no step. */
 static ZHAO2000_LINKS_COLD void zhao2000_links_refused(zhao2000_links_info *told)
 {
-    told->iterations = 0U;
-    told->residual = HUGE_VAL;
-    told->step = 0.0;
-    told->min_pivot = 0.0;
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = HUGE_VAL;
+        told->step = 0.0;
+        told->min_pivot = 0.0;
+    }
 }
 
 zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_pose *pose, zhao2000_links_info *info)
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     zhao2000_links_direct_work w;
-    zhao2000_links_info unread;
-    zhao2000_links_info *const told = (info != NULL) ? info : &unread;
     zhao2000_links_status status = zhao2000_links_enter(&w, joints, guess);
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
         w.aim = zhao2000_links_towards(w.at, joints, given);
-        status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, told);
+        status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_leave(&w, pose);
         } else {
             status = zhao2000_links_verdict(guess->position, 3, zhao2000_links_verdict(joints, 4, status));
         }
     } else {
-        zhao2000_links_refused(told);
+        zhao2000_links_refused(info);
     }
     return status;
 }
@@ -5757,8 +5763,6 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
 zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], zhao2000_links_pose *pose, zhao2000_links_info *info)
 {
     zhao2000_links_direct_work w;
-    zhao2000_links_info unread;
-    zhao2000_links_info *const told = (info != NULL) ? info : &unread;
     zhao2000_links_status status = zhao2000_links_enter(&w, joints, pose);
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
@@ -5766,26 +5770,28 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
         zhao2000_links_direct_target(&w, given, 1.0);
         zhao2000_links_direct_rows(&w);
         if (zhao2000_links_direct_factor(&w) == 0) {
-            zhao2000_links_refused(told);
+            zhao2000_links_refused(info);
             status = zhao2000_links_verdict(pose->position, 3, zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_SINGULAR));
         } else {
             zhao2000_links_direct_solve(&w);
             const zhao2000_links_real size = zhao2000_links_direct_move(&w);
-            told->iterations = 1U;
-            told->residual = 0.0186 * size;
-            told->step = sqrt(size);
-            told->min_pivot = 1.0 / sqrt(w.spread);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = 0.0186 * size;
+                info->step = sqrt(size);
+                info->min_pivot = 1.0 / sqrt(w.spread);
+            }
             if (size <= 104.05681785761409) {
                 zhao2000_links_leave(&w, pose);
             } else {
                 if (!(size >= 0.0)) {
-                    zhao2000_links_refused(told);
+                    zhao2000_links_refused(info);
                 }
                 status = zhao2000_links_verdict(pose->position, 3, zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_WRONG_BRANCH));
             }
         }
     } else {
-        zhao2000_links_refused(told);
+        zhao2000_links_refused(info);
     }
     return status;
 }
@@ -5795,10 +5801,9 @@ zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose, zh
     zhao2000_links_real c[7];
     zhao2000_links_real q[4] = { 0.0 };
     zhao2000_links_real passive[9] = { 0.0 };
-    zhao2000_links_info unread;
     zhao2000_links_status status = zhao2000_links_coordinates(pose, c);
     if (status == ZHAO2000_LINKS_OK) {
-        status = zhao2000_links_limbs(c, q, passive, &unread);
+        status = zhao2000_links_limbs(c, q, passive);
         if (status != ZHAO2000_LINKS_OK) {
             status = zhao2000_links_verdict(c, 7, ZHAO2000_LINKS_OUT_OF_RANGE);
         } else {
@@ -5818,14 +5823,12 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
 {
     zhao2000_links_real c[7];
     zhao2000_links_real jacobian[4 * 6] = { 0.0 };
-    zhao2000_links_info unread;
     zhao2000_links_status status = zhao2000_links_coordinates(pose, c);
-    (void)unread;
     if (status == ZHAO2000_LINKS_OK) {
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb1_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb1_at(&w, c, &unread);
+            status = zhao2000_links_limb1_at(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
                 zhao2000_links_limb1_sides(&w, sides);
                 if (zhao2000_links_limb1_factor(&w) == 0) {
@@ -5867,7 +5870,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb2_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb2_at(&w, c, &unread);
+            status = zhao2000_links_limb2_at(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
                 zhao2000_links_limb2_sides(&w, sides);
                 if (zhao2000_links_limb2_factor(&w) == 0) {
@@ -5909,7 +5912,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb3_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb3_at(&w, c, &unread);
+            status = zhao2000_links_limb3_at(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
                 zhao2000_links_limb3_sides(&w, sides);
                 if (zhao2000_links_limb3_factor(&w) == 0) {

@@ -251,7 +251,7 @@ def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
             continue
         k = f"{name}_{block.kernel.name}"
         copies = [f"{array}[{there}] = w.x[{here}];" for array, there, here in _places(made, block)]
-        lines += [f"if (status == {name.upper()}_OK) {{", f"    {k}_work w;", f"    status = {k}_at(&w, c, info);",
+        lines += [f"if (status == {name.upper()}_OK) {{", f"    {k}_work w;", f"    status = {k}_at(&w, c);",
                   *("    " + text for text in copies), "}"]  # fmt: skip
     conditions = made.inverse.conditions
     if int(conditions.rows.shape[0]):
@@ -289,8 +289,8 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     real, name = made.real, made.name
     passive = sum(c.width for c in made.passive)
     nc = int(str(values["nc"]))
-    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};", f"{name}_info unread;", f"status = {name}_coordinates(guess, c);",
-             f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs(c, w->at, passive, &unread);",
+    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};",  f"status = {name}_coordinates(guess, c);",
+             f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs(c, w->at, passive);",
              *("    " + line for line in copy("w->x", "passive", passive) if passive), "}",
              f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
              *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
@@ -331,7 +331,7 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         k, m = f"{name}_{block.kernel.name}", block.kernel.m
         tangent = _tangent_index(block.system)
         scales = {c_index: (1 / size if angular else 1.0) for c_index, angular in tangent.values()}
-        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c, &unread);", f"if (status == {name.upper()}_OK) {{",
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c);", f"if (status == {name.upper()}_OK) {{",
                 f"    {k}_sides(&w, sides);", f"    if ({factored(block.kernel, k, '&w')}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
         for j, column in enumerate(columns):
             body += [

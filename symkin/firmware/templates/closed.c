@@ -3,10 +3,9 @@
     @{real} c[@{nc}];
     @{real} q[@{nq}] = { @{zero} };
     @{real} passive[@{np}] = { @{zero} };
-    @{p}_info unread;
     @{p}_status status = @{p}_coordinates(pose, c);
     if (status == @{P}_OK) {
-        status = @{p}_limbs(c, q, passive, &unread);
+        status = @{p}_limbs(c, q, passive);
         if (status != @{P}_OK) {
             status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
         } else {
@@ -23,9 +22,7 @@
 {
     @{real} c[@{nc}];
     @{real} jacobian[@{nq} * 6] = { @{zero} };
-    @{p}_info unread;
     @{p}_status status = @{p}_coordinates(pose, c);
-    (void)unread;
     if (status == @{P}_OK) {
 @{rates}
         if (status == @{P}_OK) {

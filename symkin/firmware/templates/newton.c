@@ -115,9 +115,11 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             break;
         }
     }
-    info->iterations = (uint8_t)count;
-    info->residual = (residual >= @{zero}) ? residual : @{huge};
-    info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
-    info->min_pivot = ((sign != 0) && (w->spread > @{zero})) ? (@{one} / @{sqrt}(w->spread)) : @{zero};
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= @{zero}) ? residual : @{huge};
+        info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
+        info->min_pivot = ((sign != 0) && (w->spread > @{zero})) ? (@{one} / @{sqrt}(w->spread)) : @{zero};
+    }
     return status;
 }

@@ -21,21 +21,21 @@
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_inverse_work w;
-    @{p}_info unread;
-    @{p}_info *const told = (info != NULL) ? info : &unread;
     @{real} to[7];
     @{p}_status status = @{p}_unit(pose, to);
     if (status == @{P}_OK) {
         status = @{p}_verdict(to, 7, @{p}_verdict(guess, @{nq}, @{P}_OK));
     }
-    told->iterations = 0U;
-    told->residual = @{huge};
-    told->step = @{zero};
-    told->min_pivot = @{zero};
+    if (info != NULL) {
+        info->iterations = 0U;
+        info->residual = @{huge};
+        info->step = @{zero};
+        info->min_pivot = @{zero};
+    }
     if (status == @{P}_OK) {
 @{to_x}
         @{p}_forward(w.x, w.at);
-        status = @{p}_inverse_newton(&w, to, (config != NULL) ? config : &usual, told);
+        status = @{p}_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == @{P}_OK) {
             status = @{p}_check(w.x);
         }
