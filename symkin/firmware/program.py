@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 
-from symkin.firmware.closed import ClosedMechanism, closed_source
+from symkin.firmware.closed import ClosedMechanism
+from symkin.firmware.closed_source import closed_source
 from symkin.firmware.emit import Real
 from symkin.firmware.kernel import is_rod_platform
 from symkin.firmware.options import Options, home_pose
