@@ -42,6 +42,16 @@ class SolverName(StrEnum):
     ipopt = "ipopt"
 
 
+class RealType(StrEnum):
+    float = "float"
+    double = "double"
+
+
+class GeometryChoice(StrEnum):
+    fixed = "fixed"
+    struct = "struct"
+
+
 MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
 JointsOption = Annotated[
     str | None,
@@ -161,6 +171,33 @@ def solve(
     )  # fmt: skip
     _print(as_json, result.to_json, lambda: solve_text(result))
     raise typer.Exit(0 if result.solution is not None else 3)
+
+
+@app.command()
+def firmware(
+    mech: MechArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
+    real: Annotated[RealType, typer.Option(help="The C type of numbers.")] = RealType.double,
+    home_relative: Annotated[
+        bool, typer.Option("--home-relative", help="Joint values and positions as changes from home (platforms on six rods).")
+    ] = False,
+    geometry: Annotated[
+        GeometryChoice, typer.Option(help="Numbers in the code, or a struct given with each call (platforms on six rods).")
+    ] = GeometryChoice.fixed,
+    home: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="Pose about which pivots are chosen (platforms on six rods)."),
+    ] = None,
+) -> None:
+    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
+    from symkin.firmware.folder import write_folder
+    from symkin.firmware.options import Options
+    from symkin.model.file import load
+
+    pose = _values(home, "home")
+    options = Options(real.value, home_relative, geometry.value, None if pose is None else tuple(pose))
+    for path in write_folder(load(mech), output, options):
+        print(path)
 
 
 def main(arguments: list[str] | None = None) -> None:

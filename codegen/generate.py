@@ -1,0 +1,39 @@
+"""Writes one folder of C for each shipped mechanism and real type into this directory.
+
+    python codegen/generate.py [-o DIR]
+
+The folders are committed; the tests regenerate them and compare byte for byte.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from symkin.firmware.folder import write_folder
+from symkin.firmware.options import Options
+from symkin.model.file import load, shipped_names
+
+HERE = Path(__file__).parent
+HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
+"""Homes where the file's reference is singular: the middle of the bench's workspace."""
+REALS = ("float", "double")
+
+
+def variants() -> list[tuple[str, str, Options]]:
+    """(folder, mechanism, options) of everything that is committed."""
+    plain = [(f"{n}_{r}", n, Options(r, home=HOMES.get(n))) for n in shipped_names() for r in REALS]  # type: ignore[arg-type]
+    home = HOMES["zhang2009"]
+    return [
+        *plain,
+        ("zhang2009_float_home_relative", "zhang2009", Options("float", home_relative=True, home=home)),
+        ("zhang2009_double_struct", "zhang2009", Options("double", geometry="struct", home=home)),
+    ]
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Write the committed folders of C.")
+    parser.add_argument("-o", default=str(HERE), metavar="DIR", help="where to write (default: beside this script)")
+    for folder, name, options in variants():
+        write_folder(load(name), Path(parser.parse_args().o) / folder, options)
+        print(folder)

@@ -1,0 +1,120 @@
+/* Test of gluon_6l3.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+ * SPDX-License-Identifier: MIT */
+#include "gluon_6l3.h"
+#include "gluon_6l3_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static int failures = 0;
+
+static void expect(int right, const char *what, int number)
+{
+    if (!right) {
+        ++failures;
+        (void)printf("failed: %s, case %d\n", what, number);
+    }
+}
+
+static gluon_6l3_pose pose_from(const gluon_6l3_real numbers[7])
+{
+    gluon_6l3_pose pose;
+    for (int i = 0; i < 3; ++i) {
+        pose.position[i] = numbers[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        pose.quaternion[i] = numbers[3 + i];
+    }
+    return pose;
+}
+
+/* An inverse call that must not succeed: the status, with the joints untouched and info written. */
+static gluon_6l3_status refused(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS], const char *what)
+{
+    gluon_6l3_real joints[GLUON_6L3_JOINTS];
+    gluon_6l3_info info;
+    gluon_6l3_status status;
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        joints[i] = 4.0f;
+    }
+    info.iterations = 255U;
+    status = gluon_6l3_inverse(config, pose, guess, joints, &info);
+    expect(status != GLUON_6L3_OK, what, 0);
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        expect(joints[i] == 4.0f, "result untouched on failure", i);
+    }
+    expect(info.iterations != 255U, "info written on failure", 0);
+    return status;
+}
+
+static void solve_all(void)
+{
+    for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
+        const double bound = gluon_6l3_vector_bounds[k];
+        gluon_6l3_pose pose;
+        gluon_6l3_info info;
+        gluon_6l3_real joints[GLUON_6L3_JOINTS];
+        expect(gluon_6l3_direct(gluon_6l3_vector_joints[k], &pose) == GLUON_6L3_OK, "direct", k);
+        for (int i = 0; i < 3; ++i) {
+            expect(fabs((double)pose.position[i] - (double)gluon_6l3_vector_poses[k][i]) <= bound, "direct's position", k);
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double off = fabs((double)pose.quaternion[i] - (double)gluon_6l3_vector_poses[k][3 + i]);
+            expect((double)GLUON_6L3_SIZE * off <= bound, "direct's quaternion", k);
+        }
+        pose = pose_from(gluon_6l3_vector_poses[k]);
+        expect(gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_guesses[k], joints, &info) == GLUON_6L3_OK, "inverse", k);
+        expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
+        for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+        }
+        if (k < GLUON_6L3_VECTOR_JACOBIANS) {
+            gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS];
+            expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK, "jacobian", k);
+            for (int i = 0; i < 6 * GLUON_6L3_JOINTS; ++i) {
+                const double wanted = (double)gluon_6l3_vector_jacobians[k][i];
+                const double scale = fmax((double)GLUON_6L3_SIZE, 1.0) * (1.0 + fabs(wanted));
+                expect(fabs((double)jacobian[i] - wanted) <= 1e-4 * scale, "jacobian's entry", i);
+            }
+        }
+    }
+}
+
+static void refuse_all(void)
+{
+    const gluon_6l3_config none = { GLUON_6L3_TOLERANCE, 0U, GLUON_6L3_MAX_STEP };
+    gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[0]);
+    gluon_6l3_pose wrong = pose;
+    gluon_6l3_real joints[GLUON_6L3_JOINTS];
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        joints[i] = gluon_6l3_vector_guesses[0][i];
+    }
+    expect(refused(&none, &pose, joints, "no step is not enough") == GLUON_6L3_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    joints[0] = (gluon_6l3_real)NAN;
+    expect(refused(NULL, &pose, joints, "NaN guess") == GLUON_6L3_NONFINITE, "NONFINITE", 0);
+    expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_NONFINITE, "NONFINITE of direct", 0);
+    joints[0] = 5.392937e+06f;
+    expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
+    joints[0] = gluon_6l3_vector_guesses[0][0];
+    wrong.position[2] = (gluon_6l3_real)INFINITY;
+    expect(refused(NULL, &wrong, joints, "infinite pose") == GLUON_6L3_NONFINITE, "NONFINITE", 1);
+    wrong = pose;
+    wrong.quaternion[0] = 2.0f;
+    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == GLUON_6L3_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    wrong = pose;
+    wrong.position[0] = 5.392937e+06f;
+    (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if GLUON_6L3_VECTOR_SINGULAR > 0
+    for (int k = 0; k < GLUON_6L3_VECTOR_SINGULAR; ++k) {
+        expect(refused(NULL, &pose, gluon_6l3_vector_singular[k], "singular start") == GLUON_6L3_SINGULAR, "SINGULAR", k);
+    }
+#endif
+}
+
+int main(void)
+{
+    solve_all();
+    refuse_all();
+    (void)printf("gluon_6l3: %d cases, %d failures\n", GLUON_6L3_VECTORS, failures);
+    return (failures == 0) ? 0 : 1;
+}

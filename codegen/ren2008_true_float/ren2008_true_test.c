@@ -1,0 +1,165 @@
+/* Test of ren2008_true.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+ * SPDX-License-Identifier: MIT */
+#include "ren2008_true.h"
+#include "ren2008_true_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static int failures = 0;
+
+static void expect(int right, const char *what, int number)
+{
+    if (!right) {
+        ++failures;
+        (void)printf("failed: %s, case %d\n", what, number);
+    }
+}
+
+static ren2008_true_pose pose_from(const ren2008_true_real numbers[7])
+{
+    ren2008_true_pose pose;
+    for (int i = 0; i < 3; ++i) {
+        pose.position[i] = numbers[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        pose.quaternion[i] = numbers[3 + i];
+    }
+    return pose;
+}
+
+/* Largest difference of two poses: lengths, and rotations times the size. */
+static double difference(const ren2008_true_pose *a, const ren2008_true_real b[7])
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        cosine += (double)a->quaternion[i] * (double)b[3 + i];
+    }
+    for (int i = 0; i < 3; ++i) {
+        largest = fmax(largest, fabs((double)a->position[i] - (double)b[i]));
+    }
+    for (int i = 0; i < 4; ++i) {
+        const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
+        largest = fmax(largest, 2.0 * (double)REN2008_TRUE_SIZE * fabs((double)a->quaternion[i] - other));
+    }
+    return (cosine == cosine) ? largest : HUGE_VAL;
+}
+
+static int same_pose(const ren2008_true_pose *a, const ren2008_true_pose *b)
+{
+    int same = 1;
+    for (int i = 0; i < 3; ++i) {
+        same = same && (a->position[i] == b->position[i]);
+    }
+    for (int i = 0; i < 4; ++i) {
+        same = same && (a->quaternion[i] == b->quaternion[i]);
+    }
+    return same;
+}
+
+/* A direct call that must not succeed: the status, with the pose untouched and info written. */
+static ren2008_true_status refused(const ren2008_true_config *config, const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *guess, const char *what)
+{
+    const ren2008_true_real marks[7] = { 1.0f, 2.0f, 4.0f, 1.0f, 2.0f, 4.0f, 1.0f };
+    const ren2008_true_pose untouched = pose_from(marks);
+    ren2008_true_pose pose = untouched;
+    ren2008_true_info info;
+    ren2008_true_status status;
+    info.iterations = 255U;
+    status = ren2008_true_direct(config, joints, guess, &pose, &info);
+    expect(status != REN2008_TRUE_OK, what, 0);
+    expect(same_pose(&pose, &untouched), "result untouched on failure", 0);
+    expect(info.iterations != 255U, "info written on failure", 0);
+    return status;
+}
+
+static void solve_all(void)
+{
+    for (int k = 0; k < REN2008_TRUE_VECTORS; ++k) {
+        const double bound = ren2008_true_vector_bounds[k];
+        const ren2008_true_pose guess = pose_from(ren2008_true_vector_guesses[k]);
+        ren2008_true_pose pose = guess;
+        ren2008_true_info info;
+        ren2008_true_real joints[REN2008_TRUE_JOINTS];
+        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &pose, &pose, &info) == REN2008_TRUE_OK, "direct", k);
+        expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "direct's pose", k);
+        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
+        expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
+        pose = guess;
+        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &guess, &pose, NULL) == REN2008_TRUE_OK, "direct without info", k);
+        expect(ren2008_true_track(ren2008_true_vector_joints[k], &pose, &info) == REN2008_TRUE_OK, "track", k);
+        expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "track's pose", k);
+        pose = pose_from(ren2008_true_vector_poses[k]);
+        expect(ren2008_true_inverse(&pose, joints) == REN2008_TRUE_OK, "inverse", k);
+        for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+            expect(fabs((double)joints[i] - (double)ren2008_true_vector_inverse[k][i]) <= bound, "inverse's joints", k);
+        }
+        if (k < REN2008_TRUE_VECTOR_JACOBIANS) {
+            ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6];
+            expect(ren2008_true_jacobian(&pose, jacobian) == REN2008_TRUE_OK, "jacobian", k);
+            for (int i = 0; i < REN2008_TRUE_JOINTS * 6; ++i) {
+                const double wanted = (double)ren2008_true_vector_jacobians[k][i];
+                const double scale = fmax((double)REN2008_TRUE_SIZE, 1.0) * (1.0 + fabs(wanted));
+                expect(fabs((double)jacobian[i] - wanted) <= 1e-4 * scale, "jacobian's entry", i);
+            }
+        }
+    }
+}
+
+static void refuse_all(void)
+{
+    const ren2008_true_pose home = pose_from(ren2008_true_vector_home);
+    const ren2008_true_config one_step = { REN2008_TRUE_TOLERANCE, 1U, REN2008_TRUE_MAX_STEP };
+    const ren2008_true_config none = { REN2008_TRUE_TOLERANCE, 0U, REN2008_TRUE_MAX_STEP };
+    ren2008_true_pose wrong = home;
+    ren2008_true_pose pose = home;
+    ren2008_true_info info;
+    ren2008_true_real joints[REN2008_TRUE_JOINTS];
+    ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6];
+    for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+        joints[i] = ren2008_true_vector_joints[0][i];
+    }
+    expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    joints[0] = (ren2008_true_real)NAN;
+    expect(refused(NULL, joints, &home, "NaN joint") == REN2008_TRUE_NONFINITE, "NONFINITE", 0);
+    joints[0] = (ren2008_true_real)INFINITY;
+    expect(refused(NULL, joints, &home, "infinite joint") == REN2008_TRUE_NONFINITE, "NONFINITE", 1);
+    joints[0] = -16960.402f;
+    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    joints[0] = 16960.402f;
+    (void)refused(NULL, joints, &home, "joint beyond reach");
+    joints[0] = ren2008_true_vector_joints[0][0];
+    wrong.quaternion[0] = 2.0f;
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
+    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
+    expect(ren2008_true_jacobian(&wrong, jacobian) == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
+    wrong = home;
+    wrong.position[1] = (ren2008_true_real)NAN;
+    expect(refused(NULL, joints, &wrong, "NaN guess") == REN2008_TRUE_NONFINITE, "NONFINITE", 2);
+    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_NONFINITE, "NONFINITE of inverse", 0);
+    expect(ren2008_true_track(joints, &wrong, NULL) == REN2008_TRUE_NONFINITE, "NONFINITE of track", 0);
+    wrong = pose_from(ren2008_true_vector_far);
+    pose = wrong;
+#if REN2008_TRUE_VECTOR_FAR > 0
+    expect(ren2008_true_track(joints, &wrong, &info) == REN2008_TRUE_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
+#else
+    (void)ren2008_true_track(joints, &pose, &info);
+#endif
+#if REN2008_TRUE_VECTOR_SINGULAR > 0
+    for (int k = 0; k < REN2008_TRUE_VECTOR_SINGULAR; ++k) {
+        wrong = pose_from(ren2008_true_vector_singular[k]);
+        expect(refused(NULL, joints, &wrong, "singular start") == REN2008_TRUE_SINGULAR, "SINGULAR", k);
+    }
+#endif
+}
+
+int main(void)
+{
+    solve_all();
+    refuse_all();
+    (void)printf("ren2008_true: %d cases, %d failures\n", REN2008_TRUE_VECTORS, failures);
+    return (failures == 0) ? 0 : 1;
+}

@@ -1,0 +1,120 @@
+/* Test of yao2020.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+ * SPDX-License-Identifier: MIT */
+#include "yao2020.h"
+#include "yao2020_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static int failures = 0;
+
+static void expect(int right, const char *what, int number)
+{
+    if (!right) {
+        ++failures;
+        (void)printf("failed: %s, case %d\n", what, number);
+    }
+}
+
+static yao2020_pose pose_from(const yao2020_real numbers[7])
+{
+    yao2020_pose pose;
+    for (int i = 0; i < 3; ++i) {
+        pose.position[i] = numbers[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        pose.quaternion[i] = numbers[3 + i];
+    }
+    return pose;
+}
+
+/* An inverse call that must not succeed: the status, with the joints untouched and info written. */
+static yao2020_status refused(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS], const char *what)
+{
+    yao2020_real joints[YAO2020_JOINTS];
+    yao2020_info info;
+    yao2020_status status;
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        joints[i] = 4.0f;
+    }
+    info.iterations = 255U;
+    status = yao2020_inverse(config, pose, guess, joints, &info);
+    expect(status != YAO2020_OK, what, 0);
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        expect(joints[i] == 4.0f, "result untouched on failure", i);
+    }
+    expect(info.iterations != 255U, "info written on failure", 0);
+    return status;
+}
+
+static void solve_all(void)
+{
+    for (int k = 0; k < YAO2020_VECTORS; ++k) {
+        const double bound = yao2020_vector_bounds[k];
+        yao2020_pose pose;
+        yao2020_info info;
+        yao2020_real joints[YAO2020_JOINTS];
+        expect(yao2020_direct(yao2020_vector_joints[k], &pose) == YAO2020_OK, "direct", k);
+        for (int i = 0; i < 3; ++i) {
+            expect(fabs((double)pose.position[i] - (double)yao2020_vector_poses[k][i]) <= bound, "direct's position", k);
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double off = fabs((double)pose.quaternion[i] - (double)yao2020_vector_poses[k][3 + i]);
+            expect((double)YAO2020_SIZE * off <= bound, "direct's quaternion", k);
+        }
+        pose = pose_from(yao2020_vector_poses[k]);
+        expect(yao2020_inverse(NULL, &pose, yao2020_vector_guesses[k], joints, &info) == YAO2020_OK, "inverse", k);
+        expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
+        for (int i = 0; i < YAO2020_JOINTS; ++i) {
+            expect(fabs((double)joints[i] - (double)yao2020_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+        }
+        if (k < YAO2020_VECTOR_JACOBIANS) {
+            yao2020_real jacobian[6 * YAO2020_JOINTS];
+            expect(yao2020_jacobian(yao2020_vector_joints[k], jacobian) == YAO2020_OK, "jacobian", k);
+            for (int i = 0; i < 6 * YAO2020_JOINTS; ++i) {
+                const double wanted = (double)yao2020_vector_jacobians[k][i];
+                const double scale = fmax((double)YAO2020_SIZE, 1.0) * (1.0 + fabs(wanted));
+                expect(fabs((double)jacobian[i] - wanted) <= 1e-4 * scale, "jacobian's entry", i);
+            }
+        }
+    }
+}
+
+static void refuse_all(void)
+{
+    const yao2020_config none = { YAO2020_TOLERANCE, 0U, YAO2020_MAX_STEP };
+    yao2020_pose pose = pose_from(yao2020_vector_poses[0]);
+    yao2020_pose wrong = pose;
+    yao2020_real joints[YAO2020_JOINTS];
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        joints[i] = yao2020_vector_guesses[0][i];
+    }
+    expect(refused(&none, &pose, joints, "no step is not enough") == YAO2020_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    joints[0] = (yao2020_real)NAN;
+    expect(refused(NULL, &pose, joints, "NaN guess") == YAO2020_NONFINITE, "NONFINITE", 0);
+    expect(yao2020_direct(joints, &wrong) == YAO2020_NONFINITE, "NONFINITE of direct", 0);
+    joints[0] = 5.550225e+06f;
+    expect(yao2020_direct(joints, &wrong) == YAO2020_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
+    joints[0] = yao2020_vector_guesses[0][0];
+    wrong.position[2] = (yao2020_real)INFINITY;
+    expect(refused(NULL, &wrong, joints, "infinite pose") == YAO2020_NONFINITE, "NONFINITE", 1);
+    wrong = pose;
+    wrong.quaternion[0] = 2.0f;
+    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == YAO2020_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    wrong = pose;
+    wrong.position[0] = 5.550225e+06f;
+    (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if YAO2020_VECTOR_SINGULAR > 0
+    for (int k = 0; k < YAO2020_VECTOR_SINGULAR; ++k) {
+        expect(refused(NULL, &pose, yao2020_vector_singular[k], "singular start") == YAO2020_SINGULAR, "SINGULAR", k);
+    }
+#endif
+}
+
+int main(void)
+{
+    solve_all();
+    refuse_all();
+    (void)printf("yao2020: %d cases, %d failures\n", YAO2020_VECTORS, failures);
+    return (failures == 0) ? 0 : 1;
+}

@@ -1,0 +1,138 @@
+/* Vectors for zhang2009_test.c, made by symkin's Python solvers; numbers are exact.
+ * SPDX-License-Identifier: MIT */
+#ifndef ZHANG2009_VECTORS_H
+#define ZHANG2009_VECTORS_H
+
+#include "zhang2009.h"
+
+#define ZHANG2009_VECTORS 24
+#define ZHANG2009_VECTOR_JACOBIANS 4
+#define ZHANG2009_VECTOR_SINGULAR 1
+#define ZHANG2009_VECTOR_FAR 1
+
+static const zhang2009_real zhang2009_vector_guesses[24][7] = {
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.62924ddb287aep+5, 0x1.60fe897ff46bap+4, 0x1.a2cea98071307p+8, 0x1.ff76f0d4ab109p-1, 0x1.c65a7c024dcdap-7, -0x1.41357a694779fp-5, 0x1.371ced46797d1p-6 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.488890850943fp+4, -0x1.2a042d548b986p+2, 0x1.9a375fc093f33p+8, 0x1.ff6e4bdb051e8p-1, 0x1.107c57e96f111p-5, -0x1.7e39b4407e765p-10, -0x1.115c8b8bde109p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.acb5704dce72ap+4, -0x1.186a652f6ae2ep+3, 0x1.a07d2d0a1f8ccp+8, 0x1.ff47a5fc7a52cp-1, 0x1.b49b51b70b4d0p-6, 0x1.651f412167f2ep-6, 0x1.4a4ea9a72bce2p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.54dadd5d87a85p+5, 0x1.6cff3ef84eb5ep+4, 0x1.9d7d484532f7fp+8, 0x1.fe61a9f870c72p-1, 0x1.ae9494a7a98d1p-6, 0x1.ad16d31461990p-8, -0x1.31ef2449ad140p-4 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.1121948a8f5b4p+5, 0x1.ea9ad65785bb0p+3, 0x1.9be1929e9c9b8p+8, 0x1.fd7e1cda990acp-1, 0x1.c248f4a199898p-9, 0x1.3659575da658fp-7, 0x1.92c343aaf174dp-4 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.5a7a891479245p+4, 0x1.60ec900119a48p+4, 0x1.905cd355b9993p+8, 0x1.ff82398e0739bp-1, 0x1.7e18ced4779adp-8, -0x1.35ba8c97f93c9p-6, 0x1.401b1d70c8f89p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.18216225d2062p+0, 0x1.c2fa73f741c22p+4, 0x1.a51110ca7afe7p+8, 0x1.ff850ac80dc19p-1, 0x1.c41db82289ff1p-11, 0x1.bd81ad1a1fe14p-6, -0x1.140244b9d1be8p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.289a809b17896p+6, 0x1.a3bd9c8810a42p+3, 0x1.a3b41a1f2cd75p+8, 0x1.ffa32cc0d033cp-1, 0x1.bd3fa6e393a2bp-8, 0x1.2df9b492ba26dp-6, 0x1.06ea4f8b41498p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.0e96520a750a3p+4, -0x1.169e15eccf974p+4, 0x1.91a1b58130e10p+8, 0x1.ffd8d50dcc401p-1, 0x1.987ce09dfb5bdp-12, -0x1.6993ecae6f9d8p-6, -0x1.58415175fc5dap-7 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.6cd99261a2fa7p+4, 0x1.38fb992cfa438p+4, 0x1.acad4de78be24p+8, 0x1.ff0fc0a24cdb8p-1, 0x1.db6fa7603c14bp-8, 0x1.00507dbacb156p-6, 0x1.db37bb24de6a9p-5 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.8d06cac79264fp+6, 0x1.4d1dd7608071ap+2, 0x1.9330c0483e8f0p+8, 0x1.fffe60dc7076bp-1, 0x1.fde1aa9d1fcacp-10, -0x1.2875cdf5f0226p-8, -0x1.71defd21b1aa5p-11 },
+    { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.f1dcb256ab92bp-1, -0x1.f7a51539207dcp+4, 0x1.a6bd406fcfcf4p+8, 0x1.fd722593a269bp-1, 0x1.5586deb695a6fp-6, 0x1.8ba7810d64ec1p-8, 0x1.8ed520e795f27p-4 },
+};
+
+static const zhang2009_real zhang2009_vector_joints[24][6] = {
+    { 0x1.ac12ab45ef719p+8, 0x1.b79dca7193ae3p+8, 0x1.a1fa3f059399ap+8, 0x1.bb88de3634bb1p+8, 0x1.b44d7ec1608eep+8, 0x1.9ec8ed29bdd85p+8 },
+    { 0x1.a086e92937a78p+8, 0x1.d91841b8be824p+8, 0x1.c67722b287ea3p+8, 0x1.b6d27903b693bp+8, 0x1.c3079e8279a6ep+8, 0x1.ab7634dc342bbp+8 },
+    { 0x1.ad766b26b75e5p+8, 0x1.9ee4b631f1a5ep+8, 0x1.9d91f5b234a04p+8, 0x1.cdb1f847addf4p+8, 0x1.ce1120108a319p+8, 0x1.9a88e2c440425p+8 },
+    { 0x1.af42593e61dcep+8, 0x1.9fe5acaf6acf2p+8, 0x1.b80cc6e181cbep+8, 0x1.c1989de7e7426p+8, 0x1.bd590239e9e44p+8, 0x1.a2c3ade48f983p+8 },
+    { 0x1.c6ffd1623563cp+8, 0x1.c14b95c82482ap+8, 0x1.b804440ecfc8fp+8, 0x1.ad28f238abbdfp+8, 0x1.d4c433047e02dp+8, 0x1.9f89817924b7ap+8 },
+    { 0x1.a37254ada7ffap+8, 0x1.b25a22a221959p+8, 0x1.aabe5bc6a388ap+8, 0x1.c180767a25e61p+8, 0x1.c67f134a6a5c7p+8, 0x1.c71781bd54c0cp+8 },
+    { 0x1.cb8dc9b19782bp+8, 0x1.a563a8a3eddb6p+8, 0x1.c9cbce166e997p+8, 0x1.a9e756b9eadacp+8, 0x1.bc63763de4861p+8, 0x1.a851377985505p+8 },
+    { 0x1.cdfeaac1562b7p+8, 0x1.a1189e46ebce8p+8, 0x1.b5af25c2eb613p+8, 0x1.c29e36f222a55p+8, 0x1.c6ade3dca1c0bp+8, 0x1.a04c32d559272p+8 },
+    { 0x1.d8f4dba7fae91p+8, 0x1.acb35bc94645ep+8, 0x1.b6acefa1cbddbp+8, 0x1.ad979d30104bdp+8, 0x1.9cc2e9987fbe2p+8, 0x1.a9ce98e3c89c2p+8 },
+    { 0x1.af1081a7a9cd8p+8, 0x1.bee2b3efc3325p+8, 0x1.9ea711eaf7d0dp+8, 0x1.d58e8df1f5c52p+8, 0x1.a6e498db9760ap+8, 0x1.bbf7ce1d6fbf9p+8 },
+    { 0x1.b0edcf3864170p+8, 0x1.b120ff7e4f793p+8, 0x1.d44ddc650e553p+8, 0x1.d2e85306cb10ep+8, 0x1.c121b2f6df5b5p+8, 0x1.ac0d5f83c08bcp+8 },
+    { 0x1.a41616a769817p+8, 0x1.b7e25602fdf79p+8, 0x1.a50974e05d529p+8, 0x1.b9e7ae4806bcdp+8, 0x1.9eb8520e48b8cp+8, 0x1.9b49a71faa018p+8 },
+    { 0x1.bc1a2285a0015p+8, 0x1.b33c901985d39p+8, 0x1.d9bcfa32e5ca4p+8, 0x1.b21820be3cd95p+8, 0x1.bc2c14397fcaep+8, 0x1.b30f1c641237ep+8 },
+    { 0x1.cb8a5c50b8673p+8, 0x1.b249599172acep+8, 0x1.aa9b7b67fd42dp+8, 0x1.b75b0c8b360e1p+8, 0x1.cd6ef35ab0b1bp+8, 0x1.bb7f62cc54493p+8 },
+    { 0x1.c57d8ca8e96f8p+8, 0x1.c09b29af21396p+8, 0x1.a9386d17c3c9ap+8, 0x1.b8ecc5d38ee9ep+8, 0x1.b3047212a8348p+8, 0x1.cd060f65ae5aap+8 },
+    { 0x1.ab5e203b7f072p+8, 0x1.ce0e57b7874c5p+8, 0x1.b10527d6a057ap+8, 0x1.af5880de4be32p+8, 0x1.d4d873e7f6775p+8, 0x1.d1af98561f9fcp+8 },
+    { 0x1.bcaaf81d8b7dcp+8, 0x1.ced61e858f112p+8, 0x1.d17cd4b0ec3a9p+8, 0x1.cb453e847e8d2p+8, 0x1.bf910b571a44ep+8, 0x1.c94387d9e8392p+8 },
+    { 0x1.9dbb9393a2751p+8, 0x1.af142db406410p+8, 0x1.bb764ba80a0cep+8, 0x1.a218810508f77p+8, 0x1.a77383897ff99p+8, 0x1.a5b89b173980dp+8 },
+    { 0x1.a9842f555fdc5p+8, 0x1.b1e3a23b09029p+8, 0x1.acaf00432399ap+8, 0x1.d53c78bb8177ap+8, 0x1.9bcb984c8fec1p+8, 0x1.be44b4cad295ap+8 },
+    { 0x1.c28940508ad98p+8, 0x1.c6370dcf6e4c4p+8, 0x1.ae7374d58da54p+8, 0x1.d921012025a24p+8, 0x1.c090ca91e7a72p+8, 0x1.c70f2cdfdc86fp+8 },
+    { 0x1.9e4df3fd8bf11p+8, 0x1.b29ac59279e06p+8, 0x1.a9a2c6faefadap+8, 0x1.d24dc787131c5p+8, 0x1.b11aae9c3f793p+8, 0x1.a938261124aa3p+8 },
+    { 0x1.d0174d6971311p+8, 0x1.a5eb392254e47p+8, 0x1.b35c0fa00084fp+8, 0x1.d46eae5662ccdp+8, 0x1.9bc8f58da5088p+8, 0x1.a412065577465p+8 },
+    { 0x1.b9fd567a2cfc4p+8, 0x1.b724451cc318fp+8, 0x1.d843ab315cf47p+8, 0x1.d3344767323e4p+8, 0x1.c380f7f8d91bfp+8, 0x1.9c335e104c408p+8 },
+    { 0x1.a60d8b73bceb5p+8, 0x1.bdacd03795fa7p+8, 0x1.b5a03f411d948p+8, 0x1.d7bc37f1ec259p+8, 0x1.b7a78ce2133f8p+8, 0x1.d6d7a0e507ac2p+8 },
+};
+
+static const zhang2009_real zhang2009_vector_poses[24][7] = {
+    { -0x1.2f77cc8f6a5fbp+3, 0x1.2748e87cb4393p+5, 0x1.958b8055e4f1bp+8, 0x1.ffdfa093ccf13p-1, 0x1.d0f86dd7e52c2p-7, -0x1.04d8482b82939p-8, 0x1.108b6522ffb08p-6 },
+    { 0x1.627c69e7f7b6ep+5, 0x1.60ead505c6e28p+4, 0x1.a2b235b5cec16p+8, 0x1.ff76f2262b917p-1, 0x1.c6565072981dfp-7, -0x1.41384b03f739ap-5, 0x1.370a2712d9c9cp-6 },
+    { -0x1.513e692243d1ep+4, 0x1.20975836b7720p+5, 0x1.9746160999c14p+8, 0x1.ff11a83c35a16p-1, 0x1.c25466e8f93afp-5, 0x1.0edd12f563099p-6, -0x1.2d58ea6124c76p-6 },
+    { -0x1.48735b10a8e1ep+4, -0x1.29f28de99c982p+2, 0x1.9a1abb9d8d5fap+8, 0x1.ff6e54a903f12p-1, 0x1.107d6bf549534p-5, -0x1.7e32238151507p-10, -0x1.114b01793f49ap-5 },
+    { 0x1.1085314de1d27p+4, 0x1.b55d2ffc18ab2p+5, 0x1.9fba9366703ebp+8, 0x1.fe8325cbed341p-1, -0x1.77cad87ccb158p-14, -0x1.bbaf16f37d60ep-7, -0x1.330d279e45b56p-4 },
+    { 0x1.ac9a60e591f86p+4, -0x1.185a272ae8ec2p+3, 0x1.a0609cf4ba491p+8, 0x1.ff47b2bdbc751p-1, 0x1.b49c3ccb704eap-6, 0x1.6521c44957703p-6, 0x1.4a39ef3564d6ap-5 },
+    { -0x1.186322f0b4a25p+4, -0x1.1ea7467ae558cp+3, 0x1.9dca8bc3bc2eap+8, 0x1.fd9b96628d9c1p-1, -0x1.a1a0d1096bef5p-9, -0x1.79e6a32124d9cp-11, -0x1.8b43287317327p-4 },
+    { -0x1.54c5be98d2557p+5, 0x1.6ce8c6ee50251p+4, 0x1.9d60e6c314a89p+8, 0x1.fe61d8eaf2a84p-1, 0x1.ae8e3451e267dp-6, 0x1.ad31eba71e03ap-8, -0x1.31dbf8b8f5990p-4 },
+    { -0x1.d0c01e954f2eap+5, 0x1.f59a165994b91p+2, 0x1.97c8e03ee59e2p+8, 0x1.ff40a389176c6p-1, -0x1.eff86fc1b6c19p-6, -0x1.5179378584b5dp-11, -0x1.6e7374d942605p-5 },
+    { -0x1.11111e9708b47p+5, 0x1.ea7b49f786391p+3, 0x1.9bc52f7657e69p+8, 0x1.fd7e6c75ee0c7p-1, 0x1.c29939e652b97p-9, 0x1.3650b550dd7d8p-7, 0x1.92aa1a1a469abp-4 },
+    { -0x1.79aaf8a57ee65p+4, -0x1.916e05ca799e4p+4, 0x1.a7056cce02ae9p+8, 0x1.ff5a9fec038b7p-1, 0x1.338a945b30559p-5, -0x1.7e93b1b53f7c9p-6, -0x1.8633e3e581c6dp-6 },
+    { -0x1.5a646ba361fb6p+4, 0x1.60d65de6a66cep+4, 0x1.9040298bc8965p+8, 0x1.ff824555ffb9bp-1, 0x1.7e21a96b47211p-8, -0x1.35bf60b030910p-6, 0x1.4006f430112f2p-5 },
+    { 0x1.1374852370109p+0, -0x1.05701903cf45ep+5, 0x1.a439c8277321ep+8, 0x1.fee9ec5cbd9ccp-1, -0x1.6c0aba4957179p-12, -0x1.11fa5fd405866p-6, -0x1.01b7d3776aba5p-4 },
+    { 0x1.180c370cc7e9bp+0, 0x1.c2df3a2799212p+4, 0x1.a4f484cb617fep+8, 0x1.ff85129197feap-1, 0x1.c406de0adc89dp-11, 0x1.bd86c2560e684p-6, -0x1.13f1cae82b4d8p-5 },
+    { -0x1.c1d0c2404ffe0p+0, 0x1.13168e303cb05p+3, 0x1.a58f83614ef38p+8, 0x1.ff5cbff6e0b22p-1, -0x1.70c341998c885p-6, 0x1.52a3f11a59f7bp-6, 0x1.431b6d6edf7cfp-5 },
+    { 0x1.288873d647921p+6, 0x1.a3a493d0681e0p+3, 0x1.a397ea2c96fd5p+8, 0x1.ffa3351eccdc7p-1, 0x1.bd2e04432f99dp-8, 0x1.2dfae12ba63a3p-6, 0x1.06da27d847eb3p-5 },
+    { 0x1.c2c97d18c5cedp+1, -0x1.fc4bbdeae6fc1p+3, 0x1.b25ef0a4bdae0p+8, 0x1.ffc69bfa90809p-1, 0x1.5a0d32983d3b9p-9, -0x1.1fd5b0513bf36p-6, 0x1.83afc777f5f78p-6 },
+    { 0x1.0e84a40354f42p+4, -0x1.168c55cf9a7b8p+4, 0x1.9184ff87811d9p+8, 0x1.ffd8d555d7e5ep-1, 0x1.98aa843a1a0b6p-12, -0x1.699755868c92bp-6, -0x1.582c3e3e35d8fp-7 },
+    { -0x1.610f3740a2cc3p+5, -0x1.5a95c385cf82fp+4, 0x1.98a048b28eda9p+8, 0x1.fdf37fcaa827bp-1, 0x1.55a6f97065a4ap-8, -0x1.51d7c6e0753e7p-8, 0x1.6cd4c3ed760a2p-4 },
+    { -0x1.6cc441e1da77ap+4, 0x1.38e8220f6d880p+4, 0x1.ac90db4730d09p+8, 0x1.ff0fdb4ace41ap-1, 0x1.db8301ce81954p-8, 0x1.004e708dd664ap-6, 0x1.db1b0861ebb72p-5 },
+    { -0x1.6412a1bc548eep+4, 0x1.94155292c6821p+2, 0x1.992cde4a9c451p+8, 0x1.fedb7707a8da1p-1, 0x1.1c89197511f54p-5, -0x1.5d7af9a18329dp-8, 0x1.d123281f5100bp-5 },
+    { -0x1.8cee54cdecf05p+6, 0x1.4d0c350c7fa9dp+2, 0x1.9314c668103f0p+8, 0x1.fffe60dc02bb7p-1, 0x1.fde9f2eebf36fp-10, -0x1.2875a5d3fdcdfp-8, -0x1.71c2d87e0a0d6p-11 },
+    { -0x1.16d0d86a8e090p+5, -0x1.aea3c9c7ed669p+1, 0x1.a77d49d0b4870p+8, 0x1.fea3b8b6c7021p-1, 0x1.3241ada8a36f6p-5, -0x1.32a64ac0e52b4p-5, -0x1.9a49bd83258f6p-5 },
+    { 0x1.f19e5a332749cp-1, -0x1.f7870db8299b9p+4, 0x1.a6a0e34af8d8bp+8, 0x1.fd72711bfdf95p-1, 0x1.5589a36ca4146p-6, 0x1.8bc05ed8a474dp-8, 0x1.8ebcc2c30f615p-4 },
+};
+
+static const zhang2009_real zhang2009_vector_inverse[24][6] = {
+    { 0x1.ac12ab45ef719p+8, 0x1.b79dca7193ae3p+8, 0x1.a1fa3f059399ap+8, 0x1.bb88de3634bb1p+8, 0x1.b44d7ec1608eep+8, 0x1.9ec8ed29bdd85p+8 },
+    { 0x1.a086e92937a78p+8, 0x1.d91841b8be824p+8, 0x1.c67722b287ea3p+8, 0x1.b6d27903b693bp+8, 0x1.c3079e8279a6ep+8, 0x1.ab7634dc33bdbp+8 },
+    { 0x1.ad766b26b75e5p+8, 0x1.9ee4b631f1a5ep+8, 0x1.9d91f5b234a04p+8, 0x1.cdb1f847addf4p+8, 0x1.ce1120108a319p+8, 0x1.9a88e2c440425p+8 },
+    { 0x1.af42593e61dcep+8, 0x1.9fe5acaf6acf2p+8, 0x1.b80cc6e18239dp+8, 0x1.c1989de7e7426p+8, 0x1.bd590239e9e44p+8, 0x1.a2c3ade48f983p+8 },
+    { 0x1.c6ffd1623563cp+8, 0x1.c14b95c82482ap+8, 0x1.b804440ecfc8fp+8, 0x1.ad28f238abbdfp+8, 0x1.d4c433047e02dp+8, 0x1.9f89817924b7ap+8 },
+    { 0x1.a37254ada7ffap+8, 0x1.b25a22a221959p+8, 0x1.aabe5bc6a388ap+8, 0x1.c180767a26540p+8, 0x1.c67f134a6a5c7p+8, 0x1.c71781bd54c0cp+8 },
+    { 0x1.cb8dc9b19782bp+8, 0x1.a563a8a3eddb6p+8, 0x1.c9cbce166e997p+8, 0x1.a9e756b9eadacp+8, 0x1.bc63763de4f40p+8, 0x1.a851377985be5p+8 },
+    { 0x1.cdfeaac1562b7p+8, 0x1.a1189e46ebce8p+8, 0x1.b5af25c2eb613p+8, 0x1.c29e36f222a55p+8, 0x1.c6ade3dca1c0bp+8, 0x1.a04c32d559272p+8 },
+    { 0x1.d8f4dba7fa7b2p+8, 0x1.acb35bc94645ep+8, 0x1.b6acefa1cbddbp+8, 0x1.ad979d30104bdp+8, 0x1.9cc2e9987fbe2p+8, 0x1.a9ce98e3c82e3p+8 },
+    { 0x1.af1081a7a9cd8p+8, 0x1.bee2b3efc3325p+8, 0x1.9ea711eaf762dp+8, 0x1.d58e8df1f5c52p+8, 0x1.a6e498db9760ap+8, 0x1.bbf7ce1d6fbf9p+8 },
+    { 0x1.b0edcf3864170p+8, 0x1.b120ff7e4f793p+8, 0x1.d44ddc650de74p+8, 0x1.d2e85306caa2ep+8, 0x1.c121b2f6df5b5p+8, 0x1.ac0d5f83c08bcp+8 },
+    { 0x1.a41616a769817p+8, 0x1.b7e25602fdf79p+8, 0x1.a50974e05d529p+8, 0x1.b9e7ae4806bcdp+8, 0x1.9eb8520e48b8cp+8, 0x1.9b49a71faa018p+8 },
+    { 0x1.bc1a2285a0015p+8, 0x1.b33c901985d39p+8, 0x1.d9bcfa32e5ca4p+8, 0x1.b21820be3cd95p+8, 0x1.bc2c14397fcaep+8, 0x1.b30f1c641237ep+8 },
+    { 0x1.cb8a5c50b8673p+8, 0x1.b249599172acep+8, 0x1.aa9b7b67fd42dp+8, 0x1.b75b0c8b360e1p+8, 0x1.cd6ef35ab11fap+8, 0x1.bb7f62cc54493p+8 },
+    { 0x1.c57d8ca8e96f8p+8, 0x1.c09b29af21396p+8, 0x1.a9386d17c3c9ap+8, 0x1.b8ecc5d38ee9ep+8, 0x1.b3047212a8348p+8, 0x1.cd060f65ae5aap+8 },
+    { 0x1.ab5e203b7f072p+8, 0x1.ce0e57b7874c5p+8, 0x1.b10527d6a057ap+8, 0x1.af5880de4b753p+8, 0x1.d4d873e7f6775p+8, 0x1.d1af98561f9fcp+8 },
+    { 0x1.bcaaf81d8b7dcp+8, 0x1.ced61e858f112p+8, 0x1.d17cd4b0ec3a9p+8, 0x1.cb453e847e8d2p+8, 0x1.bf910b571a44ep+8, 0x1.c94387d9e8392p+8 },
+    { 0x1.9dbb9393a2751p+8, 0x1.af142db405d31p+8, 0x1.bb764ba80a0cep+8, 0x1.a218810508f77p+8, 0x1.a77383897ff99p+8, 0x1.a5b89b173980dp+8 },
+    { 0x1.a9842f55604a4p+8, 0x1.b1e3a23b09709p+8, 0x1.acaf00432399ap+8, 0x1.d53c78bb8177ap+8, 0x1.9bcb984c8fec1p+8, 0x1.be44b4cad295ap+8 },
+    { 0x1.c28940508ad98p+8, 0x1.c6370dcf6eba3p+8, 0x1.ae7374d58da54p+8, 0x1.d921012026103p+8, 0x1.c090ca91e7a72p+8, 0x1.c70f2cdfdc86fp+8 },
+    { 0x1.9e4df3fd8bf11p+8, 0x1.b29ac59279e06p+8, 0x1.a9a2c6faefadap+8, 0x1.d24dc787131c5p+8, 0x1.b11aae9c3f0b4p+8, 0x1.a938261124aa3p+8 },
+    { 0x1.d0174d6971311p+8, 0x1.a5eb392254e47p+8, 0x1.b35c0fa00084fp+8, 0x1.d46eae5662ccdp+8, 0x1.9bc8f58da5088p+8, 0x1.a412065577465p+8 },
+    { 0x1.b9fd567a2cfc4p+8, 0x1.b724451cc318fp+8, 0x1.d843ab315cf47p+8, 0x1.d3344767323e4p+8, 0x1.c380f7f8d91bfp+8, 0x1.9c335e104c408p+8 },
+    { 0x1.a60d8b73bceb5p+8, 0x1.bdacd03795fa7p+8, 0x1.b5a03f411d948p+8, 0x1.d7bc37f1ec259p+8, 0x1.b7a78ce2133f8p+8, 0x1.d6d7a0e5073e3p+8 },
+};
+
+static const zhang2009_real zhang2009_vector_jacobians[4][36] = {
+    { -0x1.303d70a21f3c4p-2, 0x1.b59a49327219ep-3, 0x1.dc7b5da9b562dp-1, -0x1.973cde2acd710p+7, 0x1.bea9ad334d8c0p+6, -0x1.6a94b4b68ad3fp+6, 0x1.56b98df6655c0p-3, 0x1.6e8c6475f8092p-2, 0x1.d6554b12d1529p-1, -0x1.ae0ef9ba7ccf4p+6, -0x1.95c6bc467ed5dp+7, 0x1.8a94c434c1b67p+6, 0x1.5b0a2dbc8cf4dp-8, -0x1.c442eb1b9e3f6p-3, 0x1.f35a3a95f56cap-1, 0x1.1187c2a954c4fp+3, -0x1.e7575ae0877afp+7, -0x1.b9c11133f2047p+5, -0x1.669b7e83e6147p-2, 0x1.c0070b1b98e10p-4, 0x1.dc4bc10c8ed48p-1, 0x1.cf24be0545d07p+7, 0x1.52840245150d2p+2, 0x1.5a379792f66acp+6, 0x1.c51186e7c5898p-3, 0x1.05d87eb36e94dp-2, 0x1.e1d819320554bp-1, 0x1.8cbb81bd952d7p+7, 0x1.f5f444c810627p+6, -0x1.42e8240cd4c3ap+6, 0x1.07363f83d8d00p-3, -0x1.d5c9724f52ce8p-3, 0x1.edfbea4264baap-1, -0x1.01472bbbf5ae0p+7, 0x1.981ae9c4537c6p+7, 0x1.0699c56407426p+6 },
+    { -0x1.60deaa3724183p-3, 0x1.76972909b6229p-3, 0x1.ef927bbb5ed1ap-1, -0x1.a5e375e35b298p+7, 0x1.cc1ef528e4e54p+6, -0x1.da4cf0ea9dca0p+5, 0x1.13b19708bd0a6p-2, 0x1.363b3a3897128p-2, 0x1.d40fb0aab5d44p-1, -0x1.bc23d44bbe91cp+6, -0x1.8bd639e9dc824p+7, 0x1.8929adc6a23b5p+6, 0x1.f18c90c945c1ap-4, -0x1.deb9717b426b9p-3, 0x1.edea554a948bbp-1, 0x1.afce51d36d8c0p+3, -0x1.dbb7de917e13cp+7, -0x1.daae1e3995bcbp+5, -0x1.e070c864ea2cbp-3, 0x1.39d965b921b22p-4, 0x1.f029ebced516ap-1, 0x1.e2febf310fb9dp+7, 0x1.fa90b4f6974b9p+2, 0x1.ceaeb9810cfd3p+5, 0x1.536846f24a0d5p-2, 0x1.b4e78323b9d82p-3, 0x1.d68bfda4b0f9ep-1, 0x1.86d5b8e840252p+7, 0x1.e3480ff00b60fp+6, -0x1.8a17c73f08177p+6, 0x1.03ec6ab30d6f4p-2, -0x1.096138b2ac98bp-2, 0x1.dd1fc03fc4bdcp-1, -0x1.0220d333bf005p+7, 0x1.7e905905e5233p+7, 0x1.6167d522c64e6p+6 },
+    { -0x1.6fd5510d8b444p-2, 0x1.deb643133d2e1p-3, 0x1.ce98cb7fa50ebp-1, -0x1.73b819bd26a2cp+7, 0x1.fd03da7ecd4bbp+6, -0x1.ab423f1162d3ep+6, 0x1.04dccd15b5028p-3, 0x1.5fbdac9779e40p-2, 0x1.dc675a2fb5f60p-1, -0x1.cd1260a134d66p+6, -0x1.8edba34fae71ap+7, 0x1.659a8e5342dccp+6, -0x1.79f5272110a2cp-6, -0x1.10bc1fd4a74edp-2, 0x1.ed5d48941a332p-1, -0x1.57ad9fd3a6780p+3, -0x1.e0cecc695c876p+7, -0x1.0ad26c4b922b9p+6, -0x1.4a581b44e0f7dp-2, 0x1.9a326deef97b1p-4, 0x1.e1e7db6d8fd59p-1, 0x1.cdfbccaeb1e92p+7, -0x1.1dea0d45a0b99p+4, 0x1.444aff1eee27ap+6, 0x1.bdc6d1a32fcc5p-3, 0x1.0579f43982959p-2, 0x1.e251b13fd6ef3p-1, 0x1.8f15fbcb4e2dcp+7, 0x1.cf625fd4003bcp+6, -0x1.3607ca3a462e0p+6, 0x1.47e38c75d266bp-4, -0x1.91bb63eebce1ap-3, 0x1.f46090cd37eecp-1, -0x1.cc9490eac43aap+6, 0x1.af1c58bc4b1dbp+7, 0x1.a592cfcd35bcfp+5 },
+    { -0x1.7b194d8acb963p-2, 0x1.2bdb0b8e5a749p-3, 0x1.d5ad0647929ccp-1, -0x1.77e74aa481e9ap+7, 0x1.09fd790dc78ebp+7, -0x1.845191f8b2d12p+6, 0x1.e93e4dc1ca7d5p-4, 0x1.d1ddd16b92d72p-3, 0x1.eed008aa3e44ap-1, -0x1.08c00b423c305p+7, -0x1.936a70be688cep+7, 0x1.feb39179098d4p+5, -0x1.582005891fdc9p-6, -0x1.71a03733162eap-2, 0x1.dd5c26c3fa706p-1, -0x1.efd492b73f566p+3, -0x1.d123b55e18aa9p+7, -0x1.698f4356559cfp+6, -0x1.4207e6c14f1c2p-2, 0x1.baf9f8cc51743p-7, 0x1.e5f92f3e4c900p-1, 0x1.d806e9024a78ap+7, -0x1.5062b5a4bd0e4p+4, 0x1.39fcad9f2598cp+6, 0x1.ed82a6cbccc0cp-3, 0x1.77dc9e736a7d4p-3, 0x1.e7f27b5d1889ep-1, 0x1.a57bfd35bca3bp+7, 0x1.b2535b4d02bd2p+6, -0x1.28c8c4a677487p+6, 0x1.26b381660ae5ap-4, -0x1.185a2aaa08e3cp-2, 0x1.eb0ec439bc757p-1, -0x1.af4183c541ca1p+6, 0x1.ad1d113fdc4dap+7, 0x1.1556c0aca55c6p+6 },
+};
+
+static const zhang2009_real zhang2009_vector_singular[1][7] = {
+    { 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const zhang2009_real zhang2009_vector_home[7] = { 0x0.0p+0, 0x0.0p+0, 0x1.a400000000000p+8, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 };
+static const zhang2009_real zhang2009_vector_far[7] = { -0x1.8cee54cdecf05p+6, 0x1.4d0c350c7fa9dp+2, 0x1.9314c668103f0p+8, 0x1.fffe60dc02bb7p-1, 0x1.fde9f2eebf36fp-10, -0x1.2875a5d3fdcdfp-8, -0x1.71c2d87e0a0d6p-11 };
+
+/* Error allowed, as a length. */
+static const double zhang2009_vector_bounds[24] = { 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09, 2.4e-09 };
+
+#endif

@@ -1,0 +1,211 @@
+"""Source text of parallel mechanisms of any limbs: limbs for a pose, direct problem, inverse, Jacobian."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from symkin.firmware.closed import Block, ClosedMechanism, line_target, ranges
+from symkin.firmware.emit import Emitter, indent, indexed
+from symkin.firmware.factor import curvature
+from symkin.firmware.motion import COLUMNS, coordinates_text, pose_text
+from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
+from symkin.position.system import System
+
+
+def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, object]]:
+    """Everything of NAME.c between its beginning and end, the direct kernel, and the values that templates need."""
+    made.check()
+    real, name = made.real, made.name
+    nq, ns = len(made.actuated), made.direct.system.width
+    pose = made.closure.role("pose")
+    values = common_values(name, real, False) | {
+        "nq": nq, "ns": ns, "nc": sum(c.width for c in pose), "np": max(1, sum(c.width for c in made.passive)),
+        "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201),
+    }  # fmt: skip
+    text = fill("unit.c", values) + coordinates_text(made.closure, real, values) + pose_text(made.closure, real, values)
+    text += fill("joints.c", values | {"positive": "", "ranges": ranges(made.actuated, real, made.closure.size)})
+    for block in made.blocks:
+        text += _block_text(made, block, values)
+    text += _limbs_text(made, values)
+    kernel = made.direct_kernel
+    matrices = np.array([kernel.matrix(s.unknown, s.known, np.zeros(0)) for s in made.samples])
+    kappa = curvature(kernel, [s.unknown for s in made.samples], [s.known for s in made.samples], np.zeros(0))
+    source = kernel_source(
+        kernel, name, real, [], matrices, line_target(real, nq, None), kappa, start_aim="w->aim", known_count=nq
+    )
+    values |= _direct_values(made, source, values)
+    text += source.text + _towards(made, values) + fill("direct.c", values) + "\n" + _inverse_text(made, values)
+    return text, source, values
+
+
+def _block_text(made: ClosedMechanism, block: Block, values: dict[str, object]) -> str:
+    if block.kernel is None:
+        return ""
+    kernel, real = block.kernel, made.real
+    nc = int(kernel.known.shape[0])
+    known = made.inverse.known_coordinates
+    states = [made.inverse.take(s.values, block.system.unknowns) for s in made.samples]
+    poses = [made.inverse.take(s.values, known) for s in made.samples]
+    matrices = np.array([kernel.matrix(z, k, np.zeros(0)) for z, k in zip(states, poses, strict=True)])
+    kappa = curvature(kernel, states, poses, np.zeros(0))
+    source = kernel_source(kernel, made.name, real, [], matrices, line_target(real, nc, kernel.quaternion), kappa)
+    reference = made.closure.reference
+    start = made.inverse.take(reference, block.system.unknowns)
+    at = made.inverse.take(reference, known)
+    freedom = int(block.sides.shape[1])
+    emitter = Emitter(
+        ca.Function("sides", [kernel.state, kernel.known], [block.sides], {"cse": True}),
+        [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", nc)], real,
+    )  # fmt: skip
+    entries = []
+    places = {place: k for k, place in enumerate(zip(*emitter.function.sparsity_out(0).get_triplet(), strict=True))}
+    for i in range(kernel.m):
+        for j in range(freedom):
+            k = places.get((i, j))
+            entries.append(f"sides[{freedom * i + j}] = {real.literal(0.0) if k is None else emitter.value(0, k)};")
+    begin = [f"w->x[{i}] = {real.literal(float(v))};" for i, v in enumerate(start)]
+    begin += [f"w->at[{i}] = {real.literal(float(v))};" for i, v in enumerate(at)]
+    return source.text + fill("limb.c", values | {
+        "k": f"{made.name}_{kernel.name}", "begin": indent(begin), "sides": indent([*emitter.lines, *entries]),
+        "count": kernel.m * freedom,
+    })  # fmt: skip
+
+
+def _places(made: ClosedMechanism, block: Block) -> list[tuple[str, int, int]]:
+    """(array, index there, index in the block) of each number of the block's unknowns."""
+    found, start = [], 0
+    for c, place in zip(block.system.unknowns, block.system.slices, strict=True):
+        group = made.actuated if c.role == "actuated" else made.passive
+        before = sum(other.width for other in group[: group.index(c)])
+        array = "q" if c.role == "actuated" else "passive"
+        found += [(array, before + i, place.start + i) for i in range(c.width)]
+        start += c.width
+    return found
+
+
+def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
+    """All limbs for a pose, on the reference's branches."""
+    name = made.name
+    lines: list[str] = []
+    for block in made.blocks:
+        if block.kernel is None:
+            lines += _rod_lines(made, block)
+            continue
+        k = f"{name}_{block.kernel.name}"
+        copies = [f"{array}[{there}] = w.x[{here}];" for array, there, here in _places(made, block)]
+        lines += [f"if (status == {name.upper()}_OK) {{", f"    {k}_work w;", f"    status = {k}_at(&w, c);",
+                  *("    " + text for text in copies), "}"]  # fmt: skip
+    conditions = made.inverse.conditions
+    if int(conditions.rows.shape[0]):
+        lines += _condition_lines(made, conditions)
+    return fill("limbs.c", values | {"limbs": indent(lines)})
+
+
+def _rod_lines(made: ClosedMechanism, block: Block) -> list[str]:
+    emitter = Emitter(
+        ca.Function("rod", [block.system.known], [block.rod], {"cse": True}),
+        [indexed("c", int(block.system.known.shape[0]))], made.real, prefix=f"{block.system.unknowns[0].name}_",
+    )  # fmt: skip
+    text = emitter.value(0, 0)
+    array, there, _ = _places(made, block)[0]
+    return [*emitter.lines, f"{array}[{there}] = {text};"]
+
+
+def _condition_lines(made: ClosedMechanism, conditions: System) -> list[str]:
+    """Rows that no joint enters: the pose alone must satisfy them."""
+    real = made.real
+    emitter = Emitter(
+        ca.Function("conditions", [conditions.known], [conditions.rows], {"cse": True}),
+        [indexed("c", int(conditions.known.shape[0]))],
+        real,
+        prefix="v",
+    )
+    tests = [
+        f"({real.call('fabs')}({emitter.value(0, i)}) <= {real.literal(max(1e-6, 64 * real.epsilon) * conditions.size)})"
+        for i in range(int(conditions.rows.shape[0]))
+    ]
+    return [*emitter.lines, f"if (!({' && '.join(tests)})) {{", f"    status = {made.name.upper()}_OUT_OF_RANGE;", "}"]
+
+
+def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str, object]) -> dict[str, object]:
+    real, name = made.real, made.name
+    passive = sum(c.width for c in made.passive)
+    nc = int(str(values["nc"]))
+    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};",  f"status = {name}_coordinates(guess, c);",
+             f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs(c, w->at, passive);",
+             *("    " + line for line in copy("w->x", "passive", passive) if passive), "}",
+             f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
+             *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
+    literal = real.literal
+    return {
+        "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of(&w->x[{passive}], pose);"]),
+        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "track_factor": factored(source.kernel, f"{name}_direct", "&w"),
+        "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
+    }  # fmt: skip
+
+
+def _towards(made: ClosedMechanism, values: dict[str, object]) -> str:
+    flags = ", ".join("true" if c.kind == "angle" and c.limits is None else "false" for c in made.actuated)
+    angular = ", ".join("true" if c.is_angular else "false" for c in made.actuated)
+    literal = made.real.literal
+    return fill("towards.c", values | {
+        "turns": flags, "angular": angular, "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
+        "largest": literal(0.5), "many": literal(1e4), "minus_half": literal(-0.5),
+    })  # fmt: skip
+
+
+def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
+    """NAME_inverse and NAME_jacobian."""
+    real, name, size = made.real, made.name, made.closure.size
+    columns = COLUMNS[made.mechanism.motion]
+    lines: list[str] = []
+    for block in made.blocks:
+        places = [(there, here) for array, there, here in _places(made, block) if array == "q"]
+        if block.kernel is None:
+            emitter = Emitter(ca.Function("rod", [block.system.unknown, block.system.known], [ca.densify(block.sides)], {"cse": True}),
+                              [["0"], indexed("c", int(block.system.known.shape[0]))], real, prefix=f"{block.system.unknowns[0].name}_")  # fmt: skip
+            texts = [emitter.value(0, j) for j in range(len(columns))]
+            lines += [
+                *emitter.lines,
+                *(f"jacobian[{6 * places[0][0] + column}] = {text};" for column, text in zip(columns, texts, strict=True)),
+            ]
+            continue
+        k, m = f"{name}_{block.kernel.name}", block.kernel.m
+        tangent = _tangent_index(block.system)
+        scales = {c_index: (1 / size if angular else 1.0) for c_index, angular in tangent.values()}
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c);", f"if (status == {name.upper()}_OK) {{",
+                f"    {k}_sides(&w, sides);", f"    if ({factored(block.kernel, k, '&w')}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+        for j, column in enumerate(columns):
+            body += [
+                f"        for (int i = 0; i < {m}; ++i) {{",
+                f"            w.f[i] = sides[{len(columns)} * i{_plus(j)}];",
+                "        }",
+                f"        {k}_solve(&w);",
+            ]
+            for there, here in places:
+                index = tangent[here][0]
+                scale = scales[index]
+                body.append(
+                    f"        jacobian[{6 * there + column}] = w.f[{index}]"
+                    + ("" if scale == 1.0 else f" * {real.literal(scale)}")
+                    + ";"
+                )
+        lines += [f"if (status == {name.upper()}_OK) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
+    return fill(
+        "closed.c", values | {"rates": indent(lines, 2), "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3)}
+    )
+
+
+def _plus(offset: int) -> str:
+    return f" + {offset}" if offset else ""
+
+
+def _tangent_index(system: System) -> dict[int, tuple[int, bool]]:
+    """For each single-number unknown of a block: its column in the tangent space, and whether it is an angle."""
+    found, column = {}, 0
+    for c, place in zip(system.unknowns, system.slices, strict=True):
+        if c.width == 1:
+            found[place.start] = (column, c.is_angular)
+        column += c.freedom
+    return found

@@ -1,0 +1,145 @@
+"""The folder of one mechanism: sources, test, build files, derivation and manifest; the same model gives the same bytes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from symkin._version import __version__
+from symkin.errors import InputError
+from symkin.firmware.derivation import readme
+from symkin.firmware.emit import Real
+from symkin.firmware.options import Options
+from symkin.firmware.program import Program, build_program, model_digest
+from symkin.firmware.source import fill
+from symkin.firmware.vectors import Vectors, build_vectors
+from symkin.model.mechanism import Mechanism
+
+
+def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
+    """Writes the folder (made where it is missing) and returns its files."""
+    files = folder_files(mechanism, options)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
+    return [folder / name for name in files]
+
+
+def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
+    """Text of each file by its name."""
+    program = build_program(mechanism, options)
+    vectors = build_vectors(program.kind)
+    name = mechanism.name
+    values = program.values | _test_values(program)
+    serial = mechanism.serial
+    files = {
+        f"{name}.h": program.header,
+        f"{name}.c": program.source,
+        f"{name}_test.c": fill("serial_test.c" if serial else "parallel_test.c", values),
+        f"{name}_vectors.h": vectors_text(program, vectors),
+        "example_main.c": fill("serial_example.c" if serial else "parallel_example.c", values),
+        "CMakeLists.txt": fill("CMakeLists.txt", values),
+        "Makefile": fill("Makefile", values),
+        "README.md": readme(program),
+    }
+    files["manifest.json"] = manifest(program, files)
+    return files
+
+
+def manifest(program: Program, files: dict[str, str]) -> str:
+    """Versions, options, model and file digests: what decides the bytes."""
+    options = program.options
+    content = {
+        "mechanism": program.mechanism.name,
+        "model_sha256": model_digest(program.mechanism),
+        "symkin": __version__,
+        "casadi": ca.__version__,
+        "options": {
+            "real": options.real,
+            "home_relative": options.home_relative,
+            "geometry": options.geometry,
+            "home": options.home,
+        },
+        "operations_per_iteration": program.main.operations,
+        "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _test_values(program: Program) -> dict[str, object]:
+    real, mechanism = program.real, program.mechanism
+    angular = any(c.is_angular for c in mechanism.actuated)
+    struct = program.options.geometry == "struct"
+    name = mechanism.name
+    nominal = (
+        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n    const {name}_geometry *const geometry = &nominal;"
+        if struct
+        else ""
+    )
+    return {
+        "far": real.literal(1e4 * max(mechanism.size, 1.0)),
+        "angle_bound": f" * {max(1.0, 2.0 / mechanism.size)!r}" if angular else "",
+        "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
+        "nominal": nominal,
+        "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
+    }  # fmt: skip
+
+
+def vectors_text(program: Program, vectors: Vectors) -> str:
+    """NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
+    name, real = program.mechanism.name, program.real
+    serial = program.mechanism.serial
+    kind = f"{name}_real"
+    far = vectors.home if serial else _far(vectors)
+    tables = [
+        ("guesses", vectors.guesses),
+        ("joints", vectors.joints),
+        ("poses", vectors.poses),
+        ("inverse", vectors.inverse),
+        ("jacobians", vectors.jacobians),
+    ]
+    lines = [
+        f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
+        " * SPDX-License-Identifier: MIT */",
+        f"#ifndef {name.upper()}_VECTORS_H", f"#define {name.upper()}_VECTORS_H", "", f'#include "{name}.h"', "",
+        f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
+        f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
+        f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
+        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.size)}", "",
+    ]  # fmt: skip
+    for label, table in tables:
+        lines += _table(f"{kind} {name}_vector_{label}", table, real)
+    if len(vectors.singular):
+        lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
+    if not serial:
+        for label, row in (("home", vectors.home), ("far", far)):
+            lines.append(
+                f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+            )
+    bounds = ", ".join(f"{float(v):.2g}" for v in vectors.bounds)
+    lines += [
+        "",
+        "/* Error allowed, as a length. */",
+        f"static const double {name}_vector_bounds[{len(vectors.bounds)}] = {{ {bounds} }};",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
+    rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
+    return [f"static const {head}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+
+
+def _far(vectors: Vectors) -> np.ndarray:
+    """The pose farthest from the first vector's: too long a step for tracking."""
+    return np.asarray(vectors.poses[int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))])

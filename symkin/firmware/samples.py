@@ -1,0 +1,74 @@
+"""Closed configurations near home: what pivots are chosen over and what test vectors are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.model.joint import Coordinate
+from symkin.position.problem import Problem
+from symkin.position.solution import ACCEPTED
+
+_STEPS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Configuration:
+    """A closed configuration: all variables of the closure, and their unknown and known parts for the direct problem."""
+
+    values: np.ndarray
+    unknown: np.ndarray
+    known: np.ndarray
+
+
+def configurations(
+    direct: Problem, home: np.ndarray, count: int, seed: int, spread: float = 0.1, turn: float = 0.25
+) -> list[Configuration]:
+    """Configurations that the machine reaches from `home` (all variables) when its joints move in straight lines by up to
+    `spread` times the size and `turn` radians; lines that meet a singularity are left out."""
+    rng = np.random.default_rng(seed)
+    joints = direct.known_coordinates
+    begin_known, begin = direct.take(home, joints), direct.take(home, direct.system.unknowns)
+    reach = np.array([turn if c.is_angular else spread * direct.closure.size for c in joints])
+    found: list[Configuration] = []
+    for _ in range(4 * count):
+        if len(found) == count:
+            break
+        goal = _within(joints, begin_known + reach * np.round(rng.uniform(-1, 1, len(joints)), 6))
+        z = followed(direct, begin, begin_known, goal)
+        if z is not None:
+            found.append(Configuration(direct.assemble(z, goal), z, goal))
+    return found
+
+
+def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray) -> np.ndarray | None:
+    """The unknowns after the joints' straight line from start to goal, in small steps; None where a step fails."""
+    system = direct.system
+    for k in range(1, _STEPS + 1):
+        known = start + k / _STEPS * (goal - start)
+        moved = system.polish(z, known, 6)
+        if system.residual(moved, known) > ACCEPTED * system.size or _jumped(direct, z, moved):
+            return None
+        z = moved
+    return system.polish(z, goal, 6)
+
+
+def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> bool:
+    parts = [
+        float(np.max(np.abs(after[place] - before[place]))) / (1.0 if c.kind != "length" else direct.closure.size)
+        for c, place in zip(direct.system.unknowns, direct.system.slices, strict=True)
+    ]
+    return max(parts) > 0.25
+
+
+def _within(joints: tuple[Coordinate, ...], values: np.ndarray) -> np.ndarray:
+    """Values moved into the joints' limits."""
+    inside = values.copy()
+    for i, c in enumerate(joints):
+        if c.limits is not None:
+            margin = 0.01 * (c.limits[1] - c.limits[0])
+            inside[i] = np.clip(values[i], c.limits[0] + margin, c.limits[1] - margin)
+        if c.least is not None:
+            inside[i] = max(inside[i], c.least + 1e-2 * abs(c.reference[0] - c.least))
+    return inside

@@ -1,0 +1,129 @@
+"""C of serial arms: explicit direct problem and Jacobian with sin and cos of libm, inverse by Newton from a guess.
+
+The inverse problem walks from the guess's tool pose to the given one: positions along a line, orientations along the
+shorter arc.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.firmware.closed import line_target, ranges
+from symkin.firmware.emit import Emitter, Real, indent, indexed, snapped_expression
+from symkin.firmware.factor import curvature
+from symkin.firmware.kernel import Kernel, system_kernel
+from symkin.firmware.options import Options
+from symkin.firmware.source import KernelSource, common_values, copy, fill, kernel_source
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import Problem, build_problem
+from symkin.spatial.rotation import conjugate, multiply
+
+
+@dataclass(frozen=True, eq=False)
+class SerialArm:
+    """A serial arm with its options: what the emitters read."""
+
+    mechanism: Mechanism
+    options: Options
+    real: Real
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @cached_property
+    def inverse(self) -> Problem:
+        return build_problem(self.mechanism, "inverse")
+
+    @property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        return self.mechanism.actuated
+
+    @cached_property
+    def joints(self) -> ca.SX:
+        """Joint symbols in file order: the unknowns of the inverse problem."""
+        return self.inverse.system.unknown
+
+    @cached_property
+    def pose(self) -> ca.SX:
+        """Tool pose (x, y, z, qw, qx, qy, qz) of the joints."""
+        closure = self.inverse.closure
+        assert closure.forward is not None  # noqa: S101 - every serial arm has it
+        pose = closure.bound(ca.vertcat(closure.forward.position, closure.forward.quaternion))
+        return snapped_expression(pose, [self.joints])
+
+    @cached_property
+    def jacobian(self) -> ca.SX:
+        """Twist (velocity; angular velocity) by joint rates, 6 x N: 2 dq q* is the angular velocity's quaternion."""
+        rates = ca.jacobian(self.pose, self.joints)
+        q = self.pose[3:]
+        columns = []
+        for i in range(int(self.joints.shape[0])):
+            spin = multiply(2 * rates[3:, i], conjugate(q))
+            columns.append(ca.vertcat(rates[:3, i], spin[1:]))
+        return ca.horzcat(*columns)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        system = self.inverse.system
+        return system_kernel("inverse", system, system.known, (False,) * 7, 3, ca.SX(0, 1))
+
+    @cached_property
+    def samples(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Joint values and their poses: within 0.8 rad and a tenth of the size of the middle, limits respected."""
+        forward = ca.Function("forward", [self.joints], [self.pose])
+        rng = np.random.default_rng(4)
+        found = []
+        for _ in range(60):
+            q = np.array([_middle(c, self.mechanism.size, float(rng.uniform(-1, 1))) for c in self.actuated])
+            pose = np.asarray(forward(q)).ravel()
+            found.append((q, pose))
+        return found
+
+    def check(self) -> None:
+        if len(self.actuated) > 6:
+            raise InputError(f"{self.name} has {len(self.actuated)} joints; C is generated for arms of at most six")
+
+
+def _middle(c: Coordinate, size: float, part: float) -> float:
+    middle = 0.5 * (c.limits[0] + c.limits[1]) if c.limits else c.reference[0]
+    spread = 0.8 if c.is_angular else 0.1 * size
+    if c.limits:
+        spread = min(spread, 0.45 * (c.limits[1] - c.limits[0]))
+    return round(middle + spread * part, 6)
+
+
+def serial_source(arm: SerialArm) -> tuple[str, KernelSource, dict[str, object]]:
+    """Everything of NAME.c between its beginning and end, the inverse kernel, and the values that templates need."""
+    arm.check()
+    real, name, kernel = arm.real, arm.name, arm.kernel
+    nq = len(arm.actuated)
+    values = common_values(name, real, False) | {
+        "nq": nq, "ns": nq, "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201), "nj": 6 * nq,
+    }  # fmt: skip
+    matrices = np.array([kernel.matrix(q, pose, np.zeros(0)) for q, pose in arm.samples])
+    regular = [k for k, m in enumerate(matrices) if np.linalg.cond(m) < 1e6]
+    states, poses = [arm.samples[k][0] for k in regular], [arm.samples[k][1] for k in regular]
+    kappa = curvature(kernel, states, poses, np.zeros(0))
+    source = kernel_source(
+        kernel, name, real, [], matrices, line_target(real, 7, 3), kappa,
+    )  # fmt: skip
+    forward = Emitter(ca.Function("f", [arm.joints], [ca.densify(arm.pose)], {"cse": True}), [indexed("q", nq)], real)
+    texts = [forward.value(0, i) for i in range(7)]
+    body = [*forward.lines, *(f"x[{i}] = {text};" for i, text in enumerate(texts))]
+    matrix = Emitter(ca.Function("j", [arm.joints], [ca.densify(arm.jacobian)], {"cse": True}), [indexed("joints", nq)], real)
+    entries = [f"jacobian[{nq * i + j}] = {matrix.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
+    text = fill("unit.c", values)
+    text += fill("joints.c", values | {"positive": "", "ranges": ranges(arm.actuated, real, arm.mechanism.size)})
+    text += fill("forward.c", values | {"forward": indent(body)})
+    text += source.text + fill("serial.c", values | {
+        "jacobian": indent([*matrix.lines, *entries], 2), "to_x": indent(copy("w.x", "guess", nq), 2),
+        "out": indent(copy("joints", "w.x", nq), 3),
+    })  # fmt: skip
+    return text, source, values

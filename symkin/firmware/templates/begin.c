@@ -1,0 +1,28 @@
+/* @{title}
+ * @{stamp}
+ * SPDX-License-Identifier: MIT */
+#include "@{p}.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#if defined(__GNUC__)
+#define @{P}_COLD __attribute__((noinline, cold, unused))
+#else
+#define @{P}_COLD
+#endif
+
+/* What to say of refused input: that it is not finite, or `otherwise`. */
+static @{P}_COLD @{p}_status @{p}_verdict(const @{real} values[], int count, @{p}_status otherwise)
+{
+    @{p}_status status = otherwise;
+    for (int i = 0; i < count; ++i) {
+        const @{real} none = values[i] - values[i];
+        if (!(none <= @{zero})) {
+            status = @{P}_NONFINITE;
+        }
+    }
+    return status;
+}
+

@@ -1,0 +1,39 @@
+@{p}_status @{p}_inverse(const @{p}_pose *pose, @{real} joints[@{nq}])
+{
+    @{real} c[@{nc}];
+    @{real} q[@{nq}] = { @{zero} };
+    @{real} passive[@{np}] = { @{zero} };
+    @{p}_status status = @{p}_coordinates(pose, c);
+    if (status == @{P}_OK) {
+        status = @{p}_limbs(c, q, passive);
+        if (status != @{P}_OK) {
+            status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
+        } else {
+            status = @{p}_check(q);
+        }
+        if (status == @{P}_OK) {
+@{copy_joints}
+        }
+    }
+    return status;
+}
+
+@{p}_status @{p}_jacobian(const @{p}_pose *pose, @{real} rates[@{nq} * 6])
+{
+    @{real} c[@{nc}];
+    @{real} jacobian[@{nq} * 6] = { @{zero} };
+    @{p}_status status = @{p}_coordinates(pose, c);
+    if (status == @{P}_OK) {
+@{rates}
+        if (status == @{P}_OK) {
+            for (int i = 0; i < @{nq} * 6; ++i) {
+                rates[i] = jacobian[i];
+            }
+        } else if (status != @{P}_SINGULAR) {
+            status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
+        } else {
+            /* singular */
+        }
+    }
+    return status;
+}

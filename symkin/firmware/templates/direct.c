@@ -1,0 +1,80 @@
+/* The state at the guess, and whether joints and guess can be used. */
+static @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
+{
+    @{p}_status status = @{p}_check(@{ga}joints);
+    if (status == @{P}_OK) {
+@{enter}
+    }
+    return status;
+}
+
+/* The pose of the state. */
+static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
+{
+@{leave}
+}
+
+/* What is told of a call that took no step. */
+static @{COLD} void @{p}_refused(@{p}_info *told)
+{
+    if (told != NULL) {
+        told->iterations = 0U;
+        told->residual = @{huge};
+        told->step = @{zero};
+        told->min_pivot = @{zero};
+    }
+}
+
+@{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
+{
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    @{p}_direct_work w;
+    @{p}_status status = @{p}_enter(@{ga}&w, joints, guess);
+    if (status == @{P}_OK) {
+@{towards}
+        status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
+        if (status == @{P}_OK) {
+            @{p}_leave(&w, pose);
+        } else {
+            status = @{p}_verdict(guess->position, 3, @{p}_verdict(joints, @{nq}, status));
+        }
+    } else {
+        @{p}_refused(info);
+    }
+    return status;
+}
+
+@{p}_status @{p}_track(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
+{
+    @{p}_direct_work w;
+    @{p}_status status = @{p}_enter(@{ga}&w, joints, pose);
+    if (status == @{P}_OK) {
+@{towards}
+        @{p}_direct_target(@{ga}&w, @{to}, @{one});
+        @{p}_direct_rows(@{ga}&w);
+        if (@{track_factor}) {
+            @{p}_refused(info);
+            status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
+        } else {
+            @{p}_direct_solve(&w);
+            const @{real} size = @{p}_direct_move(@{ga}&w);
+            if (info != NULL) {
+                info->iterations = 1U;
+                info->residual = @{kappa} * size;
+                info->step = @{sqrt}(size);
+                info->min_pivot = @{one} / @{sqrt}(w.spread);
+            }
+            if (size <= @{track2}) {
+                @{p}_leave(&w, pose);
+            } else {
+                if (!(size >= @{zero})) {
+                    @{p}_refused(info);
+                }
+                status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
+            }
+        }
+    } else {
+        @{p}_refused(info);
+    }
+    return status;
+}

@@ -1,0 +1,6 @@
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values. */
+static void @{p}_forward(const @{real} q[@{nq}], @{real} x[7])
+{
+@{forward}
+}
+

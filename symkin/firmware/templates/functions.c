@@ -1,0 +1,24 @@
+static void @{k}_rows(@{gp}@{k}_work *w)
+{
+@{rows}
+}
+
+/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+static @{real} @{k}_residual(const @{k}_work *w)
+{
+@{residual}
+}
+
+/* Puts the step on; its squared length. */
+static @{real} @{k}_move(@{gp}@{k}_work *w)
+{
+@{use}
+@{move}
+}
+
+/* Known values at a part of the line from w->at to `to`. */
+static void @{k}_target(@{gp}@{k}_work *w, const @{real} to[@{nto}], @{real} part)
+{
+@{target}
+}
+

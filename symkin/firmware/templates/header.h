@@ -1,0 +1,63 @@
+/* @{title}
+ * @{stamp}
+ * SPDX-License-Identifier: MIT
+ *
+@{about}
+ */
+#ifndef @{P}_H
+#define @{P}_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef @{ctype} @{p}_real;
+
+/* What a call came to. Results are written with @{P}_OK only. */
+typedef enum {
+    @{P}_OK = 0,
+    @{P}_MAX_ITERATIONS, /* not settled within the iterations allowed */
+    @{P}_SINGULAR, /* the linear system lost rank on the way */
+    @{P}_NONFINITE, /* NaN or infinity among the inputs */
+    @{P}_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
+    @{P}_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+} @{p}_status;
+
+/* Position in @{unit}, unit quaternion (w, x, y, z), both of the @{frame} frame in the base frame@{relative}. */
+typedef struct {
+    @{p}_real position[3];
+    @{p}_real quaternion[4];
+} @{p}_pose;
+
+/* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
+ * max_step: longest single step (@{unit}, angles times the size). NULL in place of a config means the values below. */
+typedef struct {
+    @{p}_real tolerance;
+    uint8_t max_iterations;
+    @{p}_real max_step;
+} @{p}_config;
+
+#define @{P}_SIZE ((@{p}_real)@{size}) /* largest distance of joint points at the reference, @{unit} */
+#define @{P}_TOLERANCE ((@{p}_real)@{tolerance}) /* @{unit} */
+#define @{P}_MAX_STEPS (100U)
+#define @{P}_MAX_STEP ((@{p}_real)@{max_step}) /* @{unit} */
+#define @{P}_JOINTS (@{nq})
+
+/* iterations: steps taken; residual: largest closure error of the answer (@{p}_track: predicted error of the pose), both in
+ * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
+ * 0 near a singularity. Written by every call, whatever its status. */
+typedef struct {
+    uint8_t iterations;
+    @{p}_real residual;
+    @{p}_real step;
+    @{p}_real min_pivot;
+} @{p}_info;
+
+@{declarations}
+#ifdef __cplusplus
+}
+#endif
+
+#endif

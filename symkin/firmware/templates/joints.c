@@ -1,0 +1,11 @@
+/* Whether joint values are within their ranges@{positive}. */
+static @{p}_status @{p}_check(@{gp}const @{real} joints[@{nq}])
+{
+    @{p}_status status = @{P}_OK;
+@{use}
+    if (!(@{ranges})) {
+        status = @{p}_verdict(joints, @{nq}, @{P}_OUT_OF_RANGE);
+    }
+    return status;
+}
+

@@ -1,0 +1,125 @@
+/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+ *
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
+ * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
+ * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
+ * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
+{
+    const @{real} tolerance2 = config->tolerance * config->tolerance;
+    const @{real} longest2 = config->max_step * config->max_step;
+    @{p}_status status = @{P}_MAX_ITERATIONS;
+    @{real} done = @{zero};
+    @{real} aim = @{start_aim};
+    @{real} size = @{zero};
+    @{real} kappa2 = @{kappa2};
+    @{real} limit;
+    @{real} most = @{zero};
+    @{real} contraction2 = @{contraction2};
+    @{real} residual = @{huge};
+    int sign = 0;
+    unsigned int count = 0U;
+    bool fresh = true;
+    bool was_fresh = false;
+    bool judging = false;
+    bool kept = false;
+    bool settling = false;
+    bool verify = false;
+@{lined}
+    @{k}_target(@{ga}w, to, aim);
+@{save0}
+    for (;;) {
+        @{k}_rows(@{ga}w);
+        if (verify) {
+            residual = @{k}_residual(w);
+            if (residual <= config->tolerance + @{rounding}) {
+                status = @{P}_OK;
+                break;
+            }
+            verify = false;
+            fresh = true;
+        }
+        if (count >= (unsigned int)config->max_iterations) {
+            break;
+        }
+        ++count;
+        if (fresh) {
+            int turn = @{first_factor};
+@{second_factor}
+            kept = !judging;
+            if (turn == 0) {
+                status = @{P}_SINGULAR;
+                break;
+            }
+            if (turn + sign == 0) {
+                status = @{P}_WRONG_BRANCH;
+                break;
+            }
+            sign = turn;
+        }
+        @{k}_solve(w);
+        const @{real} before = size;
+        size = @{k}_move(@{ga}w);
+        if (!judging) {
+            limit = longest2;
+        } else if (settling) {
+            limit = (before < most) ? before : most;
+        } else {
+            limit = contraction2 * before;
+            most = @{careful2} * before;
+        }
+        if ((size <= limit) || (judging && (size <= @{floor2}))) {
+            if (aim >= @{one}) {
+                @{real} error2;
+                @{real} gain2;
+                if (judging) {
+                    settling = true;
+                    if (was_fresh) {
+                        kappa2 = size / (before * before);
+                    }
+                }
+                gain2 = @{four} * (fresh ? (kappa2 * size) : (size / before));
+                error2 = gain2 * size;
+                verify = (judging && (error2 <= tolerance2)) || (size <= @{floor2});
+                was_fresh = fresh;
+                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < @{chord2}));
+                judging = true;
+            } else if (!judging) {
+                judging = true;
+                was_fresh = fresh;
+                fresh = false;
+            } else {
+                const @{real} part = aim - done;
+                done = aim;
+                aim += (size * @{quick} <= before) ? (part + part) : part;
+                if (aim > @{near_one}) {
+                    aim = @{one};
+                }
+                @{k}_target(@{ga}w, to, aim);
+@{save}
+                judging = false;
+                fresh = true;
+            }
+        } else if (settling && !fresh) {
+            fresh = true;
+        } else if (aim - done > @{least_part}) {
+@{restore}
+            aim = done + @{shrink} * (aim - done);
+            @{k}_target(@{ga}w, to, aim);
+            fresh = settling || !kept;
+            contraction2 = @{careful2};
+            judging = false;
+            settling = false;
+        } else {
+            status = @{P}_WRONG_BRANCH;
+            break;
+        }
+    }
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= @{zero}) ? residual : @{huge};
+        info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
+        info->min_pivot = ((sign != 0) && (w->spread > @{zero})) ? (@{one} / @{sqrt}(w->spread)) : @{zero};
+    }
+    return status;
+}

@@ -1,0 +1,56 @@
+@{p}_status @{p}_direct(const @{real} joints[@{nq}], @{p}_pose *pose)
+{
+    @{p}_status status = @{p}_check(joints);
+    if (status == @{P}_OK) {
+        @{real} x[7];
+        @{p}_forward(joints, x);
+        const @{real} sign = (x[3] < @{zero}) ? -@{one} : @{one};
+        const @{real} inverse = sign / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        pose->position[0] = x[0];
+        pose->position[1] = x[1];
+        pose->position[2] = x[2];
+        pose->quaternion[0] = x[3] * inverse;
+        pose->quaternion[1] = x[4] * inverse;
+        pose->quaternion[2] = x[5] * inverse;
+        pose->quaternion[3] = x[6] * inverse;
+    }
+    return status;
+}
+
+@{p}_status @{p}_inverse(const @{p}_config *config, const @{p}_pose *pose, const @{real} guess[@{nq}], @{real} joints[@{nq}], @{p}_info *info)
+{
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    @{p}_inverse_work w;
+    @{real} to[7];
+    @{p}_status status = @{p}_unit(pose, to);
+    if (status == @{P}_OK) {
+        status = @{p}_verdict(to, 7, @{p}_verdict(guess, @{nq}, @{P}_OK));
+    }
+    if (info != NULL) {
+        info->iterations = 0U;
+        info->residual = @{huge};
+        info->step = @{zero};
+        info->min_pivot = @{zero};
+    }
+    if (status == @{P}_OK) {
+@{to_x}
+        @{p}_forward(w.x, w.at);
+        status = @{p}_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        if (status == @{P}_OK) {
+            status = @{p}_check(w.x);
+        }
+        if (status == @{P}_OK) {
+@{out}
+        }
+    }
+    return status;
+}
+
+@{p}_status @{p}_jacobian(const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
+{
+    @{p}_status status = @{p}_check(joints);
+    if (status == @{P}_OK) {
+@{jacobian}
+    }
+    return status;
+}

@@ -1,0 +1,20 @@
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
+ * pivot is far below its usual size, which is left to @{k}_pivoted. */
+static int @{k}_factor(@{gp}@{k}_work *w)
+{
+    @{real} det;
+    w->pivoted = false;
+@{factor}
+    return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;
+}
+
+/* The step from w->f into w->f. */
+static void @{k}_solve(@{k}_work *w)
+{
+    if (w->pivoted) {
+        @{k}_pivoted_solve(w);
+        return;
+    }
+@{solve}
+}
+

@@ -1,0 +1,37 @@
+"""Compiling and running generated C in tests."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+STRICT = [
+    "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
+    "-fno-math-errno", "-ffp-contract=off",
+]  # fmt: skip
+
+
+def compiler(name: str) -> str:
+    """A compiler's path; the test is skipped where it is absent."""
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"{name} is not installed")
+    return found
+
+
+def built(cc: str, folder: Path, sources: list[str], output: str, *flags: str) -> Path:
+    """Compiles and links in a folder; warnings are errors."""
+    command = [compiler(cc), *STRICT, *flags, *sources, "-lm", "-o", output]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder / output
+
+
+def passed(program: Path) -> str:
+    """Output of a program that must end with status 0."""
+    done = subprocess.run([str(program)], cwd=program.parent, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout

@@ -1,0 +1,119 @@
+"""Generated C: it compiles without a warning, passes its own test, and is the same text every time."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+
+import firmware_tools as tools
+import numpy as np
+import pytest
+
+import samples
+from symkin import load
+from symkin.errors import InputError
+from symkin.firmware.emit import Real, snap
+from symkin.firmware.folder import folder_files, write_folder
+from symkin.firmware.options import Options
+
+CODEGEN = Path(__file__).parent.parent / "codegen"
+
+
+def _variants():
+    spec = importlib.util.spec_from_file_location("generate", CODEGEN / "generate.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.variants()
+
+
+VARIANTS = _variants()
+
+
+@pytest.mark.parametrize(("folder", "name", "options"), VARIANTS, ids=[v[0] for v in VARIANTS])
+def test_committed_folders_are_what_the_generator_writes(folder, name, options):
+    """The same model gives the same bytes."""
+    files = folder_files(load(name), options)
+    committed = CODEGEN / folder
+    assert {path.name for path in committed.iterdir() if path.suffix != ".o"} >= set(files)
+    for file, text in files.items():
+        assert (committed / file).read_text() == text, f"{folder}/{file} differs: run python codegen/generate.py"
+
+
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+@pytest.mark.parametrize("folder", [v[0] for v in VARIANTS])
+def test_committed_folders_compile_and_pass(folder, cc, tmp_path):
+    """Strict C99 without a warning; every vector and every failure status."""
+    name = next(v[1] for v in VARIANTS if v[0] == folder)
+    source = CODEGEN / folder
+    out = str(tmp_path / "test")
+    tools.passed(tools.built(cc, source, [f"{name}.c", f"{name}_test.c"], out, "-O2", "-I."))
+    tools.passed(tools.built(cc, source, [f"{name}.c", "example_main.c"], str(tmp_path / "example"), "-O1", "-I."))
+
+
+SAMPLES = {
+    "five_bar": samples.five_bar,
+    "three_rrr": samples.three_rrr,
+    "three_rrr_planar": lambda: samples.three_rrr("planar"),
+    "delta": samples.delta,
+    "four_bar": lambda: samples.four_bar()[0],
+    "pieper": samples.pieper,
+}
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("sample", list(SAMPLES))
+def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
+    """Overconstrained, planar, translational and serial mechanisms alike."""
+    mechanism = SAMPLES[sample]()
+    write_folder(mechanism, tmp_path, Options(real))
+    tools.passed(tools.built("gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"))
+
+
+@pytest.mark.parametrize("geometry", ["fixed", "struct"])
+@pytest.mark.parametrize("real", ["float", "double"])
+def test_home_relative_form(real, geometry, tmp_path):
+    options = Options(real, home_relative=True, geometry=geometry, home=(0, 0, 420, 1, 0, 0, 0))
+    write_folder(load("zhang2009"), tmp_path, options)
+    tools.passed(tools.built("gcc", tmp_path, ["zhang2009.c", "zhang2009_test.c"], "test", "-O1"))
+
+
+def test_manifest_names_what_decides_the_bytes():
+    manifest = json.loads((CODEGEN / "zhang2009_float" / "manifest.json").read_text())
+    assert manifest["options"]["real"] == "float"
+    assert set(manifest) >= {"model_sha256", "symkin", "casadi", "files"}
+    assert "time" not in json.dumps(manifest)
+
+
+@pytest.mark.parametrize("option", [{"home_relative": True}, {"geometry": "struct"}, {"home": (0, 0, 1, 1, 0, 0, 0)}])
+def test_options_for_rods_are_refused_elsewhere(option, tmp_path):
+    with pytest.raises(InputError, match="six rods"):
+        write_folder(load("zhao2000"), tmp_path, Options(**option))
+
+
+def test_arms_of_seven_joints_are_refused(tmp_path):
+    from symkin import Joint, Limb, Mechanism
+
+    joints = [Joint(f"q{k}", "R", (0, 0, 10.0 * k), (k % 2, 1 - k % 2, 0), actuated=True) for k in range(7)]
+    with pytest.raises(InputError, match="at most six"):
+        write_folder(Mechanism("seven", [Limb("seven", joints)], serial=True), tmp_path, Options())
+
+
+def test_literals_read_back_exactly():
+    """Shortest decimals with the suffix of their type, and hexadecimal bits."""
+    rng = np.random.default_rng(0)
+    for value in rng.normal(size=200) * 10.0 ** rng.integers(-8, 8, 200):
+        text = Real("float").literal(float(value))
+        assert text.endswith("f")
+        assert np.float32(text[:-1]) == np.float32(value)
+        assert float(Real("double").literal(float(value))) == value
+        assert float.fromhex(Real("double").hexadecimal(float(value))) == value
+
+
+def test_constants_are_snapped_only_by_rounding_noise():
+    assert snap(float(np.cos(np.pi / 2))) == 0.0
+    assert snap(float(np.sin(np.pi / 6))) == 0.5
+    assert snap(125 * 3**0.5) == 125 * 3**0.5
+    assert snap(1e-9) == 1e-9
