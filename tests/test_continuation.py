@@ -283,3 +283,19 @@ def test_an_unwritable_cache_only_costs_time(monkeypatch):
     """A cache folder that cannot be made changes nothing in the answer."""
     monkeypatch.setenv("SYMKIN_CACHE", "/dev/null/cache")
     assert len(symkin.modes(five_bar())) == 2
+
+
+def test_whole_turns_change_nothing():
+    """Joint values of many turns are the same problem: the same modes and counts as without the turns."""
+    plain = symkin.modes(five_bar(), joints=[math.degrees(0.3), math.degrees(-0.2)])
+    far = symkin.modes(five_bar(), joints=[math.degrees(0.3) + 360 * 10**6, math.degrees(-0.2) - 360 * 10**6])
+    assert (far.complex_count, far.completeness, len(far)) == (plain.complex_count, plain.completeness, len(plain))
+    for a, b in zip(plain, far, strict=True):
+        np.testing.assert_allclose(a.position, b.position, atol=1e-6 * plain.problem.closure.size)
+
+
+def test_an_unknown_engine_is_refused(monkeypatch):
+    """SYMKIN_ENGINE is numpy, compiled or nothing."""
+    monkeypatch.setenv("SYMKIN_ENGINE", "bogus")
+    with pytest.raises(symkin.InputError, match="allowed: numpy, compiled"):
+        symkin.modes(symkin.load("zhang2009"))

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.errors import InputError
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.c_library import CompilerError, NotBuiltError, find_compilers, load_library
 from symkin.paths.cache import cache_folder
@@ -91,8 +92,11 @@ class CompiledTracker:
 def load(system: AlgebraicSystem, *, build: bool = True) -> tuple[CompiledTracker | None, str]:
     """The compiled tracker of a system, from the cache or, if `build`, compiled now; None where there is none. And what
     was chosen or why not, in a few words."""
-    if os.environ.get("SYMKIN_ENGINE", "") == OFF:
+    engine = os.environ.get("SYMKIN_ENGINE", "")
+    if engine == OFF:
         return None, f"SYMKIN_ENGINE = {OFF}"
+    if engine not in ("", "compiled"):
+        raise InputError(f"SYMKIN_ENGINE = {engine!r} is unknown; allowed: {OFF}, compiled, or nothing")
     try:
         return _load(system, os.environ.get("CC", ""), os.environ.get("PATH", ""), cache_folder(), build)
     except NotBuiltError as error:

@@ -54,7 +54,8 @@ def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Seque
 
 
 def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joints") -> np.ndarray:
-    """Actuated joint values in file order, from the mechanism's units to radians; lengths must not be negative."""
+    """Actuated joint values in file order, from the mechanism's units to radians, angles of more than a turn
+    without their whole turns; lengths must not be negative."""
     coordinates = mechanism.actuated
     numbers = _numbers(values, what)
     if len(numbers) != len(coordinates):
@@ -68,7 +69,11 @@ def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joi
                 f"{what}: {coordinate.name} = {number:g} makes a rod of length {number - coordinate.least:g} "
                 f"{mechanism.length_unit}; allowed: {coordinate.least + 0.0:g} and above"
             )
-    return np.array([mechanism.angle_in(n) if c.is_angular else n for c, n in zip(coordinates, numbers, strict=True)])
+    turn = mechanism.angle_out(2 * math.pi)
+    whole = [
+        math.remainder(n, turn) if c.kind == "angle" and abs(n) > turn else n for c, n in zip(coordinates, numbers, strict=True)
+    ]
+    return np.array([mechanism.angle_in(n) if c.is_angular else n for c, n in zip(coordinates, whole, strict=True)])
 
 
 def pose_from(values: Sequence[float] | Pose, what: str = "pose") -> Pose:

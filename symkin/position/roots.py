@@ -106,7 +106,7 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
     roots: list[np.ndarray] = []
-    counts, continuum, smallest = [], [], np.inf
+    counts, continuum, smallest, singular = [], [], np.inf, 0
     for index, count in zip(first[order], hits[order], strict=True):
         z = system.polish(ends[index], known, steps=8)
         left = system.residual(z, known)
@@ -115,11 +115,12 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
             continue
         if is_of_continuum(system, z, known):
             continuum.append(z)
-            if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) > len(roots):
-                break
         else:
             roots.append(z)
             counts.append(count)
+            singular += system.condition(z, known) > SINGULAR_ROOT
+        if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) + singular > len(roots) - singular:
+            break
     points = np.array(roots).reshape(len(roots), system.width)
     first, labels = unite(system, points, known, continuum_met=bool(continuum))
     weights, labels = np.array(counts)[labels >= 0], labels[labels >= 0]
