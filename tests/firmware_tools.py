@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -15,8 +16,10 @@ STRICT = [
 
 
 def compiler(name: str) -> str:
-    """A compiler's path; the test is skipped where it is absent."""
+    """A compiler's (or emulator's) path; where it is absent the test is skipped, in CI it fails."""
     found = shutil.which(name)
+    if found is None and os.environ.get("CI") == "true":
+        pytest.fail(f"{name} is not installed; CI must run this test")
     if found is None:
         pytest.skip(f"{name} is not installed")
     return found

@@ -4,7 +4,7 @@ For each pose the rods' lengths are followed along the straight line from home i
 NumPy (double), with two Newton steps each; a line is regular where det J keeps its sign and every step converges. The
 generated C is then asked for the same lengths with home as the guess.
 
-    python codegen/bench/branches.py [--poses 5000] [--reach 180] [--tilt 1.0] [--real double]
+    python codegen/bench/branches.py [--poses 5000] [--reach 180] [--tilt 1.0] [--real double] [--seed 0]
 """
 
 from __future__ import annotations
@@ -151,5 +151,6 @@ if __name__ == "__main__":
     parser.add_argument("--reach", type=float, default=180.0)
     parser.add_argument("--tilt", type=float, default=1.0)
     parser.add_argument("--real", default="double")
+    parser.add_argument("--seed", type=int, default=0)
     for key, value in study(**vars(parser.parse_args())).items():
         print(f"{key}: {value}")

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define GLUON_6L3_COLD __attribute__((noinline, cold, unused))
+#define GLUON_6L3_SHARED __attribute__((noinline))
 #else
 #define GLUON_6L3_COLD
+#define GLUON_6L3_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,24 +37,33 @@ static gluon_6l3_status gluon_6l3_unit(const gluon_6l3_pose *pose, gluon_6l3_rea
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    gluon_6l3_real inverse = 1.0;
     if ((squared >= 0.98) && (squared <= 1.0201)) {
-        const gluon_6l3_real inverse = 1.0 / sqrt(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0 / sqrt(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = gluon_6l3_verdict(q, 4, GLUON_6L3_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
 
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static GLUON_6L3_COLD void gluon_6l3_tell(gluon_6l3_info *info, unsigned int count, gluon_6l3_real residual, gluon_6l3_real size, gluon_6l3_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+    }
+}
+
+
 /* Whether joint values are within their ranges. */
-static gluon_6l3_status gluon_6l3_check(const gluon_6l3_real joints[6])
+static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check(const gluon_6l3_real joints[6])
 {
     gluon_6l3_status status = GLUON_6L3_OK;
     if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
@@ -468,7 +479,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
+static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
 {
     gluon_6l3_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -514,8 +525,8 @@ static gluon_6l3_real gluon_6l3_inverse_move(gluon_6l3_inverse_work *w)
     return t22;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void gluon_6l3_inverse_target(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static GLUON_6L3_SHARED void gluon_6l3_inverse_target(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -2297,20 +2308,20 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                gluon_6l3_inverse_target(w, to, aim);
                 for (int i = 0; i < 6; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                gluon_6l3_inverse_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 6; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             gluon_6l3_inverse_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -2321,12 +2332,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    gluon_6l3_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
@@ -2357,12 +2363,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
     if (status == GLUON_6L3_OK) {
         status = gluon_6l3_verdict(to, 7, gluon_6l3_verdict(guess, 6, GLUON_6L3_OK));
     }
-    if (info != NULL) {
-        info->iterations = 0U;
-        info->residual = HUGE_VAL;
-        info->step = 0.0;
-        info->min_pivot = 0.0;
-    }
+    gluon_6l3_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == GLUON_6L3_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define REN2008_TRUE_COLD __attribute__((noinline, cold, unused))
+#define REN2008_TRUE_SHARED __attribute__((noinline))
 #else
 #define REN2008_TRUE_COLD
+#define REN2008_TRUE_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,24 +37,33 @@ static ren2008_true_status ren2008_true_unit(const ren2008_true_pose *pose, ren2
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    ren2008_true_real inverse = 1.0f;
     if ((squared >= 0.98f) && (squared <= 1.0201f)) {
-        const ren2008_true_real inverse = 1.0f / sqrtf(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0f / sqrtf(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = ren2008_true_verdict(q, 4, REN2008_TRUE_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
 
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static REN2008_TRUE_COLD void ren2008_true_tell(ren2008_true_info *info, unsigned int count, ren2008_true_real residual, ren2008_true_real size, ren2008_true_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+    }
+}
+
+
 /* Whether joint values are within their ranges and rods longer than zero. */
-static ren2008_true_status ren2008_true_check(const ren2008_true_real joints[6])
+static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check(const ren2008_true_real joints[6])
 {
     ren2008_true_status status = REN2008_TRUE_OK;
     if (!((joints[0] >= -1.6174699e-06f)
@@ -75,14 +86,13 @@ static ren2008_true_status ren2008_true_check(const ren2008_true_real joints[6])
 typedef struct {
     ren2008_true_real x[7]; /* state */
     ren2008_true_real x0[7]; /* state at the part of the line that is done */
-    ren2008_true_real at[6]; /* known values at the guess */
     ren2008_true_real k[6]; /* known values aimed at, as the rows take them */
     ren2008_true_real f[6]; /* rows, then the step */
     ren2008_true_real d[18]; /* what rows and matrix share */
     ren2008_true_real a[36]; /* matrix, then its factors */
     ren2008_true_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[6]; /* rows exchanged by the fallback */
     const ren2008_true_pose *guess;
+    uint8_t order[6]; /* rows exchanged by the fallback */
     bool pivoted;
 } ren2008_true_direct_work;
 
@@ -261,7 +271,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static ren2008_true_real ren2008_true_direct_residual(const ren2008_true_direct_work *w)
+static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(const ren2008_true_direct_work *w)
 {
     ren2008_true_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -349,38 +359,61 @@ static ren2008_true_real ren2008_true_direct_move(ren2008_true_direct_work *w)
     return t63;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void ren2008_true_direct_target(ren2008_true_direct_work *w, const ren2008_true_real to[6], ren2008_true_real part)
+/* Joint values at the state, into w->k. */
+static void ren2008_true_legs(ren2008_true_direct_work *w)
 {
-    ren2008_true_real j[6];
-    if (part < 1.0f) {
-        for (int i = 0; i < 6; ++i) {
-            j[i] = w->at[i] + part * (to[i] - w->at[i]);
-        }
-    } else {
-        j[0] = to[0];
-        j[1] = to[1];
-        j[2] = to[2];
-        j[3] = to[3];
-        j[4] = to[4];
-        j[5] = to[5];
-    }
-    const ren2008_true_real t0_0 = j[0] + 1.2037f;
+    w->k[0] = 0.0f;
+    w->k[1] = 0.0f;
+    w->k[2] = 0.0f;
+    w->k[3] = 0.0f;
+    w->k[4] = 0.0f;
+    w->k[5] = 0.0f;
+    ren2008_true_direct_rows(w);
+    const ren2008_true_real t0_0 = -w->f[0];
+    const ren2008_true_real t0_1 = sqrtf(t0_0);
+    const ren2008_true_real t0_2 = t0_1 - 1.2037f;
+    w->k[0] = t0_2;
+    const ren2008_true_real t1_0 = -w->f[1];
+    const ren2008_true_real t1_1 = sqrtf(t1_0);
+    const ren2008_true_real t1_2 = t1_1 - 1.1981f;
+    w->k[1] = t1_2;
+    const ren2008_true_real t2_0 = -w->f[2];
+    const ren2008_true_real t2_1 = sqrtf(t2_0);
+    const ren2008_true_real t2_2 = t2_1 - 1.205f;
+    w->k[2] = t2_2;
+    const ren2008_true_real t3_0 = -w->f[3];
+    const ren2008_true_real t3_1 = sqrtf(t3_0);
+    const ren2008_true_real t3_2 = t3_1 - 1.1963f;
+    w->k[3] = t3_2;
+    const ren2008_true_real t4_0 = -w->f[4];
+    const ren2008_true_real t4_1 = sqrtf(t4_0);
+    const ren2008_true_real t4_2 = t4_1 - 1.2026f;
+    w->k[4] = t4_2;
+    const ren2008_true_real t5_0 = -w->f[5];
+    const ren2008_true_real t5_1 = sqrtf(t5_0);
+    const ren2008_true_real t5_2 = t5_1 - 1.1969f;
+    w->k[5] = t5_2;
+}
+
+/* Known values aimed at. */
+static REN2008_TRUE_SHARED void ren2008_true_direct_target(ren2008_true_direct_work *w, const ren2008_true_real to[6])
+{
+    const ren2008_true_real t0_0 = to[0] + 1.2037f;
     const ren2008_true_real t0_1 = t0_0 * t0_0;
     w->k[0] = t0_1;
-    const ren2008_true_real t1_0 = j[1] + 1.1981f;
+    const ren2008_true_real t1_0 = to[1] + 1.1981f;
     const ren2008_true_real t1_1 = t1_0 * t1_0;
     w->k[1] = t1_1;
-    const ren2008_true_real t2_0 = j[2] + 1.205f;
+    const ren2008_true_real t2_0 = to[2] + 1.205f;
     const ren2008_true_real t2_1 = t2_0 * t2_0;
     w->k[2] = t2_1;
-    const ren2008_true_real t3_0 = j[3] + 1.1963f;
+    const ren2008_true_real t3_0 = to[3] + 1.1963f;
     const ren2008_true_real t3_1 = t3_0 * t3_0;
     w->k[3] = t3_1;
-    const ren2008_true_real t4_0 = j[4] + 1.2026f;
+    const ren2008_true_real t4_0 = to[4] + 1.2026f;
     const ren2008_true_real t4_1 = t4_0 * t4_0;
     w->k[4] = t4_1;
-    const ren2008_true_real t5_0 = j[5] + 1.1969f;
+    const ren2008_true_real t5_0 = to[5] + 1.1969f;
     const ren2008_true_real t5_1 = t5_0 * t5_0;
     w->k[5] = t5_1;
 }
@@ -393,12 +426,12 @@ static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
         const ren2008_true_real *const b = base[i];
         const ren2008_true_real *const d = &w->d[3 * i];
         ren2008_true_real *const row = &w->a[6 * i];
-        row[0] = d[0];
-        row[1] = d[1];
-        row[2] = d[2];
-        row[3] = 4.0f * (b[1] * d[2] - b[2] * d[1]);
-        row[4] = 4.0f * (b[2] * d[0] - b[0] * d[2]);
-        row[5] = 4.0f * (b[0] * d[1] - b[1] * d[0]);
+        for (int k = 0; k < 3; ++k) {
+            const int m = (k < 2) ? (k + 1) : 0;
+            const int n = (m < 2) ? (m + 1) : 0;
+            row[k] = d[k];
+            row[3 + k] = 4.0f * (b[m] * d[n] - b[n] * d[m]);
+        }
     }
 }
 
@@ -654,40 +687,54 @@ static void ren2008_true_direct_solve(ren2008_true_direct_work *w)
     w->f[3] = s5;
 }
 
-/* Joint values at the state, into w->at. */
-static void ren2008_true_legs(ren2008_true_direct_work *w)
+/* Aims at another part of the line from the guess's joint values; the state is put back to the part that is done. */
+static REN2008_TRUE_COLD void ren2008_true_direct_again(ren2008_true_direct_work *w, const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
 {
-    w->k[0] = 0.0f;
-    w->k[1] = 0.0f;
-    w->k[2] = 0.0f;
-    w->k[3] = 0.0f;
-    w->k[4] = 0.0f;
-    w->k[5] = 0.0f;
-    ren2008_true_direct_rows(w);
-    const ren2008_true_real t0 = -w->f[0];
-    const ren2008_true_real t1 = sqrtf(t0);
-    const ren2008_true_real t2 = t1 - 1.2037f;
-    w->at[0] = t2;
-    const ren2008_true_real t4 = -w->f[1];
-    const ren2008_true_real t5 = sqrtf(t4);
-    const ren2008_true_real t6 = t5 - 1.1981f;
-    w->at[1] = t6;
-    const ren2008_true_real t8 = -w->f[2];
-    const ren2008_true_real t9 = sqrtf(t8);
-    const ren2008_true_real t10 = t9 - 1.205f;
-    w->at[2] = t10;
-    const ren2008_true_real t12 = -w->f[3];
-    const ren2008_true_real t13 = sqrtf(t12);
-    const ren2008_true_real t14 = t13 - 1.1963f;
-    w->at[3] = t14;
-    const ren2008_true_real t16 = -w->f[4];
-    const ren2008_true_real t17 = sqrtf(t16);
-    const ren2008_true_real t18 = t17 - 1.2026f;
-    w->at[4] = t18;
-    const ren2008_true_real t20 = -w->f[5];
-    const ren2008_true_real t21 = sqrtf(t20);
-    const ren2008_true_real t22 = t21 - 1.1969f;
-    w->at[5] = t22;
+    const ren2008_true_real *goal = to;
+    if (part < 1.0f) {
+        (void)ren2008_true_unit(w->guess, w->x);
+        w->k[0] = 0.0f;
+        w->k[1] = 0.0f;
+        w->k[2] = 0.0f;
+        w->k[3] = 0.0f;
+        w->k[4] = 0.0f;
+        w->k[5] = 0.0f;
+        ren2008_true_direct_rows(w);
+        const ren2008_true_real t0_0 = -w->f[0];
+        const ren2008_true_real t0_1 = sqrtf(t0_0);
+        const ren2008_true_real t0_2 = t0_1 - 1.2037f;
+        w->k[0] = t0_2;
+        const ren2008_true_real t1_0 = -w->f[1];
+        const ren2008_true_real t1_1 = sqrtf(t1_0);
+        const ren2008_true_real t1_2 = t1_1 - 1.1981f;
+        w->k[1] = t1_2;
+        const ren2008_true_real t2_0 = -w->f[2];
+        const ren2008_true_real t2_1 = sqrtf(t2_0);
+        const ren2008_true_real t2_2 = t2_1 - 1.205f;
+        w->k[2] = t2_2;
+        const ren2008_true_real t3_0 = -w->f[3];
+        const ren2008_true_real t3_1 = sqrtf(t3_0);
+        const ren2008_true_real t3_2 = t3_1 - 1.1963f;
+        w->k[3] = t3_2;
+        const ren2008_true_real t4_0 = -w->f[4];
+        const ren2008_true_real t4_1 = sqrtf(t4_0);
+        const ren2008_true_real t4_2 = t4_1 - 1.2026f;
+        w->k[4] = t4_2;
+        const ren2008_true_real t5_0 = -w->f[5];
+        const ren2008_true_real t5_1 = sqrtf(t5_0);
+        const ren2008_true_real t5_2 = t5_1 - 1.1969f;
+        w->k[5] = t5_2;
+        for (int i = 0; i < 6; ++i) {
+            w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
+        }
+        goal = w->f;
+    }
+    ren2008_true_direct_target(w, goal);
+    if (done > 0.0f) {
+        for (int i = 0; i < 7; ++i) {
+            w->x[i] = w->x0[i];
+        }
+    }
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -717,8 +764,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     bool kept = false;
     bool settling = false;
     bool verify = false;
-    bool lined = false;
-    ren2008_true_direct_target(w, to, aim);
+    ren2008_true_direct_target(w, to);
     for (;;) {
         ren2008_true_direct_rows(w);
         if (verify) {
@@ -788,29 +834,18 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                ren2008_true_direct_target(w, to, aim);
                 for (int i = 0; i < 7; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                ren2008_true_direct_again(w, to, aim, done);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
-            if (!lined) {
-                lined = true;
-                (void)ren2008_true_unit(w->guess, w->x);
-                ren2008_true_legs(w);
-                for (int i = 0; i < 7; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-            }
-            for (int i = 0; i < 7; ++i) {
-                w->x[i] = w->x0[i];
-            }
             aim = done + 0.375f * (aim - done);
-            ren2008_true_direct_target(w, to, aim);
+            ren2008_true_direct_again(w, to, aim, done);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
@@ -820,16 +855,11 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
-    }
+    ren2008_true_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
-static ren2008_true_status ren2008_true_enter(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
+static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_enter(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
     ren2008_true_status status = ren2008_true_check(joints);
     if (status == REN2008_TRUE_OK) {
@@ -840,7 +870,7 @@ static ren2008_true_status ren2008_true_enter(ren2008_true_direct_work *w, const
 }
 
 /* The pose of the state. */
-static void ren2008_true_leave(const ren2008_true_direct_work *w, ren2008_true_pose *pose)
+static REN2008_TRUE_SHARED void ren2008_true_leave(const ren2008_true_direct_work *w, ren2008_true_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -851,15 +881,10 @@ static void ren2008_true_leave(const ren2008_true_direct_work *w, ren2008_true_p
     pose->quaternion[3] = w->x[6];
 }
 
-/* What is told of a call that took no step. */
-static REN2008_TRUE_COLD void ren2008_true_refused(ren2008_true_info *told)
+/* The status of a call that failed: whether its inputs are finite comes first. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_failed(const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_status status)
 {
-    if (told != NULL) {
-        told->iterations = 0U;
-        told->residual = HUGE_VALF;
-        told->step = 0.0f;
-        told->min_pivot = 0.0f;
-    }
+    return ren2008_true_verdict(guess->position, 3, ren2008_true_verdict(joints, 6, status));
 }
 
 ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose, ren2008_true_info *info)
@@ -872,10 +897,10 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
         if (status == REN2008_TRUE_OK) {
             ren2008_true_leave(&w, pose);
         } else {
-            status = ren2008_true_verdict(guess->position, 3, ren2008_true_verdict(joints, 6, status));
+            status = ren2008_true_failed(joints, guess, status);
         }
     } else {
-        ren2008_true_refused(info);
+        ren2008_true_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
@@ -885,31 +910,23 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_enter(&w, joints, pose);
     if (status == REN2008_TRUE_OK) {
-        ren2008_true_direct_target(&w, joints, 1.0f);
+        ren2008_true_direct_target(&w, joints);
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
-            ren2008_true_refused(info);
-            status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_SINGULAR));
+            ren2008_true_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+            status = ren2008_true_failed(joints, pose, REN2008_TRUE_SINGULAR);
         } else {
             ren2008_true_direct_solve(&w);
             const ren2008_true_real size = ren2008_true_direct_move(&w);
-            if (info != NULL) {
-                info->iterations = 1U;
-                info->residual = 0.468f * size;
-                info->step = sqrtf(size);
-                info->min_pivot = 1.0f / sqrtf(w.spread);
-            }
+            ren2008_true_tell(info, 1U, 0.468f * size, size, w.spread);
             if (size <= 0.0049940143f) {
                 ren2008_true_leave(&w, pose);
             } else {
-                if (!(size >= 0.0f)) {
-                    ren2008_true_refused(info);
-                }
-                status = ren2008_true_verdict(pose->position, 3, ren2008_true_verdict(joints, 6, REN2008_TRUE_WRONG_BRANCH));
+                status = ren2008_true_failed(joints, pose, REN2008_TRUE_WRONG_BRANCH);
             }
         }
     } else {
-        ren2008_true_refused(info);
+        ren2008_true_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
@@ -920,14 +937,14 @@ ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_
     ren2008_true_status status = ren2008_true_unit(pose, w.x);
     if (status == REN2008_TRUE_OK) {
         ren2008_true_legs(&w);
-        status = ren2008_true_check(w.at);
+        status = ren2008_true_check(w.k);
         if (status == REN2008_TRUE_OK) {
-            joints[0] = w.at[0];
-            joints[1] = w.at[1];
-            joints[2] = w.at[2];
-            joints[3] = w.at[3];
-            joints[4] = w.at[4];
-            joints[5] = w.at[5];
+            joints[0] = w.k[0];
+            joints[1] = w.k[1];
+            joints[2] = w.k[2];
+            joints[3] = w.k[3];
+            joints[4] = w.k[4];
+            joints[5] = w.k[5];
         } else {
             status = ren2008_true_verdict(w.x, 3, status);
         }

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define YAO2020_COLD __attribute__((noinline, cold, unused))
+#define YAO2020_SHARED __attribute__((noinline))
 #else
 #define YAO2020_COLD
+#define YAO2020_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,24 +37,33 @@ static yao2020_status yao2020_unit(const yao2020_pose *pose, yao2020_real x[7])
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    yao2020_real inverse = 1.0;
     if ((squared >= 0.98) && (squared <= 1.0201)) {
-        const yao2020_real inverse = 1.0 / sqrt(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0 / sqrt(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = yao2020_verdict(q, 4, YAO2020_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
 
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static YAO2020_COLD void yao2020_tell(yao2020_info *info, unsigned int count, yao2020_real residual, yao2020_real size, yao2020_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+    }
+}
+
+
 /* Whether joint values are within their ranges. */
-static yao2020_status yao2020_check(const yao2020_real joints[6])
+static YAO2020_SHARED yao2020_status yao2020_check(const yao2020_real joints[6])
 {
     yao2020_status status = YAO2020_OK;
     if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
@@ -358,7 +369,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static yao2020_real yao2020_inverse_residual(const yao2020_inverse_work *w)
+static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_inverse_work *w)
 {
     yao2020_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -403,8 +414,8 @@ static yao2020_real yao2020_inverse_move(yao2020_inverse_work *w)
     return t21;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void yao2020_inverse_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static YAO2020_SHARED void yao2020_inverse_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -1839,20 +1850,20 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                yao2020_inverse_target(w, to, aim);
                 for (int i = 0; i < 6; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                yao2020_inverse_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 6; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             yao2020_inverse_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -1863,12 +1874,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    yao2020_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
@@ -1899,12 +1905,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
     if (status == YAO2020_OK) {
         status = yao2020_verdict(to, 7, yao2020_verdict(guess, 6, YAO2020_OK));
     }
-    if (info != NULL) {
-        info->iterations = 0U;
-        info->residual = HUGE_VAL;
-        info->step = 0.0;
-        info->min_pivot = 0.0;
-    }
+    yao2020_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == YAO2020_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define ZHANG2009_COLD __attribute__((noinline, cold, unused))
+#define ZHANG2009_SHARED __attribute__((noinline))
 #else
 #define ZHANG2009_COLD
+#define ZHANG2009_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,24 +37,33 @@ static zhang2009_status zhang2009_unit(const zhang2009_pose *pose, zhang2009_rea
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    zhang2009_real inverse = 1.0;
     if ((squared >= 0.98) && (squared <= 1.0201)) {
-        const zhang2009_real inverse = 1.0 / sqrt(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0 / sqrt(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = zhang2009_verdict(q, 4, ZHANG2009_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
 
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static ZHANG2009_COLD void zhang2009_tell(zhang2009_info *info, unsigned int count, zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+    }
+}
+
+
 /* Whether joint values are within their ranges and rods longer than zero. */
-static zhang2009_status zhang2009_check(const zhang2009_real joints[6])
+static ZHANG2009_SHARED zhang2009_status zhang2009_check(const zhang2009_real joints[6])
 {
     zhang2009_status status = ZHANG2009_OK;
     if (!((joints[0] >= 0.0005312592044589876)
@@ -69,14 +80,13 @@ static zhang2009_status zhang2009_check(const zhang2009_real joints[6])
 typedef struct {
     zhang2009_real x[7]; /* state */
     zhang2009_real x0[7]; /* state at the part of the line that is done */
-    zhang2009_real at[6]; /* known values at the guess */
     zhang2009_real k[6]; /* known values aimed at, as the rows take them */
     zhang2009_real f[6]; /* rows, then the step */
     zhang2009_real d[18]; /* what rows and matrix share */
     zhang2009_real a[36]; /* matrix, then its factors */
     zhang2009_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[6]; /* rows exchanged by the fallback */
     const zhang2009_pose *guess;
+    uint8_t order[6]; /* rows exchanged by the fallback */
     bool pivoted;
 } zhang2009_direct_work;
 
@@ -217,7 +227,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhang2009_real zhang2009_direct_residual(const zhang2009_direct_work *w)
+static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009_direct_work *w)
 {
     zhang2009_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -305,34 +315,30 @@ static zhang2009_real zhang2009_direct_move(zhang2009_direct_work *w)
     return t63;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhang2009_direct_target(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part)
+/* Joint values at the state, into w->k. */
+static void zhang2009_legs(zhang2009_direct_work *w)
 {
-    zhang2009_real j[6];
-    if (part < 1.0) {
-        for (int i = 0; i < 6; ++i) {
-            j[i] = w->at[i] + part * (to[i] - w->at[i]);
-        }
-    } else {
-        j[0] = to[0];
-        j[1] = to[1];
-        j[2] = to[2];
-        j[3] = to[3];
-        j[4] = to[4];
-        j[5] = to[5];
+    w->k[0] = 0.0;
+    w->k[1] = 0.0;
+    w->k[2] = 0.0;
+    w->k[3] = 0.0;
+    w->k[4] = 0.0;
+    w->k[5] = 0.0;
+    zhang2009_direct_rows(w);
+    for (int i = 0; i < 6; ++i) {
+        const zhang2009_real t0 = -w->f[i];
+        const zhang2009_real t1 = sqrt(t0);
+        w->k[i] = t1;
     }
-    const zhang2009_real t0_0 = j[0] * j[0];
-    w->k[0] = t0_0;
-    const zhang2009_real t1_0 = j[1] * j[1];
-    w->k[1] = t1_0;
-    const zhang2009_real t2_0 = j[2] * j[2];
-    w->k[2] = t2_0;
-    const zhang2009_real t3_0 = j[3] * j[3];
-    w->k[3] = t3_0;
-    const zhang2009_real t4_0 = j[4] * j[4];
-    w->k[4] = t4_0;
-    const zhang2009_real t5_0 = j[5] * j[5];
-    w->k[5] = t5_0;
+}
+
+/* Known values aimed at. */
+static ZHANG2009_SHARED void zhang2009_direct_target(zhang2009_direct_work *w, const zhang2009_real to[6])
+{
+    for (int i = 0; i < 6; ++i) {
+        const zhang2009_real t0 = to[i] * to[i];
+        w->k[i] = t0;
+    }
 }
 
 /* The matrix into w->a, row by row: the fallback's start. */
@@ -343,12 +349,12 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
         const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
-        row[0] = d[0];
-        row[1] = d[1];
-        row[2] = d[2];
-        row[3] = 4.0 * (b[1] * d[2] - b[2] * d[1]);
-        row[4] = 4.0 * (b[2] * d[0] - b[0] * d[2]);
-        row[5] = 4.0 * (b[0] * d[1] - b[1] * d[0]);
+        for (int k = 0; k < 3; ++k) {
+            const int m = (k < 2) ? (k + 1) : 0;
+            const int n = (m < 2) ? (m + 1) : 0;
+            row[k] = d[k];
+            row[3 + k] = 4.0 * (b[m] * d[n] - b[n] * d[m]);
+        }
     }
 }
 
@@ -596,34 +602,35 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     w->f[0] = s5;
 }
 
-/* Joint values at the state, into w->at. */
-static void zhang2009_legs(zhang2009_direct_work *w)
+/* Aims at another part of the line from the guess's joint values; the state is put back to the part that is done. */
+static ZHANG2009_COLD void zhang2009_direct_again(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
-    w->k[0] = 0.0;
-    w->k[1] = 0.0;
-    w->k[2] = 0.0;
-    w->k[3] = 0.0;
-    w->k[4] = 0.0;
-    w->k[5] = 0.0;
-    zhang2009_direct_rows(w);
-    const zhang2009_real t0 = -w->f[0];
-    const zhang2009_real t1 = sqrt(t0);
-    w->at[0] = t1;
-    const zhang2009_real t3 = -w->f[1];
-    const zhang2009_real t4 = sqrt(t3);
-    w->at[1] = t4;
-    const zhang2009_real t6 = -w->f[2];
-    const zhang2009_real t7 = sqrt(t6);
-    w->at[2] = t7;
-    const zhang2009_real t9 = -w->f[3];
-    const zhang2009_real t10 = sqrt(t9);
-    w->at[3] = t10;
-    const zhang2009_real t12 = -w->f[4];
-    const zhang2009_real t13 = sqrt(t12);
-    w->at[4] = t13;
-    const zhang2009_real t15 = -w->f[5];
-    const zhang2009_real t16 = sqrt(t15);
-    w->at[5] = t16;
+    const zhang2009_real *goal = to;
+    if (part < 1.0) {
+        (void)zhang2009_unit(w->guess, w->x);
+        w->k[0] = 0.0;
+        w->k[1] = 0.0;
+        w->k[2] = 0.0;
+        w->k[3] = 0.0;
+        w->k[4] = 0.0;
+        w->k[5] = 0.0;
+        zhang2009_direct_rows(w);
+        for (int i = 0; i < 6; ++i) {
+            const zhang2009_real t0 = -w->f[i];
+            const zhang2009_real t1 = sqrt(t0);
+            w->k[i] = t1;
+        }
+        for (int i = 0; i < 6; ++i) {
+            w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
+        }
+        goal = w->f;
+    }
+    zhang2009_direct_target(w, goal);
+    if (done > 0.0) {
+        for (int i = 0; i < 7; ++i) {
+            w->x[i] = w->x0[i];
+        }
+    }
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -653,8 +660,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     bool kept = false;
     bool settling = false;
     bool verify = false;
-    bool lined = false;
-    zhang2009_direct_target(w, to, aim);
+    zhang2009_direct_target(w, to);
     for (;;) {
         zhang2009_direct_rows(w);
         if (verify) {
@@ -724,29 +730,18 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                zhang2009_direct_target(w, to, aim);
                 for (int i = 0; i < 7; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhang2009_direct_again(w, to, aim, done);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
-            if (!lined) {
-                lined = true;
-                (void)zhang2009_unit(w->guess, w->x);
-                zhang2009_legs(w);
-                for (int i = 0; i < 7; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-            }
-            for (int i = 0; i < 7; ++i) {
-                w->x[i] = w->x0[i];
-            }
             aim = done + 0.375 * (aim - done);
-            zhang2009_direct_target(w, to, aim);
+            zhang2009_direct_again(w, to, aim, done);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
@@ -756,16 +751,11 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    zhang2009_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
-static zhang2009_status zhang2009_enter(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
+static ZHANG2009_SHARED zhang2009_status zhang2009_enter(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
     zhang2009_status status = zhang2009_check(joints);
     if (status == ZHANG2009_OK) {
@@ -776,7 +766,7 @@ static zhang2009_status zhang2009_enter(zhang2009_direct_work *w, const zhang200
 }
 
 /* The pose of the state. */
-static void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose)
+static ZHANG2009_SHARED void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -787,15 +777,10 @@ static void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose
     pose->quaternion[3] = w->x[6];
 }
 
-/* What is told of a call that took no step. */
-static ZHANG2009_COLD void zhang2009_refused(zhang2009_info *told)
+/* The status of a call that failed: whether its inputs are finite comes first. */
+static ZHANG2009_COLD zhang2009_status zhang2009_failed(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
 {
-    if (told != NULL) {
-        told->iterations = 0U;
-        told->residual = HUGE_VAL;
-        told->step = 0.0;
-        told->min_pivot = 0.0;
-    }
+    return zhang2009_verdict(guess->position, 3, zhang2009_verdict(joints, 6, status));
 }
 
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
@@ -808,10 +793,10 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
         if (status == ZHANG2009_OK) {
             zhang2009_leave(&w, pose);
         } else {
-            status = zhang2009_verdict(guess->position, 3, zhang2009_verdict(joints, 6, status));
+            status = zhang2009_failed(joints, guess, status);
         }
     } else {
-        zhang2009_refused(info);
+        zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -821,31 +806,23 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_enter(&w, joints, pose);
     if (status == ZHANG2009_OK) {
-        zhang2009_direct_target(&w, joints, 1.0);
+        zhang2009_direct_target(&w, joints);
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
-            zhang2009_refused(info);
-            status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_SINGULAR));
+            zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+            status = zhang2009_failed(joints, pose, ZHANG2009_SINGULAR);
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_move(&w);
-            if (info != NULL) {
-                info->iterations = 1U;
-                info->residual = 0.00142 * size;
-                info->step = sqrt(size);
-                info->min_pivot = 1.0 / sqrt(w.spread);
-            }
+            zhang2009_tell(info, 1U, 0.00142 * size, size, w.spread);
             if (size <= 489.99364986527155) {
                 zhang2009_leave(&w, pose);
             } else {
-                if (!(size >= 0.0)) {
-                    zhang2009_refused(info);
-                }
-                status = zhang2009_verdict(pose->position, 3, zhang2009_verdict(joints, 6, ZHANG2009_WRONG_BRANCH));
+                status = zhang2009_failed(joints, pose, ZHANG2009_WRONG_BRANCH);
             }
         }
     } else {
-        zhang2009_refused(info);
+        zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -856,14 +833,14 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
     zhang2009_status status = zhang2009_unit(pose, w.x);
     if (status == ZHANG2009_OK) {
         zhang2009_legs(&w);
-        status = zhang2009_check(w.at);
+        status = zhang2009_check(w.k);
         if (status == ZHANG2009_OK) {
-            joints[0] = w.at[0];
-            joints[1] = w.at[1];
-            joints[2] = w.at[2];
-            joints[3] = w.at[3];
-            joints[4] = w.at[4];
-            joints[5] = w.at[5];
+            joints[0] = w.k[0];
+            joints[1] = w.k[1];
+            joints[2] = w.k[2];
+            joints[3] = w.k[3];
+            joints[4] = w.k[4];
+            joints[5] = w.k[5];
         } else {
             status = zhang2009_verdict(w.x, 3, status);
         }

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define ZHAO2000_COLD __attribute__((noinline, cold, unused))
+#define ZHAO2000_SHARED __attribute__((noinline))
 #else
 #define ZHAO2000_COLD
+#define ZHAO2000_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,21 +37,30 @@ static zhao2000_status zhao2000_unit(const zhao2000_pose *pose, zhao2000_real x[
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    zhao2000_real inverse = 1.0f;
     if ((squared >= 0.98f) && (squared <= 1.0201f)) {
-        const zhao2000_real inverse = 1.0f / sqrtf(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0f / sqrtf(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = zhao2000_verdict(q, 4, ZHAO2000_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
+
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static ZHAO2000_COLD void zhao2000_tell(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
+        info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+    }
+}
+
 
 /* Pose coordinates of a pose. */
 static zhao2000_status zhao2000_coordinates(const zhao2000_pose *pose, zhao2000_real c[4])
@@ -94,7 +105,7 @@ static void zhao2000_pose_of(const zhao2000_real c[4], zhao2000_pose *pose)
 }
 
 /* Whether joint values are within their ranges. */
-static zhao2000_status zhao2000_check(const zhao2000_real joints[4])
+static ZHAO2000_SHARED zhao2000_status zhao2000_check(const zhao2000_real joints[4])
 {
     zhao2000_status status = ZHAO2000_OK;
     if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
@@ -158,7 +169,7 @@ static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_real zhao2000_limb1_residual(const zhao2000_limb1_work *w)
+static ZHAO2000_SHARED zhao2000_real zhao2000_limb1_residual(const zhao2000_limb1_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -184,8 +195,8 @@ static zhao2000_real zhao2000_limb1_move(zhao2000_limb1_work *w)
     return t8;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_limb1_target(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb1_target(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -444,20 +455,20 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                zhao2000_limb1_target(w, to, aim);
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_limb1_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375f * (aim - done);
             zhao2000_limb1_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
@@ -468,12 +479,7 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
-    }
+    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -588,7 +594,7 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_real zhao2000_limb2_residual(const zhao2000_limb2_work *w)
+static ZHAO2000_SHARED zhao2000_real zhao2000_limb2_residual(const zhao2000_limb2_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -614,8 +620,8 @@ static zhao2000_real zhao2000_limb2_move(zhao2000_limb2_work *w)
     return t8;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_limb2_target(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb2_target(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -906,20 +912,20 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                zhao2000_limb2_target(w, to, aim);
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_limb2_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375f * (aim - done);
             zhao2000_limb2_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
@@ -930,12 +936,7 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
-    }
+    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1061,7 +1062,7 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_real zhao2000_limb3_residual(const zhao2000_limb3_work *w)
+static ZHAO2000_SHARED zhao2000_real zhao2000_limb3_residual(const zhao2000_limb3_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -1087,8 +1088,8 @@ static zhao2000_real zhao2000_limb3_move(zhao2000_limb3_work *w)
     return t8;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_limb3_target(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb3_target(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -1379,20 +1380,20 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                zhao2000_limb3_target(w, to, aim);
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_limb3_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375f * (aim - done);
             zhao2000_limb3_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
@@ -1403,12 +1404,7 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
-    }
+    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1512,8 +1508,8 @@ typedef struct {
     zhao2000_real f[10]; /* rows, then the step */
     zhao2000_real a[100]; /* matrix, then its factors */
     zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[10]; /* rows exchanged by the fallback */
     zhao2000_real aim; /* how much of the line to try first */
+    uint8_t order[10]; /* rows exchanged by the fallback */
     bool pivoted;
 } zhao2000_direct_work;
 
@@ -1656,7 +1652,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_real zhao2000_direct_residual(const zhao2000_direct_work *w)
+static ZHAO2000_SHARED zhao2000_real zhao2000_direct_residual(const zhao2000_direct_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -1717,8 +1713,8 @@ static zhao2000_real zhao2000_direct_move(zhao2000_direct_work *w)
     return t29;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_direct_target(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_direct_target(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -2086,20 +2082,20 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                zhao2000_direct_target(w, to, aim);
                 for (int i = 0; i < 10; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_direct_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 10; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375f * (aim - done);
             zhao2000_direct_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
@@ -2110,12 +2106,7 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
-        info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0f)) ? (1.0f / sqrtf(w->spread)) : 0.0f;
-    }
+    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -2142,7 +2133,7 @@ static zhao2000_real zhao2000_towards(const zhao2000_real at[4], const zhao2000_
 }
 
 /* The state at the guess, and whether joints and guess can be used. */
-static zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
+static ZHAO2000_SHARED zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
 {
     zhao2000_status status = zhao2000_check(joints);
     if (status == ZHAO2000_OK) {
@@ -2170,20 +2161,15 @@ static zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_re
 }
 
 /* The pose of the state. */
-static void zhao2000_leave(const zhao2000_direct_work *w, zhao2000_pose *pose)
+static ZHAO2000_SHARED void zhao2000_leave(const zhao2000_direct_work *w, zhao2000_pose *pose)
 {
     zhao2000_pose_of(&w->x[6], pose);
 }
 
-/* What is told of a call that took no step. */
-static ZHAO2000_COLD void zhao2000_refused(zhao2000_info *told)
+/* The status of a call that failed: whether its inputs are finite comes first. */
+static ZHAO2000_COLD zhao2000_status zhao2000_failed(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_status status)
 {
-    if (told != NULL) {
-        told->iterations = 0U;
-        told->residual = HUGE_VALF;
-        told->step = 0.0f;
-        told->min_pivot = 0.0f;
-    }
+    return zhao2000_verdict(guess->position, 3, zhao2000_verdict(joints, 4, status));
 }
 
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
@@ -2198,10 +2184,10 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
         if (status == ZHAO2000_OK) {
             zhao2000_leave(&w, pose);
         } else {
-            status = zhao2000_verdict(guess->position, 3, zhao2000_verdict(joints, 4, status));
+            status = zhao2000_failed(joints, guess, status);
         }
     } else {
-        zhao2000_refused(info);
+        zhao2000_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
@@ -2216,28 +2202,20 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
         zhao2000_direct_target(&w, given, 1.0f);
         zhao2000_direct_rows(&w);
         if (zhao2000_direct_pivoted(&w) == 0) {
-            zhao2000_refused(info);
-            status = zhao2000_verdict(pose->position, 3, zhao2000_verdict(joints, 4, ZHAO2000_SINGULAR));
+            zhao2000_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+            status = zhao2000_failed(joints, pose, ZHAO2000_SINGULAR);
         } else {
             zhao2000_direct_solve(&w);
             const zhao2000_real size = zhao2000_direct_move(&w);
-            if (info != NULL) {
-                info->iterations = 1U;
-                info->residual = 0.00428f * size;
-                info->step = sqrtf(size);
-                info->min_pivot = 1.0f / sqrtf(w.spread);
-            }
+            zhao2000_tell(info, 1U, 0.00428f * size, size, w.spread);
             if (size <= 100.0f) {
                 zhao2000_leave(&w, pose);
             } else {
-                if (!(size >= 0.0f)) {
-                    zhao2000_refused(info);
-                }
-                status = zhao2000_verdict(pose->position, 3, zhao2000_verdict(joints, 4, ZHAO2000_WRONG_BRANCH));
+                status = zhao2000_failed(joints, pose, ZHAO2000_WRONG_BRANCH);
             }
         }
     } else {
-        zhao2000_refused(info);
+        zhao2000_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }

@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define ZHAO2000_LINKS_COLD __attribute__((noinline, cold, unused))
+#define ZHAO2000_LINKS_SHARED __attribute__((noinline))
 #else
 #define ZHAO2000_LINKS_COLD
+#define ZHAO2000_LINKS_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */
@@ -35,21 +37,30 @@ static zhao2000_links_status zhao2000_links_unit(const zhao2000_links_pose *pose
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
+    zhao2000_links_real inverse = 1.0;
     if ((squared >= 0.98) && (squared <= 1.0201)) {
-        const zhao2000_links_real inverse = 1.0 / sqrt(squared);
-        x[3] = q[0] * inverse;
-        x[4] = q[1] * inverse;
-        x[5] = q[2] * inverse;
-        x[6] = q[3] * inverse;
+        inverse = 1.0 / sqrt(squared);
     } else {
-        x[3] = q[0];
-        x[4] = q[1];
-        x[5] = q[2];
-        x[6] = q[3];
         status = zhao2000_links_verdict(q, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
     }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
     return status;
 }
+
+/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
+static ZHAO2000_LINKS_COLD void zhao2000_links_tell(zhao2000_links_info *info, unsigned int count, zhao2000_links_real residual, zhao2000_links_real size, zhao2000_links_real spread)
+{
+    if (info != NULL) {
+        info->iterations = (uint8_t)count;
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+    }
+}
+
 
 /* Pose coordinates of a pose. */
 static zhao2000_links_status zhao2000_links_coordinates(const zhao2000_links_pose *pose, zhao2000_links_real c[7])
@@ -81,7 +92,7 @@ static void zhao2000_links_pose_of(const zhao2000_links_real c[7], zhao2000_link
 }
 
 /* Whether joint values are within their ranges. */
-static zhao2000_links_status zhao2000_links_check(const zhao2000_links_real joints[4])
+static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check(const zhao2000_links_real joints[4])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
     if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
@@ -227,7 +238,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_links_real zhao2000_links_limb1_residual(const zhao2000_links_limb1_work *w)
+static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb1_residual(const zhao2000_links_limb1_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -262,8 +273,8 @@ static zhao2000_links_real zhao2000_links_limb1_move(zhao2000_links_limb1_work *
     return t14;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_links_limb1_target(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb1_target(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -723,20 +734,20 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                zhao2000_links_limb1_target(w, to, aim);
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_links_limb1_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             zhao2000_links_limb1_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -747,12 +758,7 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1177,7 +1183,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_links_real zhao2000_links_limb2_residual(const zhao2000_links_limb2_work *w)
+static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb2_residual(const zhao2000_links_limb2_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -1212,8 +1218,8 @@ static zhao2000_links_real zhao2000_links_limb2_move(zhao2000_links_limb2_work *
     return t14;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_links_limb2_target(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb2_target(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -1821,20 +1827,20 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                zhao2000_links_limb2_target(w, to, aim);
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_links_limb2_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             zhao2000_links_limb2_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -1845,12 +1851,7 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -2339,7 +2340,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_links_real zhao2000_links_limb3_residual(const zhao2000_links_limb3_work *w)
+static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb3_residual(const zhao2000_links_limb3_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -2374,8 +2375,8 @@ static zhao2000_links_real zhao2000_links_limb3_move(zhao2000_links_limb3_work *
     return t14;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_links_limb3_target(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb3_target(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -2983,20 +2984,20 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                zhao2000_links_limb3_target(w, to, aim);
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_links_limb3_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             zhao2000_links_limb3_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -3007,12 +3008,7 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -3353,8 +3349,8 @@ typedef struct {
     zhao2000_links_real a[240]; /* matrix, then its factors */
     zhao2000_links_real r[225]; /* R of QR */
     zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[15]; /* rows exchanged by the fallback */
     zhao2000_links_real aim; /* how much of the line to try first */
+    uint8_t order[15]; /* rows exchanged by the fallback */
     bool pivoted;
 } zhao2000_links_direct_work;
 
@@ -3840,7 +3836,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static zhao2000_links_real zhao2000_links_direct_residual(const zhao2000_links_direct_work *w)
+static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_direct_residual(const zhao2000_links_direct_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
     sum += w->f[1] * w->f[1];
@@ -3973,8 +3969,8 @@ static zhao2000_links_real zhao2000_links_direct_move(zhao2000_links_direct_work
     return t89;
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void zhao2000_links_direct_target(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real part)
+/* Known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_direct_target(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -5640,20 +5636,20 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
-                zhao2000_links_direct_target(w, to, aim);
                 for (int i = 0; i < 16; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                zhao2000_links_direct_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 16; ++i) {
                 w->x[i] = w->x0[i];
             }
-            aim = done + 0.375 * (aim - done);
             zhao2000_links_direct_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
@@ -5664,12 +5660,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
-        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
-        info->min_pivot = ((sign != 0) && (w->spread > 0.0)) ? (1.0 / sqrt(w->spread)) : 0.0;
-    }
+    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
@@ -5696,7 +5687,7 @@ static zhao2000_links_real zhao2000_links_towards(const zhao2000_links_real at[4
 }
 
 /* The state at the guess, and whether joints and guess can be used. */
-static zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
+static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
 {
     zhao2000_links_status status = zhao2000_links_check(joints);
     if (status == ZHAO2000_LINKS_OK) {
@@ -5724,20 +5715,15 @@ static zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w,
 }
 
 /* The pose of the state. */
-static void zhao2000_links_leave(const zhao2000_links_direct_work *w, zhao2000_links_pose *pose)
+static ZHAO2000_LINKS_SHARED void zhao2000_links_leave(const zhao2000_links_direct_work *w, zhao2000_links_pose *pose)
 {
     zhao2000_links_pose_of(&w->x[9], pose);
 }
 
-/* What is told of a call that took no step. */
-static ZHAO2000_LINKS_COLD void zhao2000_links_refused(zhao2000_links_info *told)
+/* The status of a call that failed: whether its inputs are finite comes first. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_failed(const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_status status)
 {
-    if (told != NULL) {
-        told->iterations = 0U;
-        told->residual = HUGE_VAL;
-        told->step = 0.0;
-        told->min_pivot = 0.0;
-    }
+    return zhao2000_links_verdict(guess->position, 3, zhao2000_links_verdict(joints, 4, status));
 }
 
 zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_pose *pose, zhao2000_links_info *info)
@@ -5752,10 +5738,10 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_leave(&w, pose);
         } else {
-            status = zhao2000_links_verdict(guess->position, 3, zhao2000_links_verdict(joints, 4, status));
+            status = zhao2000_links_failed(joints, guess, status);
         }
     } else {
-        zhao2000_links_refused(info);
+        zhao2000_links_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -5770,28 +5756,20 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
         zhao2000_links_direct_target(&w, given, 1.0);
         zhao2000_links_direct_rows(&w);
         if (zhao2000_links_direct_factor(&w) == 0) {
-            zhao2000_links_refused(info);
-            status = zhao2000_links_verdict(pose->position, 3, zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_SINGULAR));
+            zhao2000_links_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+            status = zhao2000_links_failed(joints, pose, ZHAO2000_LINKS_SINGULAR);
         } else {
             zhao2000_links_direct_solve(&w);
             const zhao2000_links_real size = zhao2000_links_direct_move(&w);
-            if (info != NULL) {
-                info->iterations = 1U;
-                info->residual = 0.0186 * size;
-                info->step = sqrt(size);
-                info->min_pivot = 1.0 / sqrt(w.spread);
-            }
+            zhao2000_links_tell(info, 1U, 0.0186 * size, size, w.spread);
             if (size <= 104.05681785761409) {
                 zhao2000_links_leave(&w, pose);
             } else {
-                if (!(size >= 0.0)) {
-                    zhao2000_links_refused(info);
-                }
-                status = zhao2000_links_verdict(pose->position, 3, zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_WRONG_BRANCH));
+                status = zhao2000_links_failed(joints, pose, ZHAO2000_LINKS_WRONG_BRANCH);
             }
         }
     } else {
-        zhao2000_links_refused(info);
+        zhao2000_links_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }

@@ -140,7 +140,7 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     literal = real.literal
     return {
         "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of(&w->x[{passive}], pose);"]),
-        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "track_factor": factored(source.kernel, f"{name}_direct", "&w"),
+        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "whole": ", " + literal(1.0), "track_factor": factored(source.kernel, f"{name}_direct", "&w"),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
     }  # fmt: skip
 

@@ -19,6 +19,7 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
 
 _FIELDS = ("base", "platform", "offset")
+_TARGET, _DRIVER = "/* Known values aimed at", "/* Newton's method along"
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,26 +111,27 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
     matrices, kappa = sampled(platform, kernel)
     source = kernel_source(
         kernel, name, real, platform.geometry_names, matrices, _target(platform, rods, kernel.geometry), kappa,
-        lazy=[f"(void){name}_unit(w->guess, w->x);", f"{name}_legs({values['ga']}w);"],
-        guess=f"const {name}_pose *guess;", matrix=_matrix(platform),
+        again=f"{name}_direct_again({values['ga']}w, to, aim, done);", guess=f"const {name}_pose *guess;", matrix=_matrix(platform),
     )  # fmt: skip
     literal = real.literal
     values |= {
-        "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "w.at", 6), 3),
+        "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "w.k", 6), 3),
         "enter": indent(["w->guess = guess;", f"status = {name}_unit(guess, w->x);"], 2),
         "leave": indent([*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]),
-        "towards": "", "to": "joints", "track_factor": factored(kernel, f"{name}_direct", "&w", str(values["ga"])),
+        "towards": "", "to": "joints", "whole": "", "track_factor": factored(kernel, f"{name}_direct", "&w", str(values["ga"])),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((platform.mechanism.size / 24) ** 2),
     }  # fmt: skip
     legs = _legs(platform, rods, kernel.geometry, values)
-    before, driver = source.text.split("/* Newton's method along", 1)
-    text = fill("unit.c", values) + _check(platform, values) + before + legs + "/* Newton's method along" + driver
+    before, after = source.text.split(_TARGET, 1)
+    target, driver = after.split(_DRIVER, 1)
+    text = fill("unit.c", values) + _check(platform, values) + before + legs + _TARGET + target
+    text += fill("again.c", values | {"legs": indent(_leg_lines(platform, rods, kernel.geometry, values), 2)}) + _DRIVER + driver
     text += fill("direct.c", values) + "\n" + _inverse(platform, rods, kernel.geometry, values)
     return text, source, values
 
 
 def _target(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> list[str]:
-    """w->k: squared lengths (2 L0 + dL) dL or L^2; the line is only walked where part < 1."""
+    """w->k: squared lengths (2 L0 + dL) dL or L^2."""
     real = platform.real
     joints = ca.SX.sym("j", 6)
     if platform.options.home_relative:
@@ -137,15 +139,24 @@ def _target(platform: RodPlatform, rods: Rods, geometry: ca.SX) -> list[str]:
     else:
         values = [(joints[i] + rods.offsets[i]) ** 2 for i in range(6)]
     function = ca.Function("target", [joints, geometry], [ca.vertcat(*values)], {"cse": True})
-    lines = []
+    return _rolled(function, [indexed("to", 6), platform.geometry_names], real, "w->k")
+
+
+def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: str) -> list[str]:
+    """Statements target[i] = output i: a loop where all six are alike, which takes less room."""
+    each = []
     for i in range(6):
-        emitter = Emitter(function, [indexed("j", 6), platform.geometry_names], real, prefix=f"t{i}_")
+        emitter = Emitter(function, names, real, prefix="t")
         text = emitter.value(0, i)
-        lines += [*emitter.lines, f"w->k[{i}] = {text};"]
-    at_part = ["for (int i = 0; i < 6; ++i) {", "    j[i] = w->at[i] + part * (to[i] - w->at[i]);", "}"]
-    start = [f"{real.type} j[6];", f"if (part < {real.literal(1.0)}) {{", *("    " + line for line in at_part), "} else {",
-             *("    " + line for line in copy("j", "to", 6)), "}"]  # fmt: skip
-    return start + lines
+        each.append([line.replace(f"[{i}]", "[i]") for line in [*emitter.lines, f"{target}[{i}] = {text};"]])
+    if all(lines == each[0] for lines in each):
+        return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
+    unrolled = []
+    for i in range(6):
+        emitter = Emitter(function, names, real, prefix=f"t{i}_")
+        text = emitter.value(0, i)
+        unrolled += [*emitter.lines, f"{target}[{i}] = {text};"]
+    return unrolled
 
 
 def _matrix(platform: RodPlatform) -> list[str]:
@@ -157,10 +168,11 @@ def _matrix(platform: RodPlatform) -> list[str]:
     table = [] if struct else [f"static const {real.type} base[6][3] = {{ {base} }};"]
     b, four = ("geometry->base[i]" if struct else "base[i]"), real.literal(4.0)
     cross_rows = [
-        f"    row[{3 + k}] = {four} * (b[{i}] * d[{j}] - b[{j}] * d[{i}]);" for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-    ]
+        "    for (int k = 0; k < 3; ++k) {", "        const int m = (k < 2) ? (k + 1) : 0;", "        const int n = (m < 2) ? (m + 1) : 0;",
+        "        row[k] = d[k];", f"        row[3 + k] = {four} * (b[m] * d[n] - b[n] * d[m]);", "    }",
+    ]  # fmt: skip
     return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
-            f"    {real.type} *const row = &w->a[6 * i];", *("    " + line for line in copy("row", "d", 3)), *cross_rows, "}"]  # fmt: skip
+            f"    {real.type} *const row = &w->a[6 * i];", *cross_rows, "}"]  # fmt: skip
 
 
 def _check(platform: RodPlatform, values: dict[str, object]) -> str:
@@ -179,7 +191,10 @@ def _check(platform: RodPlatform, values: dict[str, object]) -> str:
         if limb.limits:
             parts.append(f"(joints[{i}] <= {real.literal(limb.limits[1] + slack - zero[i])})")
     text = " && ".join(parts)
-    return fill("joints.c", values | {"ranges": text.replace(" && ", "\n        && "), "positive": " and rods longer than zero"})
+    return fill(
+        "joints.c",
+        values | {"ranges": text.replace(" && ", "\n        && "), "positive": " and rods longer than zero"},
+    )
 
 
 def _pose_function(rods: Rods, geometry: ca.SX) -> ca.Function:
@@ -205,7 +220,7 @@ def _pose_function(rods: Rods, geometry: ca.SX) -> ca.Function:
     return ca.Function("pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), smallest], {"cse": True})
 
 
-def _legs(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> str:
+def _leg_lines(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> list[str]:
     """Joint values from the rows: with w->k = 0 they are -d.d, or -(2 d0 + delta).delta in the home-relative form."""
     real = platform.real
     f = ca.SX.sym("f", 6)
@@ -213,20 +228,18 @@ def _legs(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, 
         joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
     else:
         joints = [-f[i] / (ca.sqrt(length**2 - f[i]) + length) for i, length in enumerate(rods.home_lengths)]
-    emitter = Emitter(
-        ca.Function("legs", [f, geometry], [ca.vertcat(*joints)], {"cse": True}),
-        [indexed("w->f", 6), platform.geometry_names],
-        real,
-    )
-    for i in range(6):
-        text = emitter.value(0, i)
-        emitter.lines.append(f"w->at[{i}] = {text};")
-    body = [
+    function = ca.Function("legs", [f, geometry], [ca.vertcat(*joints)], {"cse": True})
+    return [
         *(f"w->k[{i}] = {real.literal(0.0)};" for i in range(6)),
         f"{platform.name}_direct_rows({values['ga']}w);",
-        *emitter.lines,
-    ]
-    head = f"/* Joint values at the state, into w->at. */\nstatic void {platform.name}_legs({values['gp']}{platform.name}_direct_work *w)\n{{\n"
+        *_rolled(function, [indexed("w->f", 6), platform.geometry_names], real, "w->k"),
+    ]  # fmt: skip
+
+
+def _legs(platform: RodPlatform, rods: Rods, geometry: ca.SX, values: dict[str, object]) -> str:
+    """Joint values at a pose as a function, for the inverse problem."""
+    body = _leg_lines(platform, rods, geometry, values)
+    head = f"/* Joint values at the state, into w->k. */\nstatic void {platform.name}_legs({values['gp']}{platform.name}_direct_work *w)\n{{\n"
     return head + indent(body) + "\n}\n\n"
 
 

@@ -88,7 +88,10 @@ class SerialArm:
 
     def check(self) -> None:
         if len(self.actuated) > 6:
-            raise InputError(f"{self.name} has {len(self.actuated)} joints; C is generated for arms of at most six")
+            raise InputError(
+                f"{self.name} has {len(self.actuated)} joints, so that a tool pose does not decide them; "
+                "C is generated for arms of at most six joints"
+            )
 
 
 def _middle(c: Coordinate, size: float, part: float) -> float:

@@ -64,7 +64,7 @@ def common_values(name: str, real: Real, struct: bool) -> dict[str, object]:
     """Names that every template knows."""
     return {
         "p": name, "P": name.upper(), "real": real.type,
-        "COLD": f"{name.upper()}_COLD",
+        "COLD": f"{name.upper()}_COLD", "SHARED": f"{name.upper()}_SHARED",
         "gp": f"const {name}_geometry *geometry, " if struct else "", "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
         "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
@@ -83,14 +83,14 @@ def kernel_source(
     kappa: float,
     *,
     start_aim: str | None = None,
-    lazy: Sequence[str] = (),
+    again: str = "",
     known_count: int | None = None,
     guess: str = "",
     matrix: Sequence[str] = (),
 ) -> KernelSource:
     """The functions of one kernel, named NAME_KERNEL_...; `target` are statements that set w->k from w->at, to and part;
     `matrix` statements fill w->a, where something shorter than the emitted ones is
-    known; `lazy` statements put the guess into w->x and its known values into w->at when they are first needed."""
+    known; `again` is the call that aims anew and puts the state back, where known values at the guess are not kept."""
     struct = bool(geometry)
     tuning = tuning_of(kernel, real, kappa)
     k = f"{name}_{kernel.name}"
@@ -98,9 +98,11 @@ def kernel_source(
     nk, nd = int(kernel.known.shape[0]), int(kernel.shared_symbols.shape[0])
     inputs = [indexed("w->x", ns), indexed("w->k", nk), list(geometry)]
     literal = real.literal
+    aim = f"{k}_target({'geometry, ' if struct else ''}w, to, aim);"
     values = common_values(name, real, struct) | {
         "k": k, "n": n, "n1": n + 1, "m": m, "ns": ns, "nk": nk, "nto": known_count or nk,
         "na": n * n if kernel.is_square else m * n,
+        "at": "" if again else f"    {real.type} at[{known_count or nk}]; /* known values at the guess */",
         "shared": f"    {real.type} d[{nd}]; /* what rows and matrix share */" if nd else "",
         "r": "" if kernel.is_square else f"    {real.type} r[{n * n}]; /* R of QR */",
         **_factor_calls(kernel, k, struct),
@@ -108,11 +110,12 @@ def kernel_source(
         "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0), "settling2": literal(1.0), "quick": literal(400.0),
         "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0), "shrink": literal(0.375),
         "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
-        "save": indent(_loop("w->x0", "w->x", ns), 4), "guard": literal(GUARD**-2),
-        "save0": "" if lazy else indent(copy("w->x0", "w->x", ns)),
-        "restore": indent([*_lazily(lazy, ns), *_loop("w->x", "w->x0", ns)], 3),
-        "lined": "    bool lined = false;" if lazy else "",
-        "guess": (f"    {guess}" if lazy else "")
+        "part_of": "" if again else ", aim", "part": "" if again else f", {real.type} part",
+        "aimed": "" if again else ": a part of the line from the guess's to `to`", "guard": literal(GUARD**-2),
+        "save0": "" if again else indent(copy("w->x0", "w->x", ns)),
+        "advance": indent([*_loop("w->x0", "w->x", ns), again or aim], 4),
+        "retreat": indent([again] if again else [*_loop("w->x", "w->x0", ns), aim], 3),
+        "guess": (f"    {guess}" if guess else "")
         + (f"    {real.type} aim; /* how much of the line to try first */" if start_aim == "w->aim" else ""),
     }  # fmt: skip
     row_emitter = Emitter(kernel.row_function(), inputs, real)
@@ -139,14 +142,6 @@ def _residual(count: int, real: Real, length: float) -> list[str]:
     adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
     root = f"{real.call('sqrt')}(sum)"
     return [squares, *adds, f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"]
-
-
-def _lazily(lazy: Sequence[str], ns: int) -> list[str]:
-    """State and known values of the guess, once they are needed."""
-    if not lazy:
-        return []
-    body = [*lazy, *_loop("w->x0", "w->x", ns)]
-    return ["if (!lined) {", "    lined = true;", *("    " + line for line in body), "}"]
 
 
 def _factor_calls(kernel: Kernel, k: str, struct: bool) -> dict[str, str]:

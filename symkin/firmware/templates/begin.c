@@ -9,8 +9,10 @@
 
 #if defined(__GNUC__)
 #define @{P}_COLD __attribute__((noinline, cold, unused))
+#define @{P}_SHARED __attribute__((noinline))
 #else
 #define @{P}_COLD
+#define @{P}_SHARED
 #endif
 
 /* What to say of refused input: that it is not finite, or `otherwise`. */

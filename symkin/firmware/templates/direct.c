@@ -1,5 +1,5 @@
 /* The state at the guess, and whether joints and guess can be used. */
-static @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
+static @{SHARED} @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
 {
     @{p}_status status = @{p}_check(@{ga}joints);
     if (status == @{P}_OK) {
@@ -9,20 +9,15 @@ static @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} joints[@{n
 }
 
 /* The pose of the state. */
-static void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
+static @{SHARED} void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
 {
 @{leave}
 }
 
-/* What is told of a call that took no step. */
-static @{COLD} void @{p}_refused(@{p}_info *told)
+/* The status of a call that failed: whether its inputs are finite comes first. */
+static @{COLD} @{p}_status @{p}_failed(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_status status)
 {
-    if (told != NULL) {
-        told->iterations = 0U;
-        told->residual = @{huge};
-        told->step = @{zero};
-        told->min_pivot = @{zero};
-    }
+    return @{p}_verdict(guess->position, 3, @{p}_verdict(joints, @{nq}, status));
 }
 
 @{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
@@ -36,10 +31,10 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
         if (status == @{P}_OK) {
             @{p}_leave(&w, pose);
         } else {
-            status = @{p}_verdict(guess->position, 3, @{p}_verdict(joints, @{nq}, status));
+            status = @{p}_failed(joints, guess, status);
         }
     } else {
-        @{p}_refused(info);
+        @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
     }
     return status;
 }
@@ -50,31 +45,23 @@ static @{COLD} void @{p}_refused(@{p}_info *told)
     @{p}_status status = @{p}_enter(@{ga}&w, joints, pose);
     if (status == @{P}_OK) {
 @{towards}
-        @{p}_direct_target(@{ga}&w, @{to}, @{one});
+        @{p}_direct_target(@{ga}&w, @{to}@{whole});
         @{p}_direct_rows(@{ga}&w);
         if (@{track_factor}) {
-            @{p}_refused(info);
-            status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_SINGULAR));
+            @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
+            status = @{p}_failed(joints, pose, @{P}_SINGULAR);
         } else {
             @{p}_direct_solve(&w);
             const @{real} size = @{p}_direct_move(@{ga}&w);
-            if (info != NULL) {
-                info->iterations = 1U;
-                info->residual = @{kappa} * size;
-                info->step = @{sqrt}(size);
-                info->min_pivot = @{one} / @{sqrt}(w.spread);
-            }
+            @{p}_tell(info, 1U, @{kappa} * size, size, w.spread);
             if (size <= @{track2}) {
                 @{p}_leave(&w, pose);
             } else {
-                if (!(size >= @{zero})) {
-                    @{p}_refused(info);
-                }
-                status = @{p}_verdict(pose->position, 3, @{p}_verdict(joints, @{nq}, @{P}_WRONG_BRANCH));
+                status = @{p}_failed(joints, pose, @{P}_WRONG_BRANCH);
             }
         }
     } else {
-        @{p}_refused(info);
+        @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
     }
     return status;
 }

@@ -4,7 +4,7 @@ static void @{k}_rows(@{gp}@{k}_work *w)
 }
 
 /* Root of the sum of the squared rows, as a length: no row is further from zero. */
-static @{real} @{k}_residual(const @{k}_work *w)
+static @{SHARED} @{real} @{k}_residual(const @{k}_work *w)
 {
 @{residual}
 }
@@ -16,8 +16,8 @@ static @{real} @{k}_move(@{gp}@{k}_work *w)
 @{move}
 }
 
-/* Known values at a part of the line from w->at to `to`. */
-static void @{k}_target(@{gp}@{k}_work *w, const @{real} to[@{nto}], @{real} part)
+/* Known values aimed at@{aimed}. */
+static @{SHARED} void @{k}_target(@{gp}@{k}_work *w, const @{real} to[@{nto}]@{part})
 {
 @{target}
 }

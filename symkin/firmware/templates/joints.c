@@ -1,5 +1,5 @@
 /* Whether joint values are within their ranges@{positive}. */
-static @{p}_status @{p}_check(@{gp}const @{real} joints[@{nq}])
+static @{SHARED} @{p}_status @{p}_check(@{gp}const @{real} joints[@{nq}])
 {
     @{p}_status status = @{P}_OK;
 @{use}

@@ -25,8 +25,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool kept = false;
     bool settling = false;
     bool verify = false;
-@{lined}
-    @{k}_target(@{ga}w, to, aim);
+    @{k}_target(@{ga}w, to@{part_of});
 @{save0}
     for (;;) {
         @{k}_rows(@{ga}w);
@@ -95,17 +94,15 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 if (aim > @{near_one}) {
                     aim = @{one};
                 }
-                @{k}_target(@{ga}w, to, aim);
-@{save}
+@{advance}
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
             fresh = true;
         } else if (aim - done > @{least_part}) {
-@{restore}
             aim = done + @{shrink} * (aim - done);
-            @{k}_target(@{ga}w, to, aim);
+@{retreat}
             fresh = settling || !kept;
             contraction2 = @{careful2};
             judging = false;
@@ -115,11 +112,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             break;
         }
     }
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= @{zero}) ? residual : @{huge};
-        info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
-        info->min_pivot = ((sign != 0) && (w->spread > @{zero})) ? (@{one} / @{sqrt}(w->spread)) : @{zero};
-    }
+    @{p}_tell(info, count, residual, size, (sign != 0) ? w->spread : @{zero});
     return status;
 }

@@ -4,7 +4,7 @@
     @{p}_status status = @{p}_unit(pose, w.x);
     if (status == @{P}_OK) {
         @{p}_legs(@{ga}&w);
-        status = @{p}_check(@{ga}w.at);
+        status = @{p}_check(@{ga}w.k);
         if (status == @{P}_OK) {
 @{copy_joints}
         } else {

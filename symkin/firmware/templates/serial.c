@@ -26,12 +26,7 @@
     if (status == @{P}_OK) {
         status = @{p}_verdict(to, 7, @{p}_verdict(guess, @{nq}, @{P}_OK));
     }
-    if (info != NULL) {
-        info->iterations = 0U;
-        info->residual = @{huge};
-        info->step = @{zero};
-        info->min_pivot = @{zero};
-    }
+    @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == @{P}_OK) {
 @{to_x}
         @{p}_forward(w.x, w.at);

@@ -1,15 +1,15 @@
 typedef struct {
     @{real} x[@{ns}]; /* state */
     @{real} x0[@{ns}]; /* state at the part of the line that is done */
-    @{real} at[@{nto}]; /* known values at the guess */
+@{at}
     @{real} k[@{nk}]; /* known values aimed at, as the rows take them */
     @{real} f[@{m}]; /* rows, then the step */
 @{shared}
     @{real} a[@{na}]; /* matrix, then its factors */
 @{r}
     @{real} spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[@{n}]; /* rows exchanged by the fallback */
 @{guess}
+    uint8_t order[@{n}]; /* rows exchanged by the fallback */
     bool pivoted;
 } @{k}_work;
 
