@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
 from pathlib import Path
 
@@ -71,7 +72,9 @@ SERIAL = """status = (int)NAME_inverse(NULL, &guess, joints, out, &info);
     ],
 )
 def test_fuzz_under_sanitizers(name, count, scale, real, tmp_path):
-    """NaN, infinity, zero, huge, tiny and ordinary inputs: a status, finite results when it is OK, no undefined behaviour."""
+    """NaN, infinity, zero, huge, tiny and ordinary inputs: a status, finite results when it is OK, no undefined behaviour.
+    SYMKIN_FUZZ sets the count of inputs."""
+    count = int(os.environ.get("SYMKIN_FUZZ", count))
     header = (CODEGEN / f"{name}_{real}" / f"{name}.h").read_text()
     joints = re.search(r"_JOINTS \((\d+)\)", header)
     assert joints is not None
