@@ -6,7 +6,6 @@ was 40 us there. A case without such figures has limits of its own, or none.
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -67,7 +66,7 @@ class Case:
 
 def all_cases(seed: int) -> list[Case]:
     from dietmaier1998 import LEGS, platform
-    from samples import delta, five_bar, three_rrr
+    from samples import delta, five_bar, three_rps, three_rrr
 
     rng = np.random.default_rng(seed)
     dietmaier, planar, spatial = platform(), three_rrr("planar"), replace(delta(), motion="spatial")
@@ -161,17 +160,3 @@ def general_platform(rng: np.random.Generator) -> symkin.Mechanism:
 def general_6r(rng: np.random.Generator) -> symkin.Mechanism:
     axes = [symkin.Joint(f"q{i}", "R", rng.normal(size=3), rng.normal(size=3), actuated=True) for i in range(1, 7)]
     return symkin.Mechanism("general_6r", [symkin.Limb("arm", axes)], platform_position=rng.normal(size=3), serial=True)
-
-
-def three_rps() -> symkin.Mechanism:
-    """Three limbs R P S on equilateral triangles; each R is tangential, each P leans inwards."""
-    limbs = []
-    for i, angle in enumerate(np.radians([0, 120, 240]), start=1):
-        c, s = math.cos(angle), math.sin(angle)
-        lean = np.array([-100 * c, -100 * s, 300.0])
-        length = float(np.linalg.norm(lean))
-        foot, ball = (200 * c, 200 * s, 0.0), (100 * c, 100 * s, 300.0)
-        revolute = symkin.Joint(f"r{i}", "R", foot, (-s, c, 0))
-        slide = symkin.Joint(f"p{i}", "P", foot, tuple(lean / length), actuated=True, zero=length)
-        limbs.append(symkin.Limb(f"limb{i}", [revolute, slide, symkin.Joint(f"s{i}", "S", ball)]))
-    return symkin.Mechanism("three_rps", limbs, platform_position=(0, 0, 300))

@@ -1,8 +1,22 @@
-"""One hypothesis profile for all tests: the same examples each time, on any machine."""
+"""One hypothesis profile for all tests, the same examples each time on any machine, and cache folders of the tests' own."""
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
     "symkin", derandomize=True, deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("symkin")
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """A cache folder of the test's own."""
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture
+def kept_starts(tmp_path_factory, monkeypatch):
+    """A cache folder of this run: starts are computed once for all tests that share it."""
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))

@@ -171,6 +171,19 @@ axis = ["-30*40*sin(70)", "30*40*cos(70)", "50*40*sin(70)"]
 DELTA = {"base": 120.0, "arm": 100.0, "rod": 220.0, "platform": 40.0, "width": 25.0}
 
 
+def three_rps() -> Mechanism:
+    """Three limbs R P S on equilateral triangles; each R is tangential, each P leans inwards."""
+    limbs = []
+    for i, angle in enumerate(np.radians([0, 120, 240]), start=1):
+        c, s = math.cos(angle), math.sin(angle)
+        lean = np.array([-100 * c, -100 * s, 300.0])
+        length = float(np.linalg.norm(lean))
+        foot, ball = (200 * c, 200 * s, 0.0), (100 * c, 100 * s, 300.0)
+        joints = [Joint(f"r{i}", "R", foot, (-s, c, 0)), Joint(f"p{i}", "P", foot, lean / length, actuated=True, zero=length)]
+        limbs.append(Limb(f"limb{i}", [*joints, Joint(f"s{i}", "S", ball)]))
+    return Mechanism("three_rps", limbs, platform_position=(0, 0, 300))
+
+
 def delta() -> Mechanism:
     """A delta robot by rods: arms of 100 turn about tangents of a circle of 120, and hang level and outward at 0;
     each carries a pair of rods of 220 to the platform's circle of 40; z is up, positive angles lower the arms."""

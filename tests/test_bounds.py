@@ -22,6 +22,8 @@ from symkin.proof.bounds import bound_of, proves, univariate_degree
 from symkin.proof.certificate import certify
 from symkin.proof.exact import exact_known
 
+pytestmark = pytest.mark.usefixtures("kept_starts")
+
 
 def arm(seed: int) -> Mechanism:
     """Six revolute joints about random lines."""
@@ -142,9 +144,3 @@ def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
     """Polynomials in z, and in exp(i z) for angles, have their degree; anything else has no bound."""
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
     assert univariate_degree(AlgebraicSystem(1.0, (Coordinate("x", kind, "passive"),), z, k, row(z, k), ())) == degree
-
-
-@pytest.fixture(autouse=True)
-def cache(tmp_path_factory, monkeypatch):
-    """A cache folder of the tests' own."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))

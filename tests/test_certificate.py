@@ -30,6 +30,8 @@ from symkin.position.roots import merge
 from symkin.proof.balls import precision
 from symkin.proof.certificate import Certificates, certify
 
+pytestmark = pytest.mark.usefixtures("kept_starts")
+
 DIETMAIER = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())
 
 
@@ -390,9 +392,3 @@ def test_random_platforms_are_certified_whole():
         assert found.certified.all()
         assert found.distinct == 40
         assert int(np.sum(found.real == "real")) == len(symkin.modes(platform, joints=legs))
-
-
-@pytest.fixture(autouse=True)
-def cache(tmp_path_factory, monkeypatch):
-    """A cache folder of the tests' own."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))

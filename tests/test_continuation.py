@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, five_bar, hexapod, three_rrr
+from samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
 from symkin.model.closure import build_algebraic_closure, build_closure, random_values
 from symkin.paths import start_store
@@ -31,19 +31,6 @@ def dietmaier() -> Mechanism:
     postures, Advances in Robot Kinematics 1998, 1-10."""
     pairs = zip(DATA["base"], DATA["platform"], strict=True)
     return Mechanism("dietmaier1998", [RodLimb(f"leg{i}", b, p) for i, (b, p) in enumerate(pairs, start=1)])
-
-
-def three_rps() -> Mechanism:
-    """Three limbs R P S on equilateral triangles; each R is tangential, each P leans inwards."""
-    limbs = []
-    for i, angle in enumerate(np.radians([0, 120, 240]), start=1):
-        c, s = math.cos(angle), math.sin(angle)
-        lean = np.array([-100 * c, -100 * s, 300.0])
-        length = float(np.linalg.norm(lean))
-        foot, ball = (200 * c, 200 * s, 0.0), (100 * c, 100 * s, 300.0)
-        joints = [Joint(f"r{i}", "R", foot, (-s, c, 0)), Joint(f"p{i}", "P", foot, lean / length, actuated=True, zero=length)]
-        limbs.append(Limb(f"limb{i}", [*joints, Joint(f"s{i}", "S", ball)]))
-    return Mechanism("three_rps", limbs, platform_position=(0, 0, 300))
 
 
 # --- the algebraic closure ----------------------------------------------------------------------------------------
@@ -248,13 +235,6 @@ def test_a_double_root_is_one_and_flagged():
 
 
 # --- the store ----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """A cache folder of the test's own."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
-    return tmp_path
 
 
 def test_starts_are_kept_and_damage_is_survived(cache):

@@ -29,6 +29,8 @@ from symkin.paths.values import known_values, real_values
 from symkin.position.given import given_from
 from symkin.position.problem import Problem, build_problem
 
+pytestmark = pytest.mark.usefixtures("kept_starts")
+
 
 def ends_of(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
     """Ends of all paths, each counted once."""
@@ -180,12 +182,6 @@ def mechanism_ends(mechanism: Mechanism, **given) -> tuple[Problem, AlgebraicSys
     problem, system, start = problem_of(mechanism, values.kind)
     k = known_values(problem, values.values)
     return problem, system, start, k, ends_of(system, start, k)
-
-
-@pytest.fixture(autouse=True)
-def cache_folder(tmp_path_factory, monkeypatch):
-    """Starts are computed once for this file, not read from the user's folder."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))
 
 
 def fold_pose(mechanism: Mechanism, rng: np.random.Generator) -> Pose:

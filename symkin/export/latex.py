@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.model.closure import Closure, build_closure
+from symkin.model.graph import instructions
 from symkin.model.mechanism import Mechanism
 
 _ATOM, _POWER, _PRODUCT, _SUM = 3, 2, 1, 0
@@ -86,15 +87,14 @@ def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[li
     slots: dict[int, tuple[int, _Text]] = {}
     definitions: list[tuple[str, str]] = []
     results = ["0"] * int(function.numel_out(0))
-    for k in range(function.n_instructions()):
-        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+    for k, (op, inputs, outputs, constant) in enumerate(instructions(function)):
         if op == ca.OP_OUTPUT:
             results[outputs[1]] = slots[inputs[0]][1].text
             continue
         if op == ca.OP_INPUT:
             value = _Text(names[inputs[1]], _ATOM)
         elif op == ca.OP_CONST:
-            value = _constant(function.instruction_constant(k))
+            value = _constant(constant)
         else:
             value = _operation(op, [slots[i][1] for i in inputs])
             if uses[k] > 1:
@@ -125,13 +125,12 @@ def _use_counts(function: ca.Function) -> Counter[int]:
     """How often the result of each instruction is read."""
     counts: Counter[int] = Counter()
     writer: dict[int, int] = {}
-    for k in range(function.n_instructions()):
-        op, inputs = function.instruction_id(k), function.instruction_input(k)
+    for k, (op, inputs, outputs, _) in enumerate(instructions(function)):
         if op not in (ca.OP_INPUT, ca.OP_CONST):
             for slot in inputs[:1] if op == ca.OP_OUTPUT else inputs:
                 counts[writer[slot]] += 1
         if op != ca.OP_OUTPUT:
-            writer[function.instruction_output(k)[0]] = k
+            writer[outputs[0]] = k
     return counts
 
 

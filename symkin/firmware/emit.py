@@ -16,6 +16,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from symkin.model.graph import instructions, rebuilt
+
 _NOISE = 4e-15
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}
@@ -68,45 +70,11 @@ def snap(value: float) -> float:
 def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX]) -> ca.SX:
     """The same expression with snapped constants, so that what they make zero folds away."""
     function = ca.Function("f", list(symbols), [expression], {"cse": True})
-    slots: dict[int, ca.SX] = {}
-    result = ca.SX(expression.shape[0], expression.shape[1])
-    rows, columns = function.sparsity_out(0).get_triplet()
-    for k in range(function.n_instructions()):
-        op, i, o = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
-        if op == ca.OP_INPUT:
-            slots[o[0]] = symbols[i[0]].nz[i[1]]
-        elif op == ca.OP_CONST:
-            slots[o[0]] = ca.SX(snap(function.instruction_constant(k)))
-        elif op == ca.OP_OUTPUT:
-            result[rows[o[1]], columns[o[1]]] = slots[i[0]]
-        else:
-            value = _apply(op, [slots[n] for n in i])
-            slots[o[0]] = ca.SX(snap(float(value))) if value.is_constant() else value
-    return result
 
+    def folded(value: ca.SX) -> ca.SX:
+        return ca.SX(snap(float(value))) if value.is_constant() else value
 
-def _apply(op: int, a: Sequence[ca.SX]) -> ca.SX:
-    unary = {ca.OP_SQ: lambda x: x * x, ca.OP_SQRT: ca.sqrt, ca.OP_SIN: ca.sin, ca.OP_COS: ca.cos, ca.OP_FABS: ca.fabs}
-    match op:
-        case ca.OP_ADD:
-            return a[0] + a[1]
-        case ca.OP_SUB:
-            return a[0] - a[1]
-        case ca.OP_MUL:
-            return a[0] * a[1]
-        case ca.OP_DIV:
-            return a[0] / a[1]
-        case ca.OP_NEG:
-            return -a[0]
-        case ca.OP_TWICE:
-            return 2 * a[0]
-        case ca.OP_INV:
-            return 1 / a[0]
-        case ca.OP_ASSIGN:
-            return a[0]
-        case ca.OP_ATAN2:
-            return ca.atan2(a[0], a[1])
-    return unary[op](a[0])
+    return rebuilt(function, symbols, lambda number: ca.SX(snap(number)), folded)
 
 
 @dataclass
@@ -142,8 +110,7 @@ class Emitter:
         slots: dict[int, int] = {}
         outputs: dict[tuple[int, int], int] = {}
         divisors: Counter[int] = Counter()
-        for k in range(f.n_instructions()):
-            op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        for op, i, o, constant in instructions(f):
             if op == ca.OP_OUTPUT:
                 outputs[o[0], o[1]] = slots[i[0]]
                 continue
@@ -151,7 +118,7 @@ class Emitter:
             if op == ca.OP_INPUT:
                 node.source = (i[0], i[1])
             elif op == ca.OP_CONST:
-                node.constant = snap(f.instruction_constant(k))
+                node.constant = snap(constant)
             else:
                 node.reads = tuple(slots[n] for n in i)
             if op == ca.OP_DIV:

@@ -14,7 +14,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.firmware.emit import snap, snapped_expression
-from symkin.model.closure import Closure
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.position.system import System
@@ -235,15 +234,3 @@ def system_kernel(
         snapped_expression(system.jacobian, symbols), ca.vertcat(*moved), dot(step, step), 1.0, system.size,
         tuple(angles), quaternion,
     )  # fmt: skip
-
-
-def closure_system(closure: Closure, unknown_roles: tuple[str, ...], known_role: str, parameters: bool) -> System:
-    """The closure's rows over some roles, geometry as numbers or as symbols."""
-    unknowns = closure.role(*unknown_roles)
-
-    def stack(coordinates: Sequence[object]) -> ca.SX:
-        return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))  # type: ignore[attr-defined]
-
-    rows = closure.rows if parameters else closure.bound(closure.rows)
-    errors = closure.errors if parameters else closure.bound(closure.errors)
-    return System(unknowns, stack(unknowns), stack(closure.role(known_role)), rows, errors, closure.size)

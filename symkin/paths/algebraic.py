@@ -47,6 +47,12 @@ class AlgebraicSystem:
         return int(self.rows.shape[0])
 
     @cached_property
+    def pose_places(self) -> list[int]:
+        """Places of z that do not belong to the branches of single limbs."""
+        branching = {i for limb in self.limbs for i in limb}
+        return [i for i in range(self.width) if i not in branching]
+
+    @cached_property
     def cost(self) -> int:
         """Instructions of one evaluation of the rows and their derivatives."""
         return int(self._function.n_instructions())
@@ -87,8 +93,7 @@ class AlgebraicSystem:
     def features(self, z: np.ndarray) -> np.ndarray:
         """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of rod lengths, the
         projector of the ray; of the pose alone where limbs have branches."""
-        branching = {i for limb in self.limbs for i in limb}
-        parts = self._affine_features(z, [i for i in range(len(self.unknowns)) if i not in branching])
+        parts = self._affine_features(z, [i for i in self.pose_places if i < len(self.unknowns)])
         if self.projective:
             ray = z[list(self.projective)]
             ray = ray / np.linalg.norm(ray, axis=0)
@@ -112,16 +117,25 @@ class AlgebraicSystem:
                 parts.append(z[i] if c.least is None else (z[i] - c.least / self.size) ** 2)
         return parts
 
+    def unit_rays(self, z: np.ndarray) -> np.ndarray:
+        """The same points with rays of unit length."""
+        z, ray = z.copy(), list(self.projective)
+        if ray:
+            z[ray] = z[ray] / np.linalg.norm(z[ray], axis=0)
+        return z
+
     def normalise(self, z: np.ndarray) -> np.ndarray:
         """Rays to unit length, angles into (-pi, pi]."""
-        z = z.copy()
-        if self.projective:
-            p = list(self.projective)
-            z[p] = z[p] / np.linalg.norm(z[p], axis=0)
+        z = self.unit_rays(z)
         for i, c in enumerate(self.unknowns):
             if c.kind == "angle":
                 z[i] -= 2 * np.pi * np.round(z[i].real / (2 * np.pi))
         return z
+
+
+def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
+    """Complex numbers of a normal distribution, mean square 1."""
+    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
 
 
 def imaginary_part(system: AlgebraicSystem, z: np.ndarray, places: Sequence[int]) -> np.ndarray:
@@ -133,11 +147,3 @@ def imaginary_part(system: AlgebraicSystem, z: np.ndarray, places: Sequence[int]
         turned = z[ray] / z[ray][np.argmax(np.abs(z[ray]), axis=0), np.arange(z.shape[1])]
         parts.append(np.abs(turned.imag))
     return np.asarray(np.max(np.concatenate(parts), axis=0, initial=0.0))
-
-
-def rotation_share(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    """|e| over the length of the ray (e, g): zero where a root is at infinity."""
-    if not system.projective:
-        return np.ones(z.shape[1])
-    ray = z[list(system.projective)]
-    return np.asarray(np.linalg.norm(ray[:4], axis=0) / np.linalg.norm(ray, axis=0))

@@ -66,9 +66,7 @@ def complex_count(system: AlgebraicSystem, z: np.ndarray) -> int:
 
 def real_candidates(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     """Columns that may be real: all combinations of real branches at real poses."""
-    branching = {i for limb in system.limbs for i in limb}
-    pose = [i for i in range(system.width) if i not in branching]
-    z = z[:, imaginary_part(system, z, pose) < _REAL]
+    z = z[:, imaginary_part(system, z, system.pose_places) < _REAL]
     if not system.limbs or not z.shape[1]:
         return z
     poses = labels_of(system.features(z))

@@ -48,12 +48,6 @@ class Germ:
     is_closed: bool
 
 
-def pose_places(system: AlgebraicSystem) -> list[int]:
-    """Places of z that do not belong to the branches of single limbs."""
-    branching = {i for limb in system.limbs for i in limb}
-    return [i for i in range(system.width) if i not in branching]
-
-
 def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:
     """Distances of points a from points b (width, ...), which broadcast, in some places of z or all: angles up to whole
     turns, large lengths by their ratio, rays by their sine."""

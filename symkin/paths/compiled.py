@@ -61,7 +61,9 @@ class CompiledTracker:
         self.library.symkin_track(
             n, _at(points), _at(first), _at(along), int(first.ndim > 1), ctypes.byref(chosen), _at(ends), _at(s), _at(tries)
         )
-        return Tracked(_unit(self.system, ends.T), s >= 1.0, s, int(tries.max(initial=0)))
+        with np.errstate(all="ignore"):
+            ends = self.system.unit_rays(ends.T)
+        return Tracked(ends, s >= 1.0, s, int(tries.max(initial=0)))
 
     def newton(self, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
         """Newton at fixed k, as `tracker.newton` does; a point that has no finite step stays where it is."""
@@ -141,11 +143,3 @@ def _c_settings(settings: TrackSettings) -> _Settings:
 
 def _at(array: np.ndarray) -> ctypes.c_void_p:
     return ctypes.c_void_p(array.ctypes.data)
-
-
-def _unit(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    """The same points with rays of unit length."""
-    z, ray = z.copy(), list(system.projective)
-    with np.errstate(all="ignore"):
-        z[ray] /= np.linalg.norm(z[ray], axis=0)
-    return z

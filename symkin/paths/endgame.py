@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.circles import Germ, circle, follow, gaps, pose_places, separations
+from symkin.paths.circles import Germ, circle, follow, gaps, separations
 from symkin.paths.ends import Ends, SingularRoots
 from symkin.paths.engine import newton, track
 from symkin.paths.local import NULL, ROWS, is_no_pose, lie_on_sets, look, polish
@@ -212,7 +212,7 @@ def _compare(system: AlgebraicSystem, i: int, new: Germ, end: _End, paths: _Path
 
 def _leaves(system: AlgebraicSystem, old: Germ, new: Germ) -> bool:
     """Whether both circles say that the pose goes to infinity (any unknown, where no limb has branches of its own)."""
-    pose = pose_places(system)
+    pose = system.pose_places
     affine = [i for i in pose if i < len(system.unknowns)]
     if (old.leaving & new.leaving)[affine].any():
         return True

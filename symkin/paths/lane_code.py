@@ -14,6 +14,7 @@ from math import isfinite
 import casadi as ca
 import numpy as np
 
+from symkin.model.graph import instructions
 from symkin.paths.algebraic import AlgebraicSystem
 
 
@@ -102,12 +103,11 @@ class _Walk:
             for column in range(self.width + 2):
                 if (row, column) not in filled:
                     self.lines.append(f"a[{self._at(row, column)}] = a[{self._at(row, column)} + 1] = all(0.0);")
-        for n in range(f.n_instructions()):
-            op, i, o = f.instruction_id(n), f.instruction_input(n), f.instruction_output(n)
+        for op, i, o, constant in instructions(f):
             if op == ca.OP_INPUT:
                 work[o[0]] = self._input(i[0], i[1])
             elif op == ca.OP_CONST:
-                work[o[0]] = _constant(f.instruction_constant(n))
+                work[o[0]] = _constant(constant)
             elif op == ca.OP_OUTPUT:
                 self._output(work[i[0]], places[o[0]][o[1]] if o[0] < len(places) else None)
             else:

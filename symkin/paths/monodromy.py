@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from symkin.model.joint import Coordinate
-from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.branches import SAME, cover, labels_of, uncovered
 from symkin.paths.engine import newton, track
 from symkin.paths.symmetry import Orbits
@@ -24,8 +24,9 @@ from symkin.spatial.rotation import multiply
 
 MOST_ROOTS = 130
 MOST_WORK = 1.5e7
-"""More roots than MOST_ROOTS, or steps of all loops times the instructions of a step's evaluation, weighed by the count of paths, beyond which a search
-is given up: about a minute. A count, not a clock, so that the same input gives the same answer."""
+"""More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the instructions of a step's
+evaluation, weighed by the count of paths - and a search is given up. A count, not a clock, so that the same input gives
+the same answer."""
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
@@ -182,7 +183,7 @@ def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng:
 
 
 def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
-    return np.asarray((0.5 if near else 1.5) * gauss(count, rng) + 0.3j * rng.choice([-1, 1], count))
+    return np.asarray((0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count))
 
 
 def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
@@ -257,16 +258,12 @@ def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, 
 def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:
     """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
     radius = loop_radius(rng)
-    return around(system, z, [k0, k0 + radius * gauss(len(k0), rng), k0 + radius * gauss(len(k0), rng), k0])
+    return around(system, z, [k0, k0 + radius * complex_normal(len(k0), rng), k0 + radius * complex_normal(len(k0), rng), k0])
 
 
 def loop_radius(rng: np.random.Generator) -> float:
     """Log-uniform between 0.7 and 5 sizes (or radians), at times up to 30."""
     return float(0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform())
-
-
-def gauss(count: int, rng: np.random.Generator) -> np.ndarray:
-    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
 
 
 def around(system: AlgebraicSystem, z: np.ndarray, corners: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:

@@ -19,7 +19,8 @@ from zipfile import BadZipFile
 import casadi as ca
 import numpy as np
 
-from symkin.paths.algebraic import AlgebraicSystem
+from symkin.model.graph import instructions
+from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.best_start import bases_beside, best_start
 from symkin.paths.branches import uncovered
 from symkin.paths.cache import cache_folder
@@ -31,7 +32,6 @@ from symkin.paths.monodromy import (
     TooManyRootsError,
     fibre,
     full_linearisation,
-    gauss,
     loop_radius,
     orbits,
     random_known,
@@ -140,7 +140,7 @@ def _from_universal(
     scale = coordinate_scale(problem, problem.known_coordinates)
 
     def corner() -> np.ndarray:
-        return known_values(problem, joints + 2.0 * loop_radius(rng) * scale * gauss(len(joints), rng))
+        return known_values(problem, joints + 2.0 * loop_radius(rng) * scale * complex_normal(len(joints), rng))
 
     return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
 
@@ -257,9 +257,8 @@ def closure_key(system: AlgebraicSystem) -> str:
 
 def _hash_of(function: ca.Function, text: str) -> str:
     digest = hashlib.sha256(f"{_VERSION} {text}".encode())
-    for i in range(function.n_instructions()):
-        op, inputs, outputs = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
-        constant = f"{function.instruction_constant(i):.12g}" if op == ca.OP_CONST else ""
+    for op, inputs, outputs, number in instructions(function):
+        constant = f"{number:.12g}" if op == ca.OP_CONST else ""
         digest.update(f"{op} {inputs} {outputs} {constant};".encode())
     return digest.hexdigest()[:32]
 

@@ -14,7 +14,8 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from symkin.paths.algebraic import AlgebraicSystem
+from symkin.paths.algebraic import AlgebraicSystem, complex_normal
+from symkin.paths.branches import SAME
 from symkin.paths.tracker import Tracked
 from symkin.paths.walk import vectorise
 
@@ -24,8 +25,6 @@ is broken by must be larger to be seen, and rounding smaller."""
 _MOST_FLIPS = 14
 """Changes of one row's unknowns that are tried in all combinations; a row with more of them is taken to admit none."""
 _MOST_MAPS = 64
-_SAME = 1e-6
-"""Distance of features within which two roots are one."""
 Draw = Callable[[np.random.Generator], np.ndarray]
 """Draws complex known values (known,) at which a symmetry must hold."""
 
@@ -79,7 +78,7 @@ def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Or
         images = system.all_features(symmetries.apply(z[:, [i]])[:, :, 0].T)
         distance = np.max(np.abs(images[:, None] - f[None]), axis=2)
         nearest = np.argmin(distance, axis=1)
-        met = distance[np.arange(len(nearest)), nearest] < _SAME
+        met = distance[np.arange(len(nearest)), nearest] < SAME
         whole &= bool(met.all())
         for m in np.flatnonzero(met)[::-1]:
             labels[nearest[m]], maps[nearest[m]] = len(first), m
@@ -116,7 +115,7 @@ class _Rows:
     def __init__(self, system: AlgebraicSystem, draw: Draw | None) -> None:
         self.system = system
         self.rng = np.random.default_rng(0)
-        self.draw = draw or (lambda rng: _gauss(rng, int(system.k.shape[0])))
+        self.draw = draw or (lambda rng: complex_normal(int(system.k.shape[0]), rng))
         self.code = vectorise(ca.Function("r", [system.z, system.k], [ca.densify(system.rows)], {"cse": True}))
 
     def at(self, z: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -129,7 +128,7 @@ class _Rows:
         """Whether each row keeps its absolute value at each image (n, rows) of random points."""
         kept = np.bool_(True)
         for _ in range(2):
-            z, k = _gauss(self.rng, self.system.width), self.draw(self.rng).astype(complex)
+            z, k = complex_normal(self.system.width, self.rng), self.draw(self.rng).astype(complex)
             here, there = self.at(z[:, None], k), self.at(images(z), k)
             bound = _EQUAL * np.max(np.abs(here))
             kept = kept & ((np.abs(there - here) < bound) | (np.abs(there + here) < bound))
@@ -218,14 +217,14 @@ def _map(system: AlgebraicSystem, flips: Sequence[_Flip]) -> tuple[np.ndarray, n
 
 def _group(system: AlgebraicSystem, generators: Sequence[tuple[np.ndarray, np.ndarray]]) -> Symmetries:
     """All products of the generators that differ in where they take a root; at most `_MOST_MAPS`."""
-    point = _gauss(np.random.default_rng(1), system.width)
+    point = complex_normal(system.width, np.random.default_rng(1))
     maps = [(np.eye(system.width, dtype=complex), np.zeros(system.width))]
     seen = [system.all_features(point[:, None])[0]]
     for matrix, shift in maps:
         for other, by in generators:
             new = (matrix @ other, matrix @ by + shift)
             f = system.all_features((new[0] @ point + new[1])[:, None])[0]
-            if len(maps) < _MOST_MAPS and min(float(np.max(np.abs(f - g))) for g in seen) > _SAME:
+            if len(maps) < _MOST_MAPS and min(float(np.max(np.abs(f - g))) for g in seen) > SAME:
                 maps.append((new[0], new[1].real))
                 seen.append(f)
     return Symmetries(np.array([m for m, _ in maps]), np.array([t for _, t in maps]))
@@ -235,7 +234,3 @@ def _unit(place: int, count: int) -> np.ndarray:
     row = np.zeros(count, dtype=bool)
     row[place] = True
     return row
-
-
-def _gauss(rng: np.random.Generator, count: int) -> np.ndarray:
-    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))

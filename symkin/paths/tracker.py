@@ -107,7 +107,7 @@ def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackS
         trial, tangent, first, last = _correct(system, predicted, ahead.at(s_new), ahead.direction)
         good = (first <= settings.tolerance) & (last <= 0.1 * settings.tolerance)
         z[:, active[good]], s[active[good]] = trial[:, good], s_new[good]
-        paths.push(active[good], _unit(system, trial[:, good]), tangent[:, good], s_new[good])
+        paths.push(active[good], system.unit_rays(trial[:, good]), tangent[:, good], s_new[good])
         order = np.where(now.count == 1, 5.0, 2.0 * now.count)
         factor = 0.9 * (0.5 * settings.tolerance / np.maximum(first, 1e-16)) ** (1.0 / order)
         factor = np.where(np.isfinite(factor), factor, 0.25)
@@ -118,7 +118,7 @@ def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackS
 
 def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarray, steps: int) -> Tracked:
     """Newton at the end; a point that Newton does not settle has not arrived."""
-    z, there = _unit(system, z), np.flatnonzero(s >= 1.0)
+    z, there = system.unit_rays(z), np.flatnonzero(s >= 1.0)
     arrived = s >= 1.0
     if there.size:
         z[:, there], last = newton(system, z[:, there], end[:, there], 4)
@@ -144,7 +144,7 @@ def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: in
 
 def _start(system: AlgebraicSystem, z: np.ndarray, line: _Line) -> _Paths:
     n = z.shape[1]
-    z = _unit(system, z)
+    z = system.unit_rays(z)
     points, tangents = np.zeros((_POINTS, *z.shape), dtype=complex), np.zeros((_POINTS, *z.shape), dtype=complex)
     points[0], tangents[0] = z, _slope(system, z, line, np.zeros(n), _patch(system, z))
     return _Paths(points, tangents, np.zeros((_POINTS, n)), np.ones(n, dtype=int))
@@ -224,16 +224,6 @@ def _correct(
 
 def _relative(dz: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.asarray(np.max(np.abs(dz), axis=0) / np.maximum(1.0, np.max(np.abs(z), axis=0)))
-
-
-def _unit(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    """The same points with rays of unit length."""
-    if not system.projective:
-        return z
-    ray = slice(system.projective[0], system.projective[-1] + 1)
-    z = z.copy()
-    z[ray] /= np.linalg.norm(z[ray], axis=0)
-    return z
 
 
 def _patch(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.paths.algebraic import complex_normal
 from symkin.paths.endgame import finish
 from symkin.paths.engine import track
 from symkin.paths.monodromy import Fibre, fibre
@@ -35,12 +36,9 @@ def compute_universal_start(seed: int = 0) -> Fibre:
     """Monodromy in lengths and geometry until the bound of 40 is reached."""
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
-        def noise(n: int) -> np.ndarray:
-            return np.asarray((rng.normal(size=n) + 1j * rng.normal(size=n)) / np.sqrt(2))
-
-        e = noise(4)
-        t = np.concatenate([[0.0], noise(3)])
-        return np.concatenate([e, 0.5 * multiply(t, e)]), noise(42)
+        e = complex_normal(4, rng)
+        t = np.concatenate([[0.0], complex_normal(3, rng)])
+        return np.concatenate([e, 0.5 * multiply(t, e)]), complex_normal(42, rng)
 
     system = universal_system()
     found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)

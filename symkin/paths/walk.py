@@ -7,6 +7,8 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
+from symkin.model.graph import instructions
+
 _BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _UNARY = {
     ca.OP_SIN: "sin({})", ca.OP_COS: "cos({})", ca.OP_TAN: "tan({})", ca.OP_SQRT: "sqrt({})", ca.OP_EXP: "exp({})",
@@ -18,15 +20,14 @@ def vectorise(function: ca.Function) -> Callable[..., None]:
     """f(inputs..., outputs...): each input an array (length, n), each output a dense array (n, rows, columns) that is
     filled at the function's nonzeros. Raises NotImplementedError for an operation without a complex form."""
     lines, places = [], []
-    for o in range(function.n_out()):
-        rows, columns = function.sparsity_out(o).get_triplet()
+    for k in range(function.n_out()):
+        rows, columns = function.sparsity_out(k).get_triplet()
         places.append(list(zip(rows, columns, strict=True)))
-    for k in range(function.n_instructions()):
-        op, i, o = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+    for op, i, o, constant in instructions(function):
         if op == ca.OP_INPUT:
             lines.append(f"w{o[0]} = i{i[0]}[{i[1]}]")
         elif op == ca.OP_CONST:
-            lines.append(f"w{o[0]} = {function.instruction_constant(k)!r}")
+            lines.append(f"w{o[0]} = {constant!r}")
         elif op == ca.OP_OUTPUT:
             row, column = places[o[0]][o[1]]
             lines.append(f"o{o[0]}[:, {row}, {column}] = w{i[0]}")

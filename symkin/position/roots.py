@@ -113,12 +113,13 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
         smallest = min(smallest, left)
         if left > ACCEPTED * system.size:
             continue
-        if is_of_continuum(system, z, known):
+        is_singular = system.condition(z, known) > SINGULAR_ROOT
+        if is_singular and moves_freely(system, z, known):
             continuum.append(z)
         else:
             roots.append(z)
             counts.append(count)
-            singular += system.condition(z, known) > SINGULAR_ROOT
+            singular += is_singular
         if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) + singular > len(roots) - singular:
             break
     points = np.array(roots).reshape(len(roots), system.width)

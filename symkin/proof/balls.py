@@ -18,6 +18,8 @@ from typing import Any, Literal
 import casadi as ca
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
+from symkin.model.graph import instructions, rebuilt
+
 Number = Any
 """A ball: arb or acb."""
 Part = Literal["value", "slope", "second", "first", "constant"]
@@ -116,21 +118,11 @@ def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tu
     """The same graph with a symbol in place of each constant that is not a small power of two; the symbols and values."""
     function = ca.Function("f", list(inputs), [ca.densify(expression)], {"cse": True})
     places: dict[float, ca.SX] = {}
-    work: dict[int, ca.SX] = {}
-    result = ca.SX.zeros(*expression.shape)
-    for i in range(function.n_instructions()):
-        op, a, o = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
-        if op == ca.OP_INPUT:
-            work[o[0]] = inputs[a[0]][a[1]]
-        elif op == ca.OP_OUTPUT:
-            result[o[1]] = work[a[0]]
-        elif op == ca.OP_CONST:
-            value = function.instruction_constant(i)
-            work[o[0]] = ca.SX(value) if value in _EXACT else places.setdefault(value, ca.SX.sym(f"c{len(places)}"))
-        elif len(a) == 2:
-            work[o[0]] = ca.SX.binary(op, work[a[0]], work[a[1]])
-        else:
-            work[o[0]] = ca.SX.unary(op, work[a[0]])
+
+    def raised(value: float) -> ca.SX:
+        return ca.SX(value) if value in _EXACT else places.setdefault(value, ca.SX.sym(f"c{len(places)}"))
+
+    result = rebuilt(function, inputs, raised, lambda value: value)
     return result, ca.vertcat(ca.SX(0, 1), *places.values()), tuple(places)
 
 
@@ -145,8 +137,7 @@ def straight_line(function: ca.Function) -> tuple[Callable[..., Any], Callable[.
     pattern = function.sparsity_out(0)
     entries = ["0"] * pattern.numel()
     places = [r * pattern.size2() + c for r, c in zip(*pattern.get_triplet(), strict=True)]
-    for i in range(function.n_instructions()):
-        op, a, o = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
+    for i, (op, a, o, constant) in enumerate(instructions(function)):
         used = [names[j] for j in a] if op not in (ca.OP_INPUT, ca.OP_CONST) else []
         moving = any(m for _, m in used)
         if op == ca.OP_OUTPUT:
@@ -156,7 +147,7 @@ def straight_line(function: ca.Function) -> tuple[Callable[..., Any], Callable[.
         if op == ca.OP_INPUT:
             moving, text = a[0] == 0, f"{'zk'[a[0]]}[{a[1]}]"
         elif op == ca.OP_CONST:
-            text = f"number({function.instruction_constant(i)!r})"
+            text = f"number({constant!r})"
         elif op in _BINARY or op in _UNARY:
             text = (_BINARY.get(op) or _UNARY[op]).format(*(name for name, _ in used))
         else:

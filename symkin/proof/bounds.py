@@ -15,6 +15,7 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 
+from symkin.model.graph import instructions
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.six_distances import universal_system
 from symkin.position.problem import Problem
@@ -113,12 +114,11 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
     function = ca.Function("f", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
     work: dict[int, tuple[_Degree, float | None]] = {}
     result: _Degree | None = None
-    for i in range(function.n_instructions()):
-        op, a, o = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
+    for op, a, o, constant in instructions(function):
         if op == ca.OP_INPUT:
             work[o[0]] = (_Degree(1, slope=Fraction(1)) if a[0] == 0 else _Degree(), None)
         elif op == ca.OP_CONST:
-            work[o[0]] = (_Degree(), function.instruction_constant(i))
+            work[o[0]] = (_Degree(), constant)
         elif op == ca.OP_OUTPUT:
             result = work[a[0]][0]
         else:
