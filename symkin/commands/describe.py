@@ -1,0 +1,35 @@
+"""`symkin list` and `symkin show`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from symkin.commands.options import MechArgument
+
+
+def list_() -> None:
+    """List the shipped mechanisms."""
+    from symkin.model.file import load, shipped_names
+
+    names = shipped_names()
+    for name in names:
+        print(f"{name:{max(map(len, names))}}  {load(name).title}")
+
+
+def show(
+    mech: MechArgument, latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False
+) -> None:
+    """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    if latex:
+        from symkin.export.latex import equations
+
+        print(equations(mechanism))
+        return
+    from symkin.view.describe import describe
+
+    print(describe(mechanism))

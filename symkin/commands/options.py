@@ -1,0 +1,73 @@
+"""Arguments and options that commands share, and how they read numbers, print results and show progress."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+import typer
+
+from symkin.errors import InputError
+
+
+def whole_number(text: str) -> int:
+    """An integer option, refused with its value."""
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"{text!r} is not a whole number; --starts, --seed and other counts take whole numbers from 0") from None
+
+
+MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
+JointsOption = Annotated[
+    str | None,
+    typer.Option(metavar="V1,V2,...", help="All actuated joints, in file order and the file's units: the direct problem."),
+]
+PoseOption = Annotated[
+    str | None, typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.")
+]
+StartOption = Annotated[
+    str | None,
+    typer.Option(metavar="V1,V2,...", help="A pose for the direct problem, all actuated joints for the inverse one."),
+]
+SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of random numbers.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+
+
+def numbers_from(text: str | None, what: str) -> list[float] | None:
+    """Numbers from a comma-separated list; None stays None."""
+    if text is None:
+        return None
+    if not text.strip():
+        raise InputError(f"--{what} is empty; numbers separated by commas are needed")
+    numbers = []
+    for k, part in enumerate(text.split(","), start=1):
+        try:
+            numbers.append(float(part))
+        except ValueError:
+            raise InputError(
+                f"--{what}: value {k} = {part.strip()!r} is not a number; numbers separated by commas are needed"
+            ) from None
+    return numbers
+
+
+def print_result(as_json: bool, to_json: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:
+    """One JSON object, or the text for people."""
+    print(json.dumps(to_json(), allow_nan=False) if as_json else to_text())
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A progress bar on stderr when it is a terminal, else nothing."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

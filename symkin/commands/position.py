@@ -1,0 +1,92 @@
+"""`symkin modes` and `symkin solve`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.commands.options import (
+    JointsOption,
+    JsonOption,
+    MechArgument,
+    PoseOption,
+    SeedOption,
+    StartOption,
+    numbers_from,
+    print_result,
+    progress_bar,
+    whole_number,
+)
+
+
+class Method(StrEnum):
+    continuation = "continuation"
+    multistart = "multistart"
+
+
+class SolverName(StrEnum):
+    newton = "newton"
+    ipopt = "ipopt"
+
+
+def modes(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    method: Annotated[
+        Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
+    ] = Method.continuation,
+    starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of starts.")] = 2000,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
+) -> None:
+    """Find every solution: assembly modes of given joints, working modes of a given pose."""
+    from symkin.enumeration.modes import modes as find_modes
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    if plot is not None:
+        from symkin.view.plot import check_picture_path
+
+        check_picture_path(plot)
+    with progress_bar("solutions") as progress:
+        found = find_modes(
+            mechanism,
+            joints=numbers_from(joints, "joints"),
+            pose=numbers_from(pose, "pose"),
+            method=method.value,
+            starts=starts,
+            seed=seed,
+            progress=progress,
+        )
+    if plot is not None:
+        from symkin.view.plot import draw_modes
+
+        draw_modes(found, plot)
+    print_result(as_json, found.to_json, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
+    raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
+
+
+def solve(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    start: StartOption = None,
+    solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
+    as_json: JsonOption = False,
+) -> None:
+    """Find one solution near a start."""
+    from symkin.model.file import load
+    from symkin.position.solve import solve as solve_one
+    from symkin.view.table import solve_text
+
+    result = solve_one(
+        load(mech), joints=numbers_from(joints, "joints"), pose=numbers_from(pose, "pose"), start=numbers_from(start, "start"),
+        solver=solver.value, check=False,
+    )  # fmt: skip
+    print_result(as_json, result.to_json, lambda: solve_text(result))
+    raise typer.Exit(0 if result.solution is not None else 3)
