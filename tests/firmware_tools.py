@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -38,3 +41,11 @@ def passed(program: Path) -> str:
     done = subprocess.run([str(program)], cwd=program.parent, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
+
+
+def bench_module(name: str) -> ModuleType:
+    """A script of codegen/bench as a module; its neighbours are found beside it."""
+    folder = str(Path(__file__).parent.parent / "codegen" / "bench")
+    if folder not in sys.path:
+        sys.path.append(folder)
+    return importlib.import_module(name)

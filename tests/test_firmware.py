@@ -87,18 +87,20 @@ def test_manifest_names_what_decides_the_bytes():
     assert "time" not in json.dumps(manifest)
 
 
-@pytest.mark.parametrize("option", [{"home_relative": True}, {"geometry": "struct"}, {"home": (0, 0, 1, 1, 0, 0, 0)}])
+@pytest.mark.parametrize("option", [{"home_relative": True}, {"home": (0, 0, 1, 1, 0, 0, 0)}])
 def test_options_for_rods_are_refused_elsewhere(option, tmp_path):
     with pytest.raises(InputError, match="six rods"):
         write_folder(load("zhao2000"), tmp_path, Options(**option))
 
 
-def test_arms_of_seven_joints_are_refused(tmp_path):
+@pytest.mark.parametrize("count", [4, 7])
+def test_arms_that_stay_in_a_plane_are_refused(count, tmp_path):
+    """More joints than directions: parallel axes move the tool in a plane."""
     from symkin import Joint, Limb, Mechanism
 
-    joints = [Joint(f"q{k}", "R", (0, 0, 10.0 * k), (k % 2, 1 - k % 2, 0), actuated=True) for k in range(7)]
-    with pytest.raises(InputError, match="at most six"):
-        write_folder(Mechanism("seven", [Limb("seven", joints)], serial=True), tmp_path, Options())
+    joints = [Joint(f"q{k}", "R", (10.0 * k, 0, 0), (0, 0, 1), actuated=True) for k in range(count)]
+    with pytest.raises(InputError, match="in 3 directions only"):
+        write_folder(Mechanism("plane", [Limb("plane", joints)], serial=True), tmp_path, Options())
 
 
 def test_literals_read_back_exactly():

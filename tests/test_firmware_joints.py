@@ -149,9 +149,39 @@ def mixed_arm() -> Mechanism:
     return Mechanism("mixed_arm", [Limb("arm", joints)], serial=True, platform_position=(110.0, 10.0, 60.0))
 
 
+def seven_joints() -> Mechanism:
+    """A redundant arm of the usual seven: shoulder, elbow and wrist of alternating axes."""
+    spec = [
+        ((0, 0, 0), Z),
+        ((0, 0, 90), Y),
+        ((0, 0, 180), Z),
+        ((20, 0, 270), Y),
+        ((0, 0, 360), Z),
+        ((0, 0, 430), Y),
+        ((15, 0, 430), Z),
+    ]
+    return _arm("seven_joints", spec, (15.0, 0.0, 480.0))
+
+
+def eight_joints() -> Mechanism:
+    """Seven revolute joints on a rail."""
+    spec = [
+        ((0, 0, 0), Z),
+        ((0, 0, 90), Y),
+        ((0, 0, 180), Z),
+        ((20, 0, 270), Y),
+        ((0, 0, 360), Z),
+        ((0, 0, 430), Y),
+        ((15, 0, 430), Z),
+    ]
+    joints = [Joint(f"q{k}", "R", p, a, actuated=True) for k, (p, a) in enumerate(spec, start=1)]
+    rail = Joint("rail", "P", (0, 0, 0), X, actuated=True, limits=(-500.0, 500.0))
+    return Mechanism("eight_joints", [Limb("arm", [rail, *joints])], serial=True, platform_position=(15.0, 0.0, 480.0))
+
+
 MADE = [
     helical_actuated, helical_passive, cylindrical, cylindrical_universal, universal, rods_at_the_end, spherical, ball, planar_rods, schoenflies, translation,
-    five_joints, mixed_arm,
+    five_joints, mixed_arm, seven_joints, eight_joints,
 ]  # fmt: skip
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import re
 from pathlib import Path
 
 import firmware_tools as tools
 import pytest
+
+from symkin import load
+from symkin.firmware.options import Options
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 
@@ -88,17 +90,26 @@ def test_fuzz_under_sanitizers(name, count, scale, real, tmp_path):
     assert sum(int(c) for c in counts.split()) == count
 
 
-def test_not_one_ok_on_another_branch():
-    """Poses within 180 mm and 1 rad of home: what is OK is what fine continuation reaches; most regular lines succeed."""
+WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 50.0)]
+"""Mechanism, goals, type, and how many of the regular lines must succeed (%)."""
+
+
+@pytest.mark.parametrize(("name", "count", "real", "least"), WIDE)
+def test_not_one_ok_on_another_branch(name, count, real, least):
+    """Goals far from home: what is OK is what fine continuation reaches; most regular lines succeed."""
     tools.compiler("gcc")
-    spec = importlib.util.spec_from_file_location("branches", CODEGEN / "bench" / "branches.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    wide = module.study(300, 180.0, 1.0, "double", seed=4)
-    assert wide["ok but another pose"] == 0
-    assert wide["ok of regular, %"] > 93.0
-    near = module.study(200, 60.0, 0.25, "float", seed=5)
-    assert near["ok"] == 200
-    assert near["ok but another pose"] == 0
+    branches = tools.bench_module("branches")
+    found = branches.study(load(name), Options(real, home=branches.HOMES.get(name)), count, seed=4)
+    assert found.wrong == 0
+    assert found.ok_of_regular > least
+
+
+def test_all_near_goals_are_ok():
+    """Within 60 mm and 0.25 rad of home every answer is OK and right."""
+    tools.compiler("gcc")
+    branches = tools.bench_module("branches")
+    near = branches.study(
+        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5
+    )
+    assert near.ok == 200
+    assert near.wrong == 0

@@ -1,10 +1,12 @@
-"""Does NAME_OK mean the branch? Random poses about home, started from home, against a fine continuation.
+"""Does NAME_OK mean the branch? Random goals about home, started from home, against a fine continuation.
 
-For each pose the rods' lengths are followed along the straight line from home in many small steps, all poses at once in
-NumPy (double), with two Newton steps each; a line is regular where det J keeps its sign and every step converges. The
-generated C is then asked for the same lengths with home as the guess.
+For each goal the joints are followed along the straight line from home in many small steps; a line is regular where det J
+keeps its sign and steps of 1/25600 of it converge; what is OK on others must be right as well. The generated C is then asked for the same joint values with home as the guess.
 
-    python codegen/bench/branches.py [--poses 5000] [--reach 180] [--tilt 1.0] [--real double] [--seed 0]
+    python codegen/bench/branches.py [NAME ...] [--count 5000] [--real double] [--seed 0] [--write]
+
+A platform on rods gets goals by poses (within 0.34 of its size, 180 mm for the first, and 1 rad), any other one by joint
+values (within 0.15 of its size and 0.6 rad).
 """
 
 from __future__ import annotations
@@ -13,144 +15,154 @@ import argparse
 import ctypes
 import subprocess
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from continuation import Walker
+from readme import written
 
+from cases import HOME
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
+from symkin.firmware.program import Kind, build_program
+from symkin.firmware.rods import RodPlatform
+from symkin.firmware.vectors import home_values
 from symkin.model.file import load
-from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import build_problem
+from symkin.position.solution import pose_of
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import multiply
 
-HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
-STEPS = 400
-
-
-def rotations(q: np.ndarray) -> np.ndarray:
-    w, x, y, z = q.T
-    return np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
-            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
-            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
-        ],
-        1,
-    )
+STUDIED = ("zhang2009", "ren2008", "zhao2000")
+HOMES = {"zhang2009": HOME}
 
 
-def turned(q: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """(1, half) q, of unit length."""
-    w, u = q[:, :1], q[:, 1:]
-    new = np.concatenate([w - np.sum(half * u, 1, keepdims=True), u + w * half + np.cross(half, u)], 1)
-    return np.asarray(new / np.linalg.norm(new, axis=1, keepdims=True))
+@dataclass(frozen=True)
+class Reach:
+    """How far goals lie from home: positions of poses or sliding joints (a part of the size), rotations (rad)."""
+
+    part: float
+    turn: float
 
 
-def vectors(x: np.ndarray, base: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    arms = np.einsum("nij,kj->nki", rotations(x[:, 3:]), end)
-    return arms, x[:, None, :3] + arms - base
+REGULAR = 1.0 / 25600
+"""A line that needs shorter steps than this part of it passes too near a singularity to be called regular."""
+WIDE_POSES = Reach(180.0 / 531.2592, 1.0)
+WIDE_JOINTS = Reach(0.15, 0.6)
 
 
-def newton(x: np.ndarray, lengths: np.ndarray, base: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    arms, d = vectors(x, base, end)
-    matrix = np.concatenate([d, np.cross(arms, d)], 2)
-    rows = 0.5 * (lengths**2 - np.sum(d * d, 2))
-    sign, _ = np.linalg.slogdet(matrix)
-    bad = sign == 0
-    matrix[bad] = np.eye(6)
-    step = np.linalg.solve(matrix, rows[..., None])[..., 0]
-    step *= np.minimum(1.0, 50.0 / np.maximum(1e-9, np.linalg.norm(step[:, :3], axis=1)))[:, None]
-    moved = np.concatenate([x[:, :3] + step[:, :3], turned(x[:, 3:], 0.5 * step[:, 3:])], 1)
-    return moved, sign, np.max(np.abs(rows), 1)
+@dataclass(frozen=True)
+class Found:
+    """Counts of one study: all goals; regular lines within the joints' ranges; OK; OK on another pose than the line's."""
+
+    goals: int
+    regular: int
+    ok: int
+    wrong: int
+    ok_of_regular: float
+    mean_steps: float
+    most_steps: int
+
+    def row(self, name: str, real: str) -> str:
+        return (
+            f"| {name} {real} | {self.goals:,} | {self.regular:,} | {self.ok_of_regular:.1f} % | {self.wrong} | "
+            f"{self.mean_steps:.1f} | {self.most_steps} |"
+        )
 
 
-def continued(lengths: np.ndarray, base: np.ndarray, end: np.ndarray, home: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Poses at the ends of the lines from home, and which lines are regular; lines that fail are walked ever finer."""
-    x, regular = walked(lengths, base, end, home, STEPS)
-    for finer in (8, 64):
-        again = np.flatnonzero(~regular)
-        if len(again):
-            x[again], regular[again] = walked(lengths[again], base, end, home, finer * STEPS)
-    return x, regular
+def goals_about(kind: Kind, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
+    """Joint values (count, joints): of poses about home, or about the reference's joint values; kept within limits."""
+    size, joints = kind.mechanism.size, kind.mechanism.actuated
+    if isinstance(kind, RodPlatform):
+        goals = np.array([kind.lengths(_pose_about(kind.home, reach, size, rng)) for _ in range(count)])
+    else:
+        middle = np.array([c.reference[0] for c in joints])
+        spread = np.array([reach.turn if c.is_angular else reach.part * size for c in joints])
+        goals = middle + spread * rng.uniform(-1, 1, (count, len(joints)))
+    for i, c in enumerate(joints):
+        if c.limits is not None:
+            goals[:, i] = np.clip(goals[:, i], *c.limits)
+    return goals
 
 
-def walked(lengths: np.ndarray, base: np.ndarray, end: np.ndarray, home: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
-    x = np.repeat(home[None], len(lengths), 0)
-    _, d = vectors(x, base, end)
-    start = np.linalg.norm(d, axis=2)
-    regular = np.ones(len(lengths), dtype=bool)
-    sign0 = newton(x[:1], start[:1], base, end)[1][0]
-    for k in range(1, steps + 1):
-        target = start + k / steps * (lengths - start)
-        once, sign, _ = newton(x, target, base, end)
-        twice, after, _ = newton(once, target, base, end)
-        first = np.linalg.norm(once - x, axis=1)
-        second = np.linalg.norm(twice - once, axis=1)
-        regular &= (sign == sign0) & (after == sign0) & (second < 0.1 * first + 1e-9)
-        x = np.where(regular[:, None], twice, home)
-    for _ in range(3):
-        x, sign, rows = newton(x, lengths, base, end)
-    return x, regular & (rows < 1e-6) & (sign == sign0)
+def _pose_about(home: Pose, reach: Reach, size: float, rng: np.random.Generator) -> Pose:
+    shift = reach.part * size * rng.uniform(-1, 1, 3)
+    turn = rng.uniform(-reach.turn, reach.turn, 3)
+    angle = float(np.linalg.norm(turn))
+    q = multiply(np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]), np.asarray(home.quaternion))
+    return Pose(np.asarray(home.position) + shift, np.asarray(q))
 
 
-def generated(real: str, home: tuple[float, ...]) -> ctypes.CDLL:
-    folder = Path(tempfile.mkdtemp())
-    write_folder(load("zhang2009"), folder, Options(real, home=home))  # type: ignore[arg-type]
-    command = [
-        "gcc",
-        "-O2",
-        "-std=c99",
-        "-fno-math-errno",
-        "-ffp-contract=off",
-        "-shared",
-        "-fPIC",
-        "zhang2009.c",
-        "-o",
-        "z.so",
-        "-lm",
-    ]
-    subprocess.run(command, cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "z.so"))
-
-
-def study(poses: int, reach: float, tilt: float, real: str, seed: int = 0) -> dict[str, float]:
-    mechanism = load("zhang2009")
-    limbs = [limb for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    base, end = np.array([limb.base for limb in limbs]), np.array([limb.platform for limb in limbs])
+def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | None = None, seed: int = 0) -> Found:
+    """Asks the generated C for random goals and compares what it calls OK with the fine continuation."""
+    kind = build_program(mechanism, options).kind
+    problem = build_problem(mechanism, "direct")
+    home = home_values(kind, problem.closure)  # type: ignore[arg-type]
     rng = np.random.default_rng(seed)
-    home = np.array(HOME)
-    goal = np.repeat(home[None], poses, 0)
-    goal[:, :3] += rng.uniform(-reach, reach, (poses, 3))
-    r = rng.uniform(-tilt, tilt, (poses, 3))
-    angle = np.linalg.norm(r, axis=1, keepdims=True)
-    goal[:, 3:] = np.concatenate([np.cos(angle / 2), np.sin(angle / 2) * r / angle], 1)
-    number = np.float32 if real == "float" else np.float64
-    lengths = np.linalg.norm(vectors(goal, base, end)[1], axis=2).astype(number).astype(float)
-    reached, regular = continued(lengths, base, end, home)
-    library = generated(real, HOME)
-    c = ctypes.c_float if real == "float" else ctypes.c_double
-    guess, joints, pose = (c * 7)(*HOME), (c * 6)(), (c * 7)()
-    ok, right, iterations = np.zeros(poses, bool), np.zeros(poses, bool), np.zeros(poses, int)
-    statuses: dict[int, int] = {}
-    info = (ctypes.c_ubyte * 64)()
-    for k in range(poses):
-        joints[:] = lengths[k].tolist()
-        status = library.zhang2009_direct(None, joints, guess, pose, info)
-        statuses[status] = statuses.get(status, 0) + 1
-        ok[k], iterations[k] = status == 0, info[0]
-        right[k] = np.max(np.abs(np.array(pose[:3]) - reached[k, :3])) < (1e-2 if real == "float" else 1e-4)
-    return {
-        "poses": poses, "regular": int(regular.sum()), "ok": int(ok.sum()), "ok but another pose": int((ok & ~(right & regular)).sum()),
-        "ok of regular, %": 100.0 * float((ok & regular).sum()) / float(regular.sum()),
-        "mean steps": float(iterations.mean()), "most steps": int(iterations.max()), "statuses": str(dict(sorted(statuses.items()))),
-    }  # fmt: skip
+    goals = goals_about(kind, count, reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS), rng)
+    goals = goals.astype(np.float32 if options.real == "float" else np.float64).astype(float)
+    start, begin = problem.take(home, problem.system.unknowns), problem.take(home, problem.known_coordinates)
+    status, poses, steps = answers(mechanism, options, goals, pose_of(problem.closure, home))
+    ok = status == 0
+    z, shortest = Walker(problem).reached(start, begin, goals)
+    right = np.zeros(count, dtype=bool)
+    near = 2e-5 if options.real == "float" else 2e-7
+    for k in np.flatnonzero(ok & (shortest > 0.0)):
+        reached = pose_of(problem.closure, problem.assemble(z[k], goals[k]))
+        right[k] = _distance(poses[k], reached, mechanism.size) < near * mechanism.size
+    within = (shortest >= REGULAR) & (status != 4)
+    return Found(
+        count, int(within.sum()), int(ok.sum()), int((ok & ~right).sum()), 100.0 * float((ok & within).sum()) / max(1, int(within.sum())),
+        float(steps.mean()), int(steps.max()),
+    )  # fmt: skip
+
+
+def _distance(found: np.ndarray, reached: Pose, size: float) -> float:
+    """Largest difference of positions, and of quaternions up to sign times the size."""
+    q = np.asarray(reached.quaternion)
+    turned = min(np.max(np.abs(found[3:] - q)), np.max(np.abs(found[3:] + q)))
+    return float(max(np.max(np.abs(found[:3] - reached.position)), 2 * size * turned))
+
+
+def answers(mechanism: Mechanism, options: Options, goals: np.ndarray, home: Pose) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Status, pose and count of steps of NAME_direct for each goal from home."""
+    folder, name = Path(tempfile.mkdtemp()), mechanism.name
+    write_folder(mechanism, folder, options)
+    flags = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC"]
+    subprocess.run(["gcc", *flags, f"{name}.c", "-o", "code.so", "-lm"], cwd=folder, check=True)
+    call = getattr(ctypes.CDLL(str(folder / "code.so")), f"{name}_direct")
+    number = ctypes.c_float if options.real == "float" else ctypes.c_double
+    guess, pose, info = (number * 7)(*home.position, *home.quaternion), (number * 7)(), (ctypes.c_ubyte * 64)()
+    status, poses, steps = np.zeros(len(goals), int), np.zeros((len(goals), 7)), np.zeros(len(goals), int)
+    for k, goal in enumerate(goals):
+        status[k] = call(None, (number * len(goal))(*goal), guess, pose, info)
+        poses[k], steps[k] = pose[:], info[0]
+    return status, poses, steps
+
+
+def report(names: list[str], count: int, reals: list[str], seed: int) -> str:
+    lines = [
+        f"Seed {seed}.", "",
+        "| solver | goals | regular lines | OK of these | OK on another pose | mean steps | most steps |", "|---|---|---|---|---|---|---|",
+    ]  # fmt: skip
+    for name in names:
+        for real in reals:
+            found = study(load(name), Options(real, home=HOMES.get(name)), count, seed=seed)  # type: ignore[arg-type]
+            lines.append(found.row(name, real))
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--poses", type=int, default=5000)
-    parser.add_argument("--reach", type=float, default=180.0)
-    parser.add_argument("--tilt", type=float, default=1.0)
-    parser.add_argument("--real", default="double")
+    parser.add_argument("names", nargs="*", default=list(STUDIED))
+    parser.add_argument("--count", type=int, default=5000)
+    parser.add_argument("--real", choices=("float", "double"), action="append", help="default: both")
     parser.add_argument("--seed", type=int, default=0)
-    for key, value in study(**vars(parser.parse_args())).items():
-        print(f"{key}: {value}")
+    parser.add_argument("--write", action="store_true", help="write the table into codegen/README.md")
+    chosen = parser.parse_args()
+    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed)
+    print(measured)
+    if chosen.write:
+        written("branches", measured)

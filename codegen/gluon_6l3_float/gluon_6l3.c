@@ -482,11 +482,9 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
 static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
 {
     gluon_6l3_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
+    for (int i = 1; i < 6; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum);
 }
 
@@ -1304,12 +1302,13 @@ static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 6; ++j) {
+            for (int j = c; j < 6; ++j) {
                 const gluon_6l3_real t = w->a[6 * c + j];
                 w->a[6 * c + j] = w->a[6 * best + j];
                 w->a[6 * best + j] = t;
@@ -1340,17 +1339,16 @@ static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_wor
         const gluon_6l3_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 6; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+        for (int r = c + 1; r < 6; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
     }
-    for (int r = 6 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 6; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+    for (int c = 6 - 1; c >= 0; --c) {
+        const gluon_6l3_real t = w->f[c] * w->a[6 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
-        w->f[r] *= w->a[6 * r + r];
     }
 }
 
@@ -2208,9 +2206,10 @@ static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_info *info)
 {
     const gluon_6l3_real tolerance2 = config->tolerance * config->tolerance;
@@ -2232,6 +2231,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     gluon_6l3_inverse_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -2332,7 +2332,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
             break;
         }
     }
-    gluon_6l3_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    gluon_6l3_tell(info, count, residual, size, w->spread);
     return status;
 }
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)

@@ -74,7 +74,8 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, GLUON_6L3_WRONG_BRANCH. Angles are near the guess's, not wrapped. */
+ * assured, GLUON_6L3_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+ */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS],
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 

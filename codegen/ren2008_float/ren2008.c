@@ -235,11 +235,9 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
 static REN2008_SHARED ren2008_real ren2008_direct_residual(const ren2008_direct_work *w)
 {
     ren2008_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
+    for (int i = 1; i < 6; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum) * 0.36463425f;
 }
 
@@ -351,17 +349,17 @@ static REN2008_SHARED void ren2008_direct_target(ren2008_direct_work *w, const r
 /* The matrix into w->a, row by row: the fallback's start. */
 static void ren2008_direct_matrix(ren2008_direct_work *w)
 {
-    static const ren2008_real base[6][3] = { { 0.0f, 0.0f, 0.0f }, { 0.1504f, 0.0f, 0.0f }, { 0.6283f, 0.8278f, 0.0f }, { 0.5531f, 0.958f, 0.0f }, { -0.4027f, 0.958f, 0.0f }, { -0.4779f, 0.8278f, 0.0f } };
+    static const ren2008_real base[6][2] = { { 0.0f, 0.0f }, { 0.6016f, 0.0f }, { 2.5132f, 3.3112f }, { 2.2124f, 3.832f }, { -1.6108f, 3.832f }, { -1.9116f, 3.3112f } }; /* 4 b */
     for (int i = 0; i < 6; ++i) {
         const ren2008_real *const b = base[i];
         const ren2008_real *const d = &w->d[3 * i];
         ren2008_real *const row = &w->a[6 * i];
-        for (int k = 0; k < 3; ++k) {
-            const int m = (k < 2) ? (k + 1) : 0;
-            const int n = (m < 2) ? (m + 1) : 0;
-            row[k] = d[k];
-            row[3 + k] = 4.0f * (b[m] * d[n] - b[n] * d[m]);
-        }
+        row[0] = d[0];
+        row[1] = d[1];
+        row[2] = d[2];
+        row[3] = b[1] * d[2];
+        row[4] = -(b[0] * d[2]);
+        row[5] = b[0] * d[1] - b[1] * d[0];
     }
 }
 
@@ -384,12 +382,13 @@ static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 6; ++j) {
+            for (int j = c; j < 6; ++j) {
                 const ren2008_real t = w->a[6 * c + j];
                 w->a[6 * c + j] = w->a[6 * best + j];
                 w->a[6 * best + j] = t;
@@ -420,17 +419,16 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
         const ren2008_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 6; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+        for (int r = c + 1; r < 6; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
     }
-    for (int r = 6 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 6; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+    for (int c = 6 - 1; c >= 0; --c) {
+        const ren2008_real t = w->f[c] * w->a[6 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
-        w->f[r] *= w->a[6 * r + r];
     }
 }
 
@@ -629,9 +627,10 @@ static REN2008_COLD void ren2008_direct_again(ren2008_direct_work *w, const ren2
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6], const ren2008_config *config, ren2008_info *info)
 {
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
@@ -653,6 +652,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     ren2008_direct_target(w, to);
     for (;;) {
         ren2008_direct_rows(w);
@@ -744,7 +744,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             break;
         }
     }
-    ren2008_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    ren2008_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */

@@ -1027,12 +1027,13 @@ static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
             }
         }
         if (!(largest > 3.552713678800501e-15 * scale[c])) {
+            w->spread = 0.0;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 6; ++j) {
+            for (int j = c; j < 6; ++j) {
                 const yao2020_real t = w->a[6 * c + j];
                 w->a[6 * c + j] = w->a[6 * best + j];
                 w->a[6 * best + j] = t;
@@ -1063,17 +1064,16 @@ static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
         const yao2020_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 6; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+        for (int r = c + 1; r < 6; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
     }
-    for (int r = 6 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 6; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+    for (int c = 6 - 1; c >= 0; --c) {
+        const yao2020_real t = w->f[c] * w->a[6 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
-        w->f[r] *= w->a[6 * r + r];
     }
 }
 
@@ -1750,9 +1750,10 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7], const yao2020_config *config, yao2020_info *info)
 {
     const yao2020_real tolerance2 = config->tolerance * config->tolerance;
@@ -1774,6 +1775,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     yao2020_inverse_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -1874,7 +1876,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             break;
         }
     }
-    yao2020_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    yao2020_tell(info, count, residual, size, w->spread);
     return status;
 }
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)

@@ -74,7 +74,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[YAO2020_JOINTS], yao2020
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, YAO2020_WRONG_BRANCH. Angles are near the guess's, not wrapped. */
+ * assured, YAO2020_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+ */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS],
     yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);
 

@@ -93,6 +93,7 @@ typedef struct {
 
 static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
+    (void)geometry;
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -416,6 +417,7 @@ static void zhang2009_legs(const zhang2009_geometry *geometry, zhang2009_direct_
 /* Known values aimed at. */
 static ZHANG2009_SHARED void zhang2009_direct_target(const zhang2009_geometry *geometry, zhang2009_direct_work *w, const zhang2009_real to[6])
 {
+    (void)geometry;
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real t0 = to[i] + geometry->offset[i];
         const zhang2009_real t1 = t0 * t0;
@@ -426,16 +428,17 @@ static ZHANG2009_SHARED void zhang2009_direct_target(const zhang2009_geometry *g
 /* The matrix into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
+    (void)geometry;
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real *const b = geometry->base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
-        for (int k = 0; k < 3; ++k) {
-            const int m = (k < 2) ? (k + 1) : 0;
-            const int n = (m < 2) ? (m + 1) : 0;
-            row[k] = d[k];
-            row[3 + k] = 4.0 * (b[m] * d[n] - b[n] * d[m]);
-        }
+        row[0] = d[0];
+        row[1] = d[1];
+        row[2] = d[2];
+        row[3] = 4.0 * b[1] * d[2] - 4.0 * b[2] * d[1];
+        row[4] = 4.0 * b[2] * d[0] - 4.0 * b[0] * d[2];
+        row[5] = 4.0 * b[0] * d[1] - 4.0 * b[1] * d[0];
     }
 }
 
@@ -458,12 +461,13 @@ static ZHANG2009_COLD int zhang2009_direct_pivoted(const zhang2009_geometry *geo
             }
         }
         if (!(largest > 3.552713678800501e-15 * scale[c])) {
+            w->spread = 0.0;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 6; ++j) {
+            for (int j = c; j < 6; ++j) {
                 const zhang2009_real t = w->a[6 * c + j];
                 w->a[6 * c + j] = w->a[6 * best + j];
                 w->a[6 * best + j] = t;
@@ -494,17 +498,16 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         const zhang2009_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 6; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+        for (int r = c + 1; r < 6; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
     }
-    for (int r = 6 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 6; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+    for (int c = 6 - 1; c >= 0; --c) {
+        const zhang2009_real t = w->f[c] * w->a[6 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
-        w->f[r] *= w->a[6 * r + r];
     }
 }
 
@@ -513,6 +516,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
 static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
     zhang2009_real det;
+    (void)geometry;
     w->pivoted = false;
     const zhang2009_real t0 = 4.0 * geometry->base[5][2];
     const zhang2009_real t1 = t0 * w->d[15];
@@ -771,9 +775,10 @@ static ZHANG2009_COLD void zhang2009_direct_again(const zhang2009_geometry *geom
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geometry, zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
@@ -795,6 +800,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     zhang2009_direct_target(geometry, w, to);
     for (;;) {
         zhang2009_direct_rows(geometry, w);
@@ -886,7 +892,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             break;
         }
     }
-    zhang2009_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    zhang2009_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */
@@ -901,8 +907,9 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_enter(const zhang2009_geometr
 }
 
 /* The pose of the state. */
-static ZHANG2009_SHARED void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose)
+static ZHANG2009_SHARED void zhang2009_leave(const zhang2009_geometry *geometry, const zhang2009_direct_work *w, zhang2009_pose *pose)
 {
+    (void)geometry;
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
     pose->position[2] = w->x[2];
@@ -926,7 +933,7 @@ zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhan
     if (status == ZHANG2009_OK) {
         status = zhang2009_direct_newton(geometry, &w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
-            zhang2009_leave(&w, pose);
+            zhang2009_leave(geometry, &w, pose);
         } else {
             status = zhang2009_failed(joints, guess, status);
         }
@@ -951,7 +958,7 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
             const zhang2009_real size = zhang2009_direct_move(geometry, &w);
             zhang2009_tell(info, 1U, 0.00142 * size, size, w.spread);
             if (size <= 489.99364986527155) {
-                zhang2009_leave(&w, pose);
+                zhang2009_leave(geometry, &w, pose);
             } else {
                 status = zhang2009_failed(joints, pose, ZHANG2009_WRONG_BRANCH);
             }

@@ -66,12 +66,13 @@ static ZHANG2009_COLD void zhang2009_tell(zhang2009_info *info, unsigned int cou
 static ZHANG2009_SHARED zhang2009_status zhang2009_check(const zhang2009_real joints[6])
 {
     zhang2009_status status = ZHANG2009_OK;
-    if (!((joints[0] >= -442.0928f)
-        && (joints[1] >= -442.0928f)
-        && (joints[2] >= -442.0928f)
-        && (joints[3] >= -442.0928f)
-        && (joints[4] >= -442.0928f)
-        && (joints[5] >= -442.0928f))) {
+    bool inside = true;
+    for (int i = 0; i < 6; ++i) {
+        if (!(joints[i] >= -442.0928f)) {
+            inside = false;
+        }
+    }
+    if (!(inside)) {
         status = zhang2009_verdict(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
     return status;
@@ -254,11 +255,9 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
 static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009_direct_work *w)
 {
     zhang2009_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
+    for (int i = 1; i < 6; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum) * 0.0011309829f;
 }
 
@@ -373,17 +372,17 @@ static ZHANG2009_SHARED void zhang2009_direct_target(zhang2009_direct_work *w, c
 /* The matrix into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(zhang2009_direct_work *w)
 {
-    static const zhang2009_real base[6][3] = { { 0.0f, -275.0f, 0.0f }, { 137.5f, -238.15698f, 0.0f }, { 238.15698f, 137.5f, 0.0f }, { 137.5f, 238.15698f, 0.0f }, { -238.15698f, 137.5f, 0.0f }, { -275.0f, 0.0f, 0.0f } };
+    static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f }, { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } }; /* 4 b */
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
-        for (int k = 0; k < 3; ++k) {
-            const int m = (k < 2) ? (k + 1) : 0;
-            const int n = (m < 2) ? (m + 1) : 0;
-            row[k] = d[k];
-            row[3 + k] = 4.0f * (b[m] * d[n] - b[n] * d[m]);
-        }
+        row[0] = d[0];
+        row[1] = d[1];
+        row[2] = d[2];
+        row[3] = b[1] * d[2];
+        row[4] = -(b[0] * d[2]);
+        row[5] = b[0] * d[1] - b[1] * d[0];
     }
 }
 
@@ -406,12 +405,13 @@ static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 6; ++j) {
+            for (int j = c; j < 6; ++j) {
                 const zhang2009_real t = w->a[6 * c + j];
                 w->a[6 * c + j] = w->a[6 * best + j];
                 w->a[6 * best + j] = t;
@@ -442,17 +442,16 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         const zhang2009_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 6; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+        for (int r = c + 1; r < 6; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
     }
-    for (int r = 6 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 6; ++j) {
-            w->f[r] -= w->a[6 * r + j] * w->f[j];
+    for (int c = 6 - 1; c >= 0; --c) {
+        const zhang2009_real t = w->f[c] * w->a[6 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[6 * r + c] * t;
         }
-        w->f[r] *= w->a[6 * r + r];
     }
 }
 
@@ -668,9 +667,10 @@ static ZHANG2009_COLD void zhang2009_direct_again(zhang2009_direct_work *w, cons
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
@@ -692,6 +692,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     zhang2009_direct_target(w, to);
     for (;;) {
         zhang2009_direct_rows(w);
@@ -783,7 +784,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             break;
         }
     }
-    zhang2009_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    zhang2009_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* The state at the guess, and whether joints and guess can be used. */

@@ -172,8 +172,9 @@ static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb1_residual(const zhao2000_limb1_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
+    for (int i = 1; i < 3; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum);
 }
 
@@ -252,12 +253,13 @@ static ZHAO2000_COLD int zhao2000_limb1_pivoted(zhao2000_limb1_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 3; ++j) {
+            for (int j = c; j < 3; ++j) {
                 const zhao2000_real t = w->a[3 * c + j];
                 w->a[3 * c + j] = w->a[3 * best + j];
                 w->a[3 * best + j] = t;
@@ -288,17 +290,16 @@ static ZHAO2000_COLD void zhao2000_limb1_pivoted_solve(zhao2000_limb1_work *w)
         const zhao2000_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 3; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+        for (int r = c + 1; r < 3; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
     }
-    for (int r = 3 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 3; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+    for (int c = 3 - 1; c >= 0; --c) {
+        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
-        w->f[r] *= w->a[3 * r + r];
     }
 }
 
@@ -358,9 +359,10 @@ static void zhao2000_limb1_solve(zhao2000_limb1_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
@@ -382,6 +384,7 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     zhao2000_limb1_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -479,7 +482,7 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    zhao2000_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -597,8 +600,9 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb2_residual(const zhao2000_limb2_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
+    for (int i = 1; i < 3; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum);
 }
 
@@ -693,12 +697,13 @@ static ZHAO2000_COLD int zhao2000_limb2_pivoted(zhao2000_limb2_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 3; ++j) {
+            for (int j = c; j < 3; ++j) {
                 const zhao2000_real t = w->a[3 * c + j];
                 w->a[3 * c + j] = w->a[3 * best + j];
                 w->a[3 * best + j] = t;
@@ -729,17 +734,16 @@ static ZHAO2000_COLD void zhao2000_limb2_pivoted_solve(zhao2000_limb2_work *w)
         const zhao2000_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 3; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+        for (int r = c + 1; r < 3; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
     }
-    for (int r = 3 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 3; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+    for (int c = 3 - 1; c >= 0; --c) {
+        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
-        w->f[r] *= w->a[3 * r + r];
     }
 }
 
@@ -815,9 +819,10 @@ static void zhao2000_limb2_solve(zhao2000_limb2_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
@@ -839,6 +844,7 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     zhao2000_limb2_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -936,7 +942,7 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    zhao2000_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1065,8 +1071,9 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb3_residual(const zhao2000_limb3_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
+    for (int i = 1; i < 3; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum);
 }
 
@@ -1161,12 +1168,13 @@ static ZHAO2000_COLD int zhao2000_limb3_pivoted(zhao2000_limb3_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 3; ++j) {
+            for (int j = c; j < 3; ++j) {
                 const zhao2000_real t = w->a[3 * c + j];
                 w->a[3 * c + j] = w->a[3 * best + j];
                 w->a[3 * best + j] = t;
@@ -1197,17 +1205,16 @@ static ZHAO2000_COLD void zhao2000_limb3_pivoted_solve(zhao2000_limb3_work *w)
         const zhao2000_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 3; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+        for (int r = c + 1; r < 3; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
     }
-    for (int r = 3 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 3; ++j) {
-            w->f[r] -= w->a[3 * r + j] * w->f[j];
+    for (int c = 3 - 1; c >= 0; --c) {
+        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[3 * r + c] * t;
         }
-        w->f[r] *= w->a[3 * r + r];
     }
 }
 
@@ -1283,9 +1290,10 @@ static void zhao2000_limb3_solve(zhao2000_limb3_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
@@ -1307,6 +1315,7 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     zhao2000_limb3_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -1404,7 +1413,7 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    zhao2000_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1655,15 +1664,9 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
 static ZHAO2000_SHARED zhao2000_real zhao2000_direct_residual(const zhao2000_direct_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
-    sum += w->f[6] * w->f[6];
-    sum += w->f[7] * w->f[7];
-    sum += w->f[8] * w->f[8];
-    sum += w->f[9] * w->f[9];
+    for (int i = 1; i < 10; ++i) {
+        sum += w->f[i] * w->f[i];
+    }
     return sqrtf(sum);
 }
 
@@ -1930,12 +1933,13 @@ static ZHAO2000_COLD int zhao2000_direct_pivoted(zhao2000_direct_work *w)
             }
         }
         if (!(largest > 1.9073486e-06f * scale[c])) {
+            w->spread = 0.0f;
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < 10; ++j) {
+            for (int j = c; j < 10; ++j) {
                 const zhao2000_real t = w->a[10 * c + j];
                 w->a[10 * c + j] = w->a[10 * best + j];
                 w->a[10 * best + j] = t;
@@ -1966,17 +1970,16 @@ static ZHAO2000_COLD void zhao2000_direct_pivoted_solve(zhao2000_direct_work *w)
         const zhao2000_real t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < 10; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[10 * r + j] * w->f[j];
+        for (int r = c + 1; r < 10; ++r) {
+            w->f[r] -= w->a[10 * r + c] * t;
         }
     }
-    for (int r = 10 - 1; r >= 0; --r) {
-        for (int j = r + 1; j < 10; ++j) {
-            w->f[r] -= w->a[10 * r + j] * w->f[j];
+    for (int c = 10 - 1; c >= 0; --c) {
+        const zhao2000_real t = w->f[c] * w->a[10 * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[10 * r + c] * t;
         }
-        w->f[r] *= w->a[10 * r + r];
     }
 }
 
@@ -1988,9 +1991,10 @@ static void zhao2000_direct_solve(zhao2000_direct_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
@@ -2012,6 +2016,7 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0f;
     zhao2000_direct_target(w, to, aim);
     for (int i = 0; i < 10; ++i) {
         w->x0[i] = w->x[i];
@@ -2106,7 +2111,7 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0f);
+    zhao2000_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:

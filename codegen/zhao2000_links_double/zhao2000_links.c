@@ -582,7 +582,7 @@ static void zhao2000_links_limb1_matrix(zhao2000_links_limb1_work *w)
 }
 
 /* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. Steps are least squares over all rows. */
+ * its columns are dependent. */
 static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
 {
     zhao2000_links_limb1_matrix(w);
@@ -593,6 +593,7 @@ static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
             squared += w->a[4 * i + c] * w->a[4 * i + c];
         }
         if (!(squared > 3.552713678800501e-15 * 3.552713678800501e-15)) {
+            w->spread = 0.0;
             return 0;
         }
         const zhao2000_links_real inverse = 1.0 / sqrt(squared);
@@ -639,9 +640,10 @@ static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
@@ -663,6 +665,7 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     zhao2000_links_limb1_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -758,7 +761,7 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    zhao2000_links_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -1675,7 +1678,7 @@ static void zhao2000_links_limb2_matrix(zhao2000_links_limb2_work *w)
 }
 
 /* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. Steps are least squares over all rows. */
+ * its columns are dependent. */
 static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
 {
     zhao2000_links_limb2_matrix(w);
@@ -1686,6 +1689,7 @@ static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
             squared += w->a[4 * i + c] * w->a[4 * i + c];
         }
         if (!(squared > 3.552713678800501e-15 * 3.552713678800501e-15)) {
+            w->spread = 0.0;
             return 0;
         }
         const zhao2000_links_real inverse = 1.0 / sqrt(squared);
@@ -1732,9 +1736,10 @@ static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
@@ -1756,6 +1761,7 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     zhao2000_links_limb2_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -1851,7 +1857,7 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    zhao2000_links_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -2832,7 +2838,7 @@ static void zhao2000_links_limb3_matrix(zhao2000_links_limb3_work *w)
 }
 
 /* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. Steps are least squares over all rows. */
+ * its columns are dependent. */
 static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
 {
     zhao2000_links_limb3_matrix(w);
@@ -2843,6 +2849,7 @@ static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
             squared += w->a[4 * i + c] * w->a[4 * i + c];
         }
         if (!(squared > 3.552713678800501e-15 * 3.552713678800501e-15)) {
+            w->spread = 0.0;
             return 0;
         }
         const zhao2000_links_real inverse = 1.0 / sqrt(squared);
@@ -2889,9 +2896,10 @@ static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
@@ -2913,6 +2921,7 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     zhao2000_links_limb3_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -3008,7 +3017,7 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    zhao2000_links_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
@@ -5485,7 +5494,7 @@ static void zhao2000_links_direct_matrix(zhao2000_links_direct_work *w)
 }
 
 /* QR of the 16 x 15 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. Steps are least squares over all rows. */
+ * its columns are dependent. */
 static int zhao2000_links_direct_factor(zhao2000_links_direct_work *w)
 {
     zhao2000_links_direct_matrix(w);
@@ -5496,6 +5505,7 @@ static int zhao2000_links_direct_factor(zhao2000_links_direct_work *w)
             squared += w->a[15 * i + c] * w->a[15 * i + c];
         }
         if (!(squared > 3.552713678800501e-15 * 3.552713678800501e-15)) {
+            w->spread = 0.0;
             return 0;
         }
         const zhao2000_links_real inverse = 1.0 / sqrt(squared);
@@ -5542,9 +5552,10 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
@@ -5566,6 +5577,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = 0.0;
     zhao2000_links_direct_target(w, to, aim);
     for (int i = 0; i < 16; ++i) {
         w->x0[i] = w->x[i];
@@ -5660,7 +5672,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, (sign != 0) ? w->spread : 0.0);
+    zhao2000_links_tell(info, count, residual, size, w->spread);
     return status;
 }
 /* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:

@@ -29,7 +29,7 @@ def firmware(
         bool, typer.Option("--home-relative", help="Joint values and positions as changes from home (platforms on six rods).")
     ] = False,
     geometry: Annotated[
-        GeometryChoice, typer.Option(help="Numbers in the code, or a struct given with each call (platforms on six rods).")
+        GeometryChoice, typer.Option(help="Numbers in the code, or a struct given with each call.")
     ] = GeometryChoice.fixed,
     home: Annotated[
         str | None,

@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.firmware.emit import Real, indexed, snapped_expression
+from symkin.firmware.geometry import Geometry
 from symkin.firmware.kernel import Kernel, system_kernel
 from symkin.firmware.options import Options
 from symkin.firmware.samples import Configuration, configurations
@@ -22,7 +23,7 @@ from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem, build_problem
-from symkin.position.system import System
+from symkin.position.system import System, constant_rows, split_blocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +62,10 @@ class ClosedMechanism:
         return self.direct.closure
 
     @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry(self.closure, self.options.geometry == "struct")
+
+    @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
         return self.closure.role("actuated")
 
@@ -74,26 +79,30 @@ class ClosedMechanism:
 
     @cached_property
     def direct_kernel(self) -> Kernel:
-        return system_kernel(
-            "direct", self.direct.system, self.direct.system.known, [c.is_angular for c in self.actuated], None, _none()
-        )
+        system = self.geometry.system(self.direct)
+        return system_kernel("direct", system, system.known, [c.is_angular for c in self.actuated], None, self.geometry.symbols)
+
+    @cached_property
+    def conditions(self) -> System:
+        """Rows that no joint enters: the pose alone must satisfy them."""
+        return constant_rows(self.geometry.system(self.inverse))
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        pose = self.closure.role("pose")
+        pose, symbols = self.closure.role("pose"), self.geometry.symbols
         made = []
-        for number, system in enumerate(self.inverse.blocks, start=1):
+        for number, system in enumerate(split_blocks(self.geometry.system(self.inverse)), start=1):
             size, rod, kernel = self.closure.size, None, None
             if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
-                rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known])
+                rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
             else:
                 kernel = system_kernel(
-                    f"limb{number}", system, system.known, [c.is_angular for c in pose], _quaternion_place(pose), _none()
+                    f"limb{number}", system, system.known, [c.is_angular for c in pose], _quaternion_place(pose), symbols
                 )
             of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
             scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
             sides = ca.mtimes(of_pose.jacobian, scale)
-            sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known])
+            sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
             made.append(Block(system, kernel, rod, sides))
         return tuple(made)
 
@@ -104,17 +113,13 @@ class ClosedMechanism:
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
         for sample in self.samples[:5]:
-            matrix = self.direct_kernel.matrix(sample.unknown, sample.known, np.zeros(0))
+            matrix = self.direct_kernel.matrix(sample.unknown, sample.known, self.geometry.values)
             singular = np.linalg.svd(matrix, compute_uv=False)
             if matrix.shape[0] < matrix.shape[1] or singular[-1] < 1e-9 * singular[0]:
                 raise InputError(
                     f"{self.name}: locking the actuated joints does not fix the platform near the reference "
                     "(`symkin show` prints mobility and rank); nothing to generate"
                 )
-
-
-def _none() -> ca.SX:
-    return ca.SX(0, 1)
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:

@@ -19,20 +19,21 @@ def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, o
     real, name = made.real, made.name
     nq, ns = len(made.actuated), made.direct.system.width
     pose = made.closure.role("pose")
-    values = common_values(name, real, False) | {
+    geometry = made.geometry
+    values = common_values(name, real, geometry.at_run_time) | {
         "nq": nq, "ns": ns, "nc": sum(c.width for c in pose), "np": max(1, sum(c.width for c in made.passive)),
         "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201),
     }  # fmt: skip
-    text = fill("unit.c", values) + coordinates_text(made.closure, real, values) + pose_text(made.closure, real, values)
+    text = fill("unit.c", values) + coordinates_text(geometry, real, values) + pose_text(geometry, real, values)
     text += fill("joints.c", values | {"positive": "", "ranges": ranges(made.actuated, real, made.closure.size)})
     for block in made.blocks:
         text += _block_text(made, block, values)
     text += _limbs_text(made, values)
     kernel = made.direct_kernel
-    matrices = np.array([kernel.matrix(s.unknown, s.known, np.zeros(0)) for s in made.samples])
-    kappa = curvature(kernel, [s.unknown for s in made.samples], [s.known for s in made.samples], np.zeros(0))
+    matrices = np.array([kernel.matrix(s.unknown, s.known, geometry.values) for s in made.samples])
+    kappa = curvature(kernel, [s.unknown for s in made.samples], [s.known for s in made.samples], geometry.values)
     source = kernel_source(
-        kernel, name, real, [], matrices, line_target(real, nq, None), kappa, start_aim="w->aim", known_count=nq
+        kernel, name, real, geometry.names, matrices, line_target(real, nq, None), kappa, start_aim="w->aim", known_count=nq
     )
     values |= _direct_values(made, source, values)
     text += source.text + _towards(made, values) + fill("direct.c", values) + "\n" + _inverse_text(made, values)
@@ -47,16 +48,18 @@ def _block_text(made: ClosedMechanism, block: Block, values: dict[str, object]) 
     known = made.inverse.known_coordinates
     states = [made.inverse.take(s.values, block.system.unknowns) for s in made.samples]
     poses = [made.inverse.take(s.values, known) for s in made.samples]
-    matrices = np.array([kernel.matrix(z, k, np.zeros(0)) for z, k in zip(states, poses, strict=True)])
-    kappa = curvature(kernel, states, poses, np.zeros(0))
-    source = kernel_source(kernel, made.name, real, [], matrices, line_target(real, nc, kernel.quaternion), kappa)
+    matrices = np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)])
+    kappa = curvature(kernel, states, poses, made.geometry.values)
+    source = kernel_source(
+        kernel, made.name, real, made.geometry.names, matrices, line_target(real, nc, kernel.quaternion), kappa
+    )
     reference = made.closure.reference
     start = made.inverse.take(reference, block.system.unknowns)
     at = made.inverse.take(reference, known)
     freedom = int(block.sides.shape[1])
     emitter = Emitter(
-        ca.Function("sides", [kernel.state, kernel.known], [block.sides], {"cse": True}),
-        [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", nc)], real,
+        ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True}),
+        [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", nc), made.geometry.names], real,
     )  # fmt: skip
     entries = []
     places = {place: k for k, place in enumerate(zip(*emitter.function.sparsity_out(0).get_triplet(), strict=True))}
@@ -86,7 +89,7 @@ def _places(made: ClosedMechanism, block: Block) -> list[tuple[str, int, int]]:
 
 def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
     """All limbs for a pose, on the reference's branches."""
-    name = made.name
+    name, ga = made.name, values["ga"]
     lines: list[str] = []
     for block in made.blocks:
         if block.kernel is None:
@@ -94,18 +97,17 @@ def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
             continue
         k = f"{name}_{block.kernel.name}"
         copies = [f"{array}[{there}] = w.x[{here}];" for array, there, here in _places(made, block)]
-        lines += [f"if (status == {name.upper()}_OK) {{", f"    {k}_work w;", f"    status = {k}_at(&w, c);",
+        lines += [f"if (status == {name.upper()}_OK) {{", f"    {k}_work w;", f"    status = {k}_at({ga}&w, c);",
                   *("    " + text for text in copies), "}"]  # fmt: skip
-    conditions = made.inverse.conditions
-    if int(conditions.rows.shape[0]):
-        lines += _condition_lines(made, conditions)
+    if int(made.conditions.rows.shape[0]):
+        lines += _condition_lines(made, made.conditions)
     return fill("limbs.c", values | {"limbs": indent(lines)})
 
 
 def _rod_lines(made: ClosedMechanism, block: Block) -> list[str]:
     emitter = Emitter(
-        ca.Function("rod", [block.system.known], [block.rod], {"cse": True}),
-        [indexed("c", int(block.system.known.shape[0]))], made.real, prefix=f"{block.system.unknowns[0].name}_",
+        ca.Function("rod", [block.system.known, made.geometry.symbols], [block.rod], {"cse": True}),
+        [indexed("c", int(block.system.known.shape[0])), made.geometry.names], made.real, prefix=f"{block.system.unknowns[0].name}_",
     )  # fmt: skip
     text = emitter.value(0, 0)
     array, there, _ = _places(made, block)[0]
@@ -116,8 +118,8 @@ def _condition_lines(made: ClosedMechanism, conditions: System) -> list[str]:
     """Rows that no joint enters: the pose alone must satisfy them."""
     real = made.real
     emitter = Emitter(
-        ca.Function("conditions", [conditions.known], [conditions.rows], {"cse": True}),
-        [indexed("c", int(conditions.known.shape[0]))],
+        ca.Function("conditions", [conditions.known, made.geometry.symbols], [conditions.rows], {"cse": True}),
+        [indexed("c", int(conditions.known.shape[0])), made.geometry.names],
         real,
         prefix="v",
     )
@@ -129,18 +131,18 @@ def _condition_lines(made: ClosedMechanism, conditions: System) -> list[str]:
 
 
 def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str, object]) -> dict[str, object]:
-    real, name = made.real, made.name
+    real, name, ga = made.real, made.name, str(values["ga"])
     passive = sum(c.width for c in made.passive)
     nc = int(str(values["nc"]))
-    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};",  f"status = {name}_coordinates(guess, c);",
-             f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs(c, w->at, passive);",
+    enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};",  f"status = {name}_coordinates({ga}guess, c);",
+             f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs({ga}c, w->at, passive);",
              *("    " + line for line in copy("w->x", "passive", passive) if passive), "}",
              f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
              *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
     literal = real.literal
     return {
-        "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of(&w->x[{passive}], pose);"]),
-        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "whole": ", " + literal(1.0), "track_factor": factored(source.kernel, f"{name}_direct", "&w"),
+        "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of({ga}&w->x[{passive}], pose);"]),
+        "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "whole": ", " + literal(1.0), "track_factor": factored(source.kernel, f"{name}_direct", "&w", ga),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
     }  # fmt: skip
 
@@ -157,14 +159,14 @@ def _towards(made: ClosedMechanism, values: dict[str, object]) -> str:
 
 def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
     """NAME_inverse and NAME_jacobian."""
-    real, name, size = made.real, made.name, made.closure.size
+    real, name, size, ga = made.real, made.name, made.closure.size, str(values["ga"])
     columns = COLUMNS[made.mechanism.motion]
     lines: list[str] = []
     for block in made.blocks:
         places = [(there, here) for array, there, here in _places(made, block) if array == "q"]
         if block.kernel is None:
-            emitter = Emitter(ca.Function("rod", [block.system.unknown, block.system.known], [ca.densify(block.sides)], {"cse": True}),
-                              [["0"], indexed("c", int(block.system.known.shape[0]))], real, prefix=f"{block.system.unknowns[0].name}_")  # fmt: skip
+            emitter = Emitter(ca.Function("rod", [block.system.unknown, block.system.known, made.geometry.symbols], [ca.densify(block.sides)], {"cse": True}),
+                              [["0"], indexed("c", int(block.system.known.shape[0])), made.geometry.names], real, prefix=f"{block.system.unknowns[0].name}_")  # fmt: skip
             texts = [emitter.value(0, j) for j in range(len(columns))]
             lines += [
                 *emitter.lines,
@@ -174,8 +176,8 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         k, m = f"{name}_{block.kernel.name}", block.kernel.m
         tangent = _tangent_index(block.system)
         scales = {c_index: (1 / size if angular else 1.0) for c_index, angular in tangent.values()}
-        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at(&w, c);", f"if (status == {name.upper()}_OK) {{",
-                f"    {k}_sides(&w, sides);", f"    if ({factored(block.kernel, k, '&w')}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_at({ga}&w, c);", f"if (status == {name.upper()}_OK) {{",
+                f"    {k}_sides({ga}&w, sides);", f"    if ({factored(block.kernel, k, '&w', ga)}) {{", f"        status = {name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
         for j, column in enumerate(columns):
             body += [
                 f"        for (int i = 0; i < {m}; ++i) {{",

@@ -6,6 +6,7 @@ from symkin.export.latex import equations
 from symkin.firmware.closed import ClosedMechanism
 from symkin.firmware.program import Program, model_digest
 from symkin.firmware.rods import RodPlatform
+from symkin.firmware.serial import SerialArm
 
 _RODS = r"""Platform point $A_i = p + R\,a_i$, base point $b_i$, rod vector $d_i = A_i - b_i$, rod length $L_i$ (offset + joint value):
 
@@ -36,18 +37,44 @@ solved one by one."""
 _SERIAL = r"""The tool's pose is a product of exponentials of the joints' screws. The inverse problem solves the rows below, position and
 twice the size times the vector part of the relative quaternion, for the joint values."""
 
+_REDUNDANT = r"""
+A pose leaves some of the joints free. With $J$ of more columns than rows, each step is the shortest solution of $J s = f$:
+$J^T = Q R$, $R^T y = f$, $s = Q y$, lengths as they are and angles times the size. As pieces of the line shrink, the answer tends
+to the end of $\dot q = J^+ \dot X$; it keeps to the joint values of no earlier visit, as closed paths of poses need not close in $q$."""
+
 _BRANCH = r"""## Which answer is OK
 
-`OK` says that the answer is the one which is reached from the guess along a straight line of the given values without
-meeting a singularity. Let $s_0$ be the first Newton step and $s_1$ the next with the same or new factors. Newton and
-Kantorovich: if $h = \omega |s_0| \le \tfrac12$, $\omega$ the Lipschitz constant of $J^{-1} J'$, there is one solution in a ball about
-the guess, the matrix is regular there, and this holds for every point of the line because its steps are shorter. The
-contraction $\theta = |s_1| / |s_0| \le h / 2$ estimates $h$ for nothing. Where $\theta > \tfrac14$ on the whole line, the line is cut
-into pieces, each accepted at $\theta \le \tfrac18$; where pieces become shorter than 1/1024, or the sign of $\det J$ (free with
-the pivots) changes, the status is `WRONG_BRANCH`. After acceptance the next step must be at most $|s_0| / 8$. The predicted error
-of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are evaluated once more and must
-vanish to the tolerance plus rounding. $\theta$ is measured along the path of the iteration only: this is an estimate that was
-tested against fine continuation, not a proof."""
+`OK` says that the answer is the one which is reached from the guess along a straight line of the given values without meeting
+a singularity. Write $x_0$ for the guess's state, $J_0$ for the matrix there, $\lambda \in [0, 1]$ for the place on the line,
+$s_0(\lambda)$ for Newton's first step towards it, $s_0 = s_0(1)$, $\bar s_1$ for the next step with the same factors, and
+$\theta = |\bar s_1| / |s_0|$.
+
+**Proved.** Let $|J_0^{-1} (J(x) - J(y))| \le \omega |x - y|$. If $h = \omega \max_\lambda |s_0(\lambda)| \le \tfrac12$
+(Newton, Kantorovich), then for each $\lambda$ there is one solution $x(\lambda)$ within $(1 - \sqrt{1 - 2h}) / \omega$ of
+$x_0$, the matrix is regular short of $1 / \omega$, and Newton's method from $x_0$ ends there. So $x(\lambda)$ is a continuous
+path without a singularity and the answer is its end.
+
+1. $\theta \le h / 2$, and with new factors $|s_1| / |s_0| \le h / (2 - 2h)$. So $\theta > \tfrac14$ proves that the theorem
+   says nothing about the whole line: to cut it is never a mistake of principle.
+2. Where the rows are quadratics, as distances in Study's coordinates are, their second derivative $B$ is constant, $\omega =
+   \max |J_0^{-1} B(u, v)|$ over unit $u, v$ exactly, and $\bar s_1 = -\tfrac12 J_0^{-1} B(s_0, s_0)$: $2 \theta$ *is* $h$ for
+   the curvature in the step's own direction. A quarter is then Kantorovich's limit $h = \tfrac12$, and it is sharp: for $x^2
+   = c$ from $x_0$, $\theta = |c - x_0^2| / 4 x_0^2$, which is $\tfrac14$ at $c = 0$, where the two roots meet.
+3. An eighth is $h = \tfrac14$ in that direction: it proves the path where no direction is curved more than twice as much as
+   the step's. It also lies below Smale's bound $\alpha = h / 2 \le (13 - 3 \sqrt{17}) / 4 = 0.157$ for an approximate zero.
+4. For rods, whose rows hold squared lengths, $s_0(\lambda) = \lambda s_0 - \lambda (1 - \lambda) J_0^{-1} (\Delta L_i^2)$: on
+   the way the steps are longer than $|s_0|$ by at most $\tfrac14 |J_0^{-1} (\Delta L_i^2)|$, a term of second order. For rows
+   linear in $\lambda$ they are $\lambda s_0$.
+
+**Measured, not proved.** $\omega$ over all directions is not computed; the state is a position and a unit quaternion, in
+which rows are quadratics up to terms of third order only; the closures of passive joints hold sines. The rule is therefore:
+the whole line is tried and accepted at $\theta \le \tfrac14$; elsewhere it is cut into pieces, each accepted at $\theta \le
+\tfrac18$; after acceptance the next step must be at most $|s_0| / 8$; where pieces become shorter than 1/1024, or the sign of
+$\det J$ (free with the pivots) changes, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch rests
+on random goals compared with fine continuation.
+
+The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
+evaluated once more and must vanish to the tolerance plus rounding."""
 
 
 def readme(program: Program) -> str:
@@ -58,6 +85,8 @@ def readme(program: Program) -> str:
         kind = _RODS + (_RELATIVE if options.home_relative else "")
     else:
         kind = _CLOSED if isinstance(program.kind, ClosedMechanism) else _SERIAL
+    if isinstance(program.kind, SerialArm) and program.kind.is_redundant:
+        kind += "\n" + _REDUNDANT
     closure = equations(mechanism)
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {mechanism.title or "generated kinematics"}

@@ -190,13 +190,13 @@ def _safe(text: str) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def dense_statements(emitter: Emitter, rows: int, columns: int, target: str) -> list[str]:
-    """Statements that fill a row-major array with the function's first output."""
+def dense_statements(emitter: Emitter, rows: int, columns: int, target: str, *, transposed: bool = False) -> list[str]:
+    """Statements that fill a row-major array with the function's first output, or with its transpose."""
     places = {place: k for k, place in enumerate(zip(*emitter.function.sparsity_out(0).get_triplet(), strict=True))}
     names = indexed(target, rows * columns)
     for i in range(rows):
         for j in range(columns):
             k = places.get((i, j))
             text = emitter.real.literal(0.0) if k is None else emitter.value(0, k)
-            emitter.lines.append(f"{names[columns * i + j]} = {text};")
+            emitter.lines.append(f"{names[rows * j + i if transposed else columns * i + j]} = {text};")
     return emitter.lines

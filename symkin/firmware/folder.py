@@ -12,9 +12,10 @@ import numpy as np
 from symkin._version import __version__
 from symkin.errors import InputError
 from symkin.firmware.derivation import readme
-from symkin.firmware.emit import Real
+from symkin.firmware.emit import Real, indent
 from symkin.firmware.options import Options
 from symkin.firmware.program import Program, build_program, model_digest
+from symkin.firmware.serial import SerialArm
 from symkin.firmware.source import fill
 from symkin.firmware.vectors import Vectors, build_vectors
 from symkin.model.mechanism import Mechanism
@@ -75,7 +76,6 @@ def manifest(program: Program, files: dict[str, str]) -> str:
 
 def _test_values(program: Program) -> dict[str, object]:
     real, mechanism = program.real, program.mechanism
-    angular = any(c.is_angular for c in mechanism.actuated)
     struct = program.options.geometry == "struct"
     name = mechanism.name
     nominal = (
@@ -83,13 +83,41 @@ def _test_values(program: Program) -> dict[str, object]:
         if struct
         else ""
     )
-    return {
+    return _redundant_values(program) | {
         "far": real.literal(1e4 * max(mechanism.size, 1.0)),
-        "angle_bound": f" * {max(1.0, 2.0 / mechanism.size)!r}" if angular else "",
+        "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
     }  # fmt: skip
+
+
+def _angle_bound(program: Program) -> str:
+    """What makes the allowed error of lengths one of joint values, some of which are angles."""
+    angular = any(c.is_angular for c in program.mechanism.actuated)
+    return f" * {max(1.0, 2.0 / program.mechanism.size)!r}" if angular else ""
+
+
+def _redundant_values(program: Program) -> dict[str, object]:
+    """How answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
+    finely followed path, and exactly by the tool's pose."""
+    kind, name = program.kind, program.mechanism.name
+    if not isinstance(kind, SerialArm) or not kind.is_redundant:
+        return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
+    slides = " || ".join(f"(i == {i})" for i, c in enumerate(kind.actuated) if not c.is_angular)
+    bound = f"(({slides}) ? {0.01 * program.mechanism.size!r} : 0.01)" if slides else "0.01"
+    first = "geometry, " if program.options.geometry == "struct" else ""
+    again = [
+        f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the answer", k);',
+        "for (int i = 0; i < 3; ++i) {",
+        f'    expect(fabs((double)pose.position[i] - (double){name}_vector_poses[k][i]) <= bound, "the answer\'s position", k);',
+        "}",
+        "for (int i = 0; i < 4; ++i) {",
+        f"    const double off = fabs((double)pose.quaternion[i] - (double){name}_vector_poses[k][3 + i]);",
+        f'    expect((double){name.upper()}_SIZE * off <= bound, "the answer\'s quaternion", k);',
+        "}",
+    ]
+    return {"joint_bound": bound, "again": indent(again, 2)}
 
 
 def vectors_text(program: Program, vectors: Vectors) -> str:

@@ -60,6 +60,11 @@ class Kernel:
     def is_square(self) -> bool:
         return self.m == self.n
 
+    @property
+    def is_wide(self) -> bool:
+        """More unknowns than rows: steps are the shortest that solve the rows."""
+        return self.n > self.m
+
     def row_function(self) -> ca.Function:
         return ca.Function("rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True})
 

@@ -31,8 +31,6 @@ class Options:
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
-        if self.geometry == "struct" and not is_rod_platform(mechanism):
-            raise InputError(f"{mechanism.name}: --geometry struct is made for platforms on six rods with a spatial pose")
         if self.home is not None and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
 

@@ -122,8 +122,9 @@ def _branch_lines(kind: Kind) -> list[str]:
 
 
 def _geometry(kind: Kind) -> str:
-    """The struct of a rod platform's geometry and its nominal values."""
-    assert isinstance(kind, RodPlatform)  # noqa: S101 - options are checked before
+    """The struct of the geometry and its nominal values."""
+    if not isinstance(kind, RodPlatform):
+        return kind.geometry.declaration(kind.name, kind.real)
     name, real = kind.name, kind.real
     numbers = kind.geometry_values.reshape(6, 7)
     base = ", ".join("{ " + ", ".join(real.literal(float(v)) for v in row[:3]) + " }" for row in numbers)

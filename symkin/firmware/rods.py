@@ -160,41 +160,60 @@ def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: s
 
 
 def _matrix(platform: RodPlatform) -> list[str]:
-    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but room does."""
+    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but room does. The table
+    holds 4 b without coordinates that are zero for all bases."""
     real = platform.real
-    rows = platform.geometry_values.reshape(6, 7)[:, :3]
-    base = ", ".join("{ " + ", ".join(real.literal(snap(float(v))) for v in row) + " }" for row in rows)
     struct = platform.options.geometry == "struct"
-    table = [] if struct else [f"static const {real.type} base[6][3] = {{ {base} }};"]
-    b, four = ("geometry->base[i]" if struct else "base[i]"), real.literal(4.0)
-    cross_rows = [
-        "    for (int k = 0; k < 3; ++k) {", "        const int m = (k < 2) ? (k + 1) : 0;", "        const int n = (m < 2) ? (m + 1) : 0;",
-        "        row[k] = d[k];", f"        row[3 + k] = {four} * (b[m] * d[n] - b[n] * d[m]);", "    }",
-    ]  # fmt: skip
+    rows = platform.geometry_values.reshape(6, 7)[:, :3]
+    kept = [k for k in range(3) if struct or np.any(rows[:, k] != 0.0)] or [0]
+    numbers = ", ".join("{ " + ", ".join(real.literal(4.0 * snap(float(row[k]))) for k in kept) + " }" for row in rows)
+    table = [] if struct else [f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }}; /* 4 b */"]
+    b = "geometry->base[i]" if struct else "base[i]"
+    four = f"{real.literal(4.0)} * " if struct else ""
+    entries = [f"row[{k}] = d[{k}];" for k in range(3)]
+    for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        plus = f"{four}b[{kept.index(m)}] * d[{n}]" if m in kept else ""
+        minus = f"{four}b[{kept.index(n)}] * d[{m}]" if n in kept else ""
+        text = f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else real.literal(0.0))
+        entries.append(f"row[{3 + k}] = {text};")
     return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
-            f"    {real.type} *const row = &w->a[6 * i];", *cross_rows, "}"]  # fmt: skip
+            f"    {real.type} *const row = &w->a[6 * i];", *("    " + text for text in entries), "}"]  # fmt: skip
 
 
 def _check(platform: RodPlatform, values: dict[str, object]) -> str:
-    """Ranges: the limbs' own, and lengths that are positive."""
+    """Ranges: the limbs' own, and lengths that are positive. In float, where room counts, a loop where all are alike."""
+    tests = _range_tests(platform)
+    shown: dict[str, object] = {"before": "", "ranges": "\n        && ".join(tests)}
+    alike = {test.replace(f"[{i}]", "[i]") for i, test in enumerate(tests)}
+    if platform.real.name == "float" and len(tests) == 6 and len(alike) == 1:
+        loop = [
+            "bool inside = true;",
+            "for (int i = 0; i < 6; ++i) {",
+            f"    if (!{alike.pop()}) {{",
+            "        inside = false;",
+            "    }",
+            "}",
+        ]
+        shown = {"before": indent(loop), "ranges": "inside"}
+    return fill("joints.c", values | shown | {"positive": " and rods longer than zero"})
+
+
+def _range_tests(platform: RodPlatform) -> list[str]:
+    """C conditions that joint values must all satisfy, joint by joint."""
     real, size = platform.real, platform.mechanism.size
     slack = max(1e-9, 16 * real.epsilon) * size
     zero = platform.lengths(platform.home) if platform.options.home_relative else np.zeros(6)
-    parts = []
+    tests = []
     for i, limb in enumerate(platform.mechanism.limbs):
         assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
         low = max(-limb.offset + 1e-6 * size, limb.limits[0] - slack if limb.limits else -np.inf) - zero[i]
         if platform.options.geometry == "struct" and not limb.limits and not platform.options.home_relative:
-            parts.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
+            tests.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
         else:
-            parts.append(f"(joints[{i}] >= {real.literal(low)})")
+            tests.append(f"(joints[{i}] >= {real.literal(low)})")
         if limb.limits:
-            parts.append(f"(joints[{i}] <= {real.literal(limb.limits[1] + slack - zero[i])})")
-    text = " && ".join(parts)
-    return fill(
-        "joints.c",
-        values | {"ranges": text.replace(" && ", "\n        && "), "positive": " and rods longer than zero"},
-    )
+            tests.append(f"(joints[{i}] <= {real.literal(limb.limits[1] + slack - zero[i])})")
+    return tests
 
 
 def _pose_function(rods: Rods, geometry: ca.SX) -> ca.Function:

@@ -16,6 +16,7 @@ from symkin.errors import InputError
 from symkin.firmware.closed import line_target, ranges
 from symkin.firmware.emit import Emitter, Real, indent, indexed, snapped_expression
 from symkin.firmware.factor import curvature
+from symkin.firmware.geometry import Geometry
 from symkin.firmware.kernel import Kernel, system_kernel
 from symkin.firmware.options import Options
 from symkin.firmware.source import KernelSource, common_values, copy, fill, kernel_source
@@ -55,8 +56,8 @@ class SerialArm:
         """Tool pose (x, y, z, qw, qx, qy, qz) of the joints."""
         closure = self.inverse.closure
         assert closure.forward is not None  # noqa: S101 - every serial arm has it
-        pose = closure.bound(ca.vertcat(closure.forward.position, closure.forward.quaternion))
-        return snapped_expression(pose, [self.joints])
+        pose = self.geometry.of(ca.vertcat(closure.forward.position, closure.forward.quaternion))
+        return snapped_expression(pose, [self.joints, self.geometry.symbols])
 
     @cached_property
     def jacobian(self) -> ca.SX:
@@ -70,28 +71,66 @@ class SerialArm:
         return ca.horzcat(*columns)
 
     @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry(self.inverse.closure, self.options.geometry == "struct")
+
+    def forward_at(self, joints: np.ndarray) -> np.ndarray:
+        """Tool pose (7,) of joint values, nominal geometry."""
+        return np.asarray(self._forward(joints, self.geometry.values)).ravel()
+
+    def jacobian_at(self, joints: np.ndarray) -> np.ndarray:
+        """Jacobian (6, N) at joint values, nominal geometry."""
+        return np.asarray(self._rates(joints, self.geometry.values))
+
+    @cached_property
+    def _forward(self) -> ca.Function:
+        return ca.Function("forward", [self.joints, self.geometry.symbols], [ca.densify(self.pose)])
+
+    @cached_property
+    def _rates(self) -> ca.Function:
+        return ca.Function("jacobian", [self.joints, self.geometry.symbols], [ca.densify(self.jacobian)])
+
+    @cached_property
     def kernel(self) -> Kernel:
-        system = self.inverse.system
-        return system_kernel("inverse", system, system.known, (False,) * 7, 3, ca.SX(0, 1))
+        system = self.geometry.system(self.inverse)
+        return system_kernel("inverse", system, system.known, (False,) * 7, 3, self.geometry.symbols)
 
     @cached_property
     def samples(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Joint values and their poses: within 0.8 rad and a tenth of the size of the middle, limits respected."""
-        forward = ca.Function("forward", [self.joints], [self.pose])
         rng = np.random.default_rng(4)
         found = []
         for _ in range(60):
             q = np.array([_middle(c, self.mechanism.size, float(rng.uniform(-1, 1))) for c in self.actuated])
-            pose = np.asarray(forward(q)).ravel()
-            found.append((q, pose))
+            found.append((q, self.forward_at(q)))
         return found
 
+    @property
+    def is_redundant(self) -> bool:
+        """A tool pose does not decide the joints."""
+        return len(self.actuated) > 6
+
     def check(self) -> None:
-        if len(self.actuated) > 6:
+        count, rank = len(self.actuated), self.inverse.generic_rank
+        if rank < min(6, count):
             raise InputError(
-                f"{self.name} has {len(self.actuated)} joints, so that a tool pose does not decide them; "
-                "C is generated for arms of at most six joints"
+                f"{self.name}: its {count} joints move the tool in {rank} directions only, so that no step is decided; C is "
+                "generated for arms whose joints are independent, or that reach all six directions"
             )
+
+
+def _meaning(arm: SerialArm) -> str:
+    """What OK says of the joint values, as lines of a comment in the header."""
+    if not arm.is_redundant:
+        return ""
+    return "\n".join(
+        [
+            f" * The arm has {len(arm.actuated)} joints, so that a pose leaves {len(arm.actuated) - 6} of them free: each step is the shortest that",
+            " * its linear system allows (angles times the size), and the line is cut where a step is too long. The answer is the",
+            " * one of the joints' shortest motion from `guess`, as fine as these steps follow it; its tool pose is exact. A closed",
+            " * path of poses need not lead back to the same joint values.",
+        ]
+    )
 
 
 def _middle(c: Coordinate, size: float, part: float) -> float:
@@ -106,21 +145,22 @@ def serial_source(arm: SerialArm) -> tuple[str, KernelSource, dict[str, object]]
     """Everything of NAME.c between its beginning and end, the inverse kernel, and the values that templates need."""
     arm.check()
     real, name, kernel = arm.real, arm.name, arm.kernel
-    nq = len(arm.actuated)
-    values = common_values(name, real, False) | {
-        "nq": nq, "ns": nq, "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201), "nj": 6 * nq,
+    nq, geometry = len(arm.actuated), arm.geometry
+    values = common_values(name, real, geometry.at_run_time) | {
+        "nq": nq, "ns": nq, "meaning": _meaning(arm), "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201), "nj": 6 * nq,
     }  # fmt: skip
-    matrices = np.array([kernel.matrix(q, pose, np.zeros(0)) for q, pose in arm.samples])
+    matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
     regular = [k for k, m in enumerate(matrices) if np.linalg.cond(m) < 1e6]
     states, poses = [arm.samples[k][0] for k in regular], [arm.samples[k][1] for k in regular]
-    kappa = curvature(kernel, states, poses, np.zeros(0))
-    source = kernel_source(
-        kernel, name, real, [], matrices, line_target(real, 7, 3), kappa,
-    )  # fmt: skip
-    forward = Emitter(ca.Function("f", [arm.joints], [ca.densify(arm.pose)], {"cse": True}), [indexed("q", nq)], real)
+    kappa = curvature(kernel, states, poses, geometry.values)
+    source = kernel_source(kernel, name, real, geometry.names, matrices, line_target(real, 7, 3), kappa)
+    symbols = [arm.joints, geometry.symbols]
+    forward = Emitter(ca.Function("f", symbols, [ca.densify(arm.pose)], {"cse": True}), [indexed("q", nq), geometry.names], real)
     texts = [forward.value(0, i) for i in range(7)]
     body = [*forward.lines, *(f"x[{i}] = {text};" for i, text in enumerate(texts))]
-    matrix = Emitter(ca.Function("j", [arm.joints], [ca.densify(arm.jacobian)], {"cse": True}), [indexed("joints", nq)], real)
+    matrix = Emitter(
+        ca.Function("j", symbols, [ca.densify(arm.jacobian)], {"cse": True}), [indexed("joints", nq), geometry.names], real
+    )
     entries = [f"jacobian[{nq * i + j}] = {matrix.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
     text = fill("unit.c", values)
     text += fill("joints.c", values | {"positive": "", "ranges": ranges(arm.actuated, real, arm.mechanism.size)})

@@ -69,7 +69,7 @@ def common_values(name: str, real: Real, struct: bool) -> dict[str, object]:
         "use": "    (void)geometry;" if struct else "",
         "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
         "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
-        "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
+        "before": "", "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
     }  # fmt: skip
 
 
@@ -101,10 +101,10 @@ def kernel_source(
     aim = f"{k}_target({'geometry, ' if struct else ''}w, to, aim);"
     values = common_values(name, real, struct) | {
         "k": k, "n": n, "n1": n + 1, "m": m, "ns": ns, "nk": nk, "nto": known_count or nk,
-        "na": n * n if kernel.is_square else m * n,
+        "na": m * n, "most": max(m, n),
         "at": "" if again else f"    {real.type} at[{known_count or nk}]; /* known values at the guess */",
         "shared": f"    {real.type} d[{nd}]; /* what rows and matrix share */" if nd else "",
-        "r": "" if kernel.is_square else f"    {real.type} r[{n * n}]; /* R of QR */",
+        "r": "" if kernel.is_square else f"    {real.type} r[{min(m, n) ** 2}]; /* R of QR */",
         **_factor_calls(kernel, k, struct),
         "row_length": literal(kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
         "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0), "settling2": literal(1.0), "quick": literal(400.0),
@@ -138,8 +138,11 @@ def kernel_source(
 
 
 def _residual(count: int, real: Real, length: float) -> list[str]:
+    """A loop in float, where room counts, statements in double, where each is an instruction or two."""
     squares = f"{real.type} sum = w->f[0] * w->f[0];"
     adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
+    if real.name == "float":
+        adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
     root = f"{real.call('sqrt')}(sum)"
     return [squares, *adds, f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"]
 
@@ -199,11 +202,13 @@ def _linear(
     """Text of factor, solve and min_pivot."""
     function = kernel.jacobian_function()
     dense = Emitter(function, inputs, real)
-    matrix = indent(given or dense_statements(dense, kernel.m, kernel.n, "w->a"))
+    matrix = indent(given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide))
     if not kernel.is_square:
-        n, m = kernel.n, kernel.m
+        n, m = min(kernel.n, kernel.m), max(kernel.n, kernel.m)
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + m * n * n}
-        return fill("qr.c", {**values, "matrix": matrix, **_qr_loops(n, m, real)}), None, counted
+        shown = {**values, "n": n, "m": m, "matrix": matrix, "which": "transposed matrix" if kernel.is_wide else "matrix"}
+        solve = fill("least_norm.c" if kernel.is_wide else "least_squares.c", {**shown, **_qr_loops(n, m, real)})
+        return fill("qr.c", {**shown, **_qr_loops(n, m, real)}) + solve, None, counted
     _, column_scale = scales(matrices)
     text = fill("pivoted.c", {**values, "matrix": matrix,
                               "column_scales": ", ".join(real.literal(rounded(float(s))) for s in column_scale)})  # fmt: skip

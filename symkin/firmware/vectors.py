@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from symkin.firmware.closed import ClosedMechanism
@@ -193,8 +192,6 @@ def _serial(arm: SerialArm) -> Vectors:
     real, size = arm.real, arm.mechanism.size
     system = arm.inverse.system
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
-    forward = ca.Function("forward", [arm.joints], [arm.pose])
-    matrix = ca.Function("jacobian", [arm.joints], [ca.densify(arm.jacobian)])
     rng = np.random.default_rng(21)
     joints: list[np.ndarray] = []
     guesses: list[np.ndarray] = []
@@ -204,23 +201,26 @@ def _serial(arm: SerialArm) -> Vectors:
     bounds: list[float] = []
     for q, _ in arm.samples:
         given = rounded_to(real, q)
-        pose = _canonical(np.asarray(forward(given)).ravel())
+        pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
-        if condition > 300.0 or len(joints) == COUNT or not _reached(arm, guess, np.asarray(forward(guess)).ravel(), given, unit):
+        end = _followed(arm, guess, unit)
+        if condition > (60.0 if arm.is_redundant else 300.0) or len(joints) == COUNT or end is None:
+            continue
+        if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
         scales = _joint_scales(arm.actuated, size)
         joints.append(given)
         poses.append(_tidy(pose, _pose_scales(size)))
-        inverse.append(_tidy(system.polish(given, unit, 6), scales))
+        inverse.append(_tidy(end if arm.is_redundant else system.polish(given, unit, 6), scales))
         guesses.append(guess)
         bounds.append(_bound(real, size, condition, tolerance))
         if len(jacobians) < JACOBIANS:
-            jacobians.append(_tidy(np.asarray(matrix(given)), size).ravel())
+            jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
-    singular = np.linalg.svd(arm.kernel.matrix(zero, np.asarray(forward(zero)).ravel(), np.zeros(0)), compute_uv=False)
+    singular = np.linalg.svd(arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False)
     starts = zero[None] if singular[-1] < 1e-14 * singular[0] else np.zeros((0, len(zero)))
     return _vectors((joints, guesses, poses, inverse, jacobians), bounds, zero, starts)
 
@@ -229,8 +229,9 @@ def _scales(arm: SerialArm) -> np.ndarray:
     return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.size for c in arm.actuated])
 
 
-def _reached(arm: SerialArm, guess: np.ndarray, start: np.ndarray, joints: np.ndarray, target: np.ndarray) -> bool:
-    """Whether the line of poses from the guess's leads to the joints, in small steps."""
+def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
+    """The joints after the line of poses from the guess's to the target, in small steps; None where one is long."""
+    start = arm.forward_at(guess)
     start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
     q = guess
     for k in range(1, 41):
@@ -238,9 +239,9 @@ def _reached(arm: SerialArm, guess: np.ndarray, start: np.ndarray, joints: np.nd
         pose[3:] /= np.linalg.norm(pose[3:])
         moved = arm.inverse.system.polish(q, pose, 6)
         if np.max(np.abs(moved - q) / _scales(arm)) > 0.1:
-            return False
+            return None
         q = moved
-    return bool(np.max(np.abs(q - joints) / _scales(arm)) < 1e-6)
+    return q
 
 
 def _canonical(pose: np.ndarray) -> np.ndarray:

@@ -1,15 +1,15 @@
-@{p}_status @{p}_inverse(const @{p}_pose *pose, @{real} joints[@{nq}])
+@{p}_status @{p}_inverse(@{gp}const @{p}_pose *pose, @{real} joints[@{nq}])
 {
     @{real} c[@{nc}];
     @{real} q[@{nq}] = { @{zero} };
     @{real} passive[@{np}] = { @{zero} };
-    @{p}_status status = @{p}_coordinates(pose, c);
+    @{p}_status status = @{p}_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = @{p}_limbs(c, q, passive);
+        status = @{p}_limbs(@{ga}c, q, passive);
         if (status != @{P}_OK) {
             status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
         } else {
-            status = @{p}_check(q);
+            status = @{p}_check(@{ga}q);
         }
         if (status == @{P}_OK) {
 @{copy_joints}
@@ -18,11 +18,11 @@
     return status;
 }
 
-@{p}_status @{p}_jacobian(const @{p}_pose *pose, @{real} rates[@{nq} * 6])
+@{p}_status @{p}_jacobian(@{gp}const @{p}_pose *pose, @{real} rates[@{nq} * 6])
 {
     @{real} c[@{nc}];
     @{real} jacobian[@{nq} * 6] = { @{zero} };
-    @{p}_status status = @{p}_coordinates(pose, c);
+    @{p}_status status = @{p}_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
 @{rates}
         if (status == @{P}_OK) {

@@ -9,8 +9,9 @@ static @{SHARED} @{p}_status @{p}_enter(@{gp}@{p}_direct_work *w, const @{real} 
 }
 
 /* The pose of the state. */
-static @{SHARED} void @{p}_leave(const @{p}_direct_work *w, @{p}_pose *pose)
+static @{SHARED} void @{p}_leave(@{gp}const @{p}_direct_work *w, @{p}_pose *pose)
 {
+@{use}
 @{leave}
 }
 
@@ -29,7 +30,7 @@ static @{COLD} @{p}_status @{p}_failed(const @{real} joints[@{nq}], const @{p}_p
 @{towards}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
         if (status == @{P}_OK) {
-            @{p}_leave(&w, pose);
+            @{p}_leave(@{ga}&w, pose);
         } else {
             status = @{p}_failed(joints, guess, status);
         }
@@ -55,7 +56,7 @@ static @{COLD} @{p}_status @{p}_failed(const @{real} joints[@{nq}], const @{p}_p
             const @{real} size = @{p}_direct_move(@{ga}&w);
             @{p}_tell(info, 1U, @{kappa} * size, size, w.spread);
             if (size <= @{track2}) {
-                @{p}_leave(&w, pose);
+                @{p}_leave(@{ga}&w, pose);
             } else {
                 status = @{p}_failed(joints, pose, @{P}_WRONG_BRANCH);
             }

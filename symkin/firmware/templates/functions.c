@@ -1,5 +1,6 @@
 static void @{k}_rows(@{gp}@{k}_work *w)
 {
+@{use}
 @{rows}
 }
 
@@ -19,6 +20,7 @@ static @{real} @{k}_move(@{gp}@{k}_work *w)
 /* Known values aimed at@{aimed}. */
 static @{SHARED} void @{k}_target(@{gp}@{k}_work *w, const @{real} to[@{nto}]@{part})
 {
+@{use}
 @{target}
 }
 

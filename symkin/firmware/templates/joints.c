@@ -3,6 +3,7 @@ static @{SHARED} @{p}_status @{p}_check(@{gp}const @{real} joints[@{nq}])
 {
     @{p}_status status = @{P}_OK;
 @{use}
+@{before}
     if (!(@{ranges})) {
         status = @{p}_verdict(joints, @{nq}, @{P}_OUT_OF_RANGE);
     }

@@ -1,9 +1,10 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the Newton-Kantorovich bound that ties the answer to the guess does
- * not hold: the state is put back and a nearer point of the line is aimed at, from then on with an eighth for a quarter. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is called OK. */
+ * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
+ * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
+ * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
     const @{real} tolerance2 = config->tolerance * config->tolerance;
@@ -25,6 +26,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool kept = false;
     bool settling = false;
     bool verify = false;
+    w->spread = @{zero};
     @{k}_target(@{ga}w, to@{part_of});
 @{save0}
     for (;;) {
@@ -112,6 +114,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             break;
         }
     }
-    @{p}_tell(info, count, residual, size, (sign != 0) ? w->spread : @{zero});
+    @{p}_tell(info, count, residual, size, w->spread);
     return status;
 }

@@ -1,6 +1,7 @@
 /* The matrix into w->a, row by row: the fallback's start. */
 static void @{k}_matrix(@{gp}@{k}_work *w)
 {
+@{use}
 @{matrix}
 }
 
@@ -23,12 +24,13 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
             }
         }
         if (!(largest > @{singular} * scale[c])) {
+            w->spread = @{zero};
             return 0;
         }
         w->order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = 0; j < @{n}; ++j) {
+            for (int j = c; j < @{n}; ++j) {
                 const @{real} t = w->a[@{n} * c + j];
                 w->a[@{n} * c + j] = w->a[@{n} * best + j];
                 w->a[@{n} * best + j] = t;
@@ -59,16 +61,15 @@ static @{COLD} void @{k}_pivoted_solve(@{k}_work *w)
         const @{real} t = w->f[best];
         w->f[best] = w->f[c];
         w->f[c] = t;
-    }
-    for (int r = 1; r < @{n}; ++r) {
-        for (int j = 0; j < r; ++j) {
-            w->f[r] -= w->a[@{n} * r + j] * w->f[j];
+        for (int r = c + 1; r < @{n}; ++r) {
+            w->f[r] -= w->a[@{n} * r + c] * t;
         }
     }
-    for (int r = @{n} - 1; r >= 0; --r) {
-        for (int j = r + 1; j < @{n}; ++j) {
-            w->f[r] -= w->a[@{n} * r + j] * w->f[j];
+    for (int c = @{n} - 1; c >= 0; --c) {
+        const @{real} t = w->f[c] * w->a[@{n} * c + c];
+        w->f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            w->f[r] -= w->a[@{n} * r + c] * t;
         }
-        w->f[r] *= w->a[@{n} * r + r];
     }
 }

@@ -1,9 +1,9 @@
-@{p}_status @{p}_direct(const @{real} joints[@{nq}], @{p}_pose *pose)
+@{p}_status @{p}_direct(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose)
 {
-    @{p}_status status = @{p}_check(joints);
+    @{p}_status status = @{p}_check(@{ga}joints);
     if (status == @{P}_OK) {
         @{real} x[7];
-        @{p}_forward(joints, x);
+        @{p}_forward(@{ga}joints, x);
         const @{real} sign = (x[3] < @{zero}) ? -@{one} : @{one};
         const @{real} inverse = sign / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
         pose->position[0] = x[0];
@@ -17,7 +17,7 @@
     return status;
 }
 
-@{p}_status @{p}_inverse(const @{p}_config *config, const @{p}_pose *pose, const @{real} guess[@{nq}], @{real} joints[@{nq}], @{p}_info *info)
+@{p}_status @{p}_inverse(@{gp}const @{p}_config *config, const @{p}_pose *pose, const @{real} guess[@{nq}], @{real} joints[@{nq}], @{p}_info *info)
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_inverse_work w;
@@ -29,10 +29,10 @@
     @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == @{P}_OK) {
 @{to_x}
-        @{p}_forward(w.x, w.at);
-        status = @{p}_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        @{p}_forward(@{ga}w.x, w.at);
+        status = @{p}_inverse_newton(@{ga}&w, to, (config != NULL) ? config : &usual, info);
         if (status == @{P}_OK) {
-            status = @{p}_check(w.x);
+            status = @{p}_check(@{ga}w.x);
         }
         if (status == @{P}_OK) {
 @{out}
@@ -41,9 +41,10 @@
     return status;
 }
 
-@{p}_status @{p}_jacobian(const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
+@{p}_status @{p}_jacobian(@{gp}const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
 {
-    @{p}_status status = @{p}_check(joints);
+    @{p}_status status = @{p}_check(@{ga}joints);
+@{use}
     if (status == @{P}_OK) {
 @{jacobian}
     }

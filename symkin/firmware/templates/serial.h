@@ -1,11 +1,14 @@
+@{geometry}
 /* Tool pose of joint values; its quaternion has w >= 0. */
-@{p}_status @{p}_direct(const @{p}_real joints[@{P}_JOINTS], @{p}_pose *pose);
+@{p}_status @{p}_direct(@{gpd}const @{p}_real joints[@{P}_JOINTS], @{p}_pose *pose);
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, @{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped. */
-@{p}_status @{p}_inverse(const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS],
+ * assured, @{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+@{meaning}
+ */
+@{p}_status @{p}_inverse(@{gpd}const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS],
     @{p}_real joints[@{P}_JOINTS], @{p}_info *info);
 
 /* Row-major 6 x @{nq}: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
-@{p}_status @{p}_jacobian(const @{p}_real joints[@{P}_JOINTS], @{p}_real jacobian[6 * @{P}_JOINTS]);
+@{p}_status @{p}_jacobian(@{gpd}const @{p}_real joints[@{P}_JOINTS], @{p}_real jacobian[6 * @{P}_JOINTS]);

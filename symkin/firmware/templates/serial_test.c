@@ -31,6 +31,7 @@ static @{p}_pose pose_from(const @{p}_real numbers[7])
 /* An inverse call that must not succeed: the status, with the joints untouched and info written. */
 static @{p}_status refused(const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS], const char *what)
 {
+@{nominal}
     @{p}_real joints[@{P}_JOINTS];
     @{p}_info info;
     @{p}_status status;
@@ -38,7 +39,7 @@ static @{p}_status refused(const @{p}_config *config, const @{p}_pose *pose, con
         joints[i] = @{four};
     }
     info.iterations = 255U;
-    status = @{p}_inverse(config, pose, guess, joints, &info);
+    status = @{p}_inverse(@{ga}config, pose, guess, joints, &info);
     expect(status != @{P}_OK, what, 0);
     for (int i = 0; i < @{P}_JOINTS; ++i) {
         expect(joints[i] == @{four}, "result untouched on failure", i);
@@ -49,12 +50,13 @@ static @{p}_status refused(const @{p}_config *config, const @{p}_pose *pose, con
 
 static void solve_all(void)
 {
+@{nominal}
     for (int k = 0; k < @{P}_VECTORS; ++k) {
         const double bound = @{p}_vector_bounds[k];
         @{p}_pose pose;
         @{p}_info info;
         @{p}_real joints[@{P}_JOINTS];
-        expect(@{p}_direct(@{p}_vector_joints[k], &pose) == @{P}_OK, "direct", k);
+        expect(@{p}_direct(@{ga}@{p}_vector_joints[k], &pose) == @{P}_OK, "direct", k);
         for (int i = 0; i < 3; ++i) {
             expect(fabs((double)pose.position[i] - (double)@{p}_vector_poses[k][i]) <= bound, "direct's position", k);
         }
@@ -63,14 +65,15 @@ static void solve_all(void)
             expect((double)@{P}_SIZE * off <= bound, "direct's quaternion", k);
         }
         pose = pose_from(@{p}_vector_poses[k]);
-        expect(@{p}_inverse(NULL, &pose, @{p}_vector_guesses[k], joints, &info) == @{P}_OK, "inverse", k);
+        expect(@{p}_inverse(@{ga}NULL, &pose, @{p}_vector_guesses[k], joints, &info) == @{P}_OK, "inverse", k);
         expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
         for (int i = 0; i < @{P}_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)@{p}_vector_inverse[k][i]) <= bound@{angle_bound}, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)@{p}_vector_inverse[k][i]) <= @{joint_bound}, "inverse's joints", k);
         }
+@{again}
         if (k < @{P}_VECTOR_JACOBIANS) {
             @{p}_real jacobian[6 * @{P}_JOINTS];
-            expect(@{p}_jacobian(@{p}_vector_joints[k], jacobian) == @{P}_OK, "jacobian", k);
+            expect(@{p}_jacobian(@{ga}@{p}_vector_joints[k], jacobian) == @{P}_OK, "jacobian", k);
             for (int i = 0; i < 6 * @{P}_JOINTS; ++i) {
                 const double wanted = (double)@{p}_vector_jacobians[k][i];
                 const double scale = fmax((double)@{P}_SIZE, 1.0) * (1.0 + fabs(wanted));
@@ -82,6 +85,7 @@ static void solve_all(void)
 
 static void refuse_all(void)
 {
+@{nominal}
     const @{p}_config none = { @{P}_TOLERANCE, 0U, @{P}_MAX_STEP };
     @{p}_pose pose = pose_from(@{p}_vector_poses[0]);
     @{p}_pose wrong = pose;
@@ -92,9 +96,9 @@ static void refuse_all(void)
     expect(refused(&none, &pose, joints, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     joints[0] = (@{p}_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == @{P}_NONFINITE, "NONFINITE", 0);
-    expect(@{p}_direct(joints, &wrong) == @{P}_NONFINITE, "NONFINITE of direct", 0);
+    expect(@{p}_direct(@{ga}joints, &wrong) == @{P}_NONFINITE, "NONFINITE of direct", 0);
     joints[0] = @{far};
-    expect(@{p}_direct(joints, &wrong) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
+    expect(@{p}_direct(@{ga}joints, &wrong) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
     joints[0] = @{p}_vector_guesses[0][0];
     wrong.position[2] = (@{p}_real)INFINITY;
     expect(refused(NULL, &wrong, joints, "infinite pose") == @{P}_NONFINITE, "NONFINITE", 1);

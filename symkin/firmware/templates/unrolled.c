@@ -3,6 +3,7 @@
 static int @{k}_factor(@{gp}@{k}_work *w)
 {
     @{real} det;
+@{use}
     w->pivoted = false;
 @{factor}
     return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;

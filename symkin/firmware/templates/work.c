@@ -3,7 +3,7 @@ typedef struct {
     @{real} x0[@{ns}]; /* state at the part of the line that is done */
 @{at}
     @{real} k[@{nk}]; /* known values aimed at, as the rows take them */
-    @{real} f[@{m}]; /* rows, then the step */
+    @{real} f[@{most}]; /* rows, then the step */
 @{shared}
     @{real} a[@{na}]; /* matrix, then its factors */
 @{r}

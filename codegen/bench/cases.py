@@ -1,0 +1,46 @@
+"""What the bench solves: joint values as generated code reads them, starts, and the answers to those numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.firmware.program import Kind
+from symkin.firmware.rods import RodPlatform, sample_poses
+from symkin.firmware.serial import SerialArm
+from symkin.firmware.vectors import build_vectors, rounded_to
+from symkin.position.problem import build_problem
+from symkin.spatial.rotation import multiply
+
+HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
+"""Home of the platform whose singular reference asks for one, as in generate.py."""
+
+
+def cases_of(kind: Kind) -> dict[str, np.ndarray]:
+    """Tables by name: 64 poses about home for a platform whose home is HOME, the folder's own vectors for all others."""
+    if isinstance(kind, RodPlatform) and kind.options.home == HOME:
+        return platform_cases(kind)
+    v = build_vectors(kind)
+    if isinstance(kind, SerialArm):
+        return {"guesses": v.guesses, "poses": v.poses, "expected": v.inverse}
+    odd, n = np.arange(len(v.joints)) % 2 == 1, len(v.joints)
+    return {"joints": v.joints[odd], "cold": np.tile(v.home, (n // 2, 1)), "warm": v.guesses[odd], "expected": v.poses[odd]}
+
+
+def platform_cases(platform: RodPlatform) -> dict[str, np.ndarray]:
+    """64 poses within 60 mm and 0.25 rad of home; warm starts lie within 0.2 mm and 1 mrad of the answer."""
+    system = build_problem(platform.mechanism, "direct").system
+    rng = np.random.default_rng(3)
+    zero = platform.lengths(platform.home) if platform.options.home_relative else 0.0
+    joints, warm, answers = [], [], []
+    for pose in sample_poses(platform.home, 64, 60.0, 0.25, 7):
+        given = rounded_to(platform.real, platform.joint_values(pose))
+        z = np.array([*pose.position, *pose.quaternion])
+        for _ in range(2):
+            z = system.polish(z, given + zero, 8)
+        origin = np.array(platform.home.position) if platform.options.home_relative else np.zeros(3)
+        q = multiply(np.array([1.0, *(0.5 * rng.uniform(-1e-3, 1e-3, 3))]), z[3:])
+        joints.append(given)
+        warm.append([*(z[:3] + rng.uniform(-0.2, 0.2, 3) - origin), *(q / np.linalg.norm(q))])
+        answers.append([*(z[:3] - origin), *z[3:]])
+    home = np.tile(platform.stated(platform.home), (64, 1))
+    return {"joints": np.array(joints), "cold": home, "warm": np.array(warm), "expected": np.array(answers)}

@@ -1,0 +1,181 @@
+"""A C main file that solves the bench's cases, for any processor with `targets/board.h`.
+
+    python codegen/bench/harness.py FOLDER -o bench.c
+
+writes it for a committed folder, as `targets/host/Makefile` does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from cases import HOME, cases_of
+from symkin.firmware.emit import Real
+from symkin.firmware.folder import write_folder
+from symkin.firmware.options import Options
+from symkin.firmware.program import Program, build_program
+from symkin.firmware.rods import RodPlatform
+from symkin.model.file import load
+from symkin.position.newton import flat_rows
+from symkin.position.problem import build_problem
+
+MAIN = """
+#include "board.h"
+#include <math.h>
+@include@
+#ifndef REPEATS
+#define REPEATS 16 /* solves of one case, at different places within a tick of the counter */
+#endif
+@tables@
+static uint32_t measured(int kind, int k, double *error)
+{
+    uint32_t total = 0u;
+    for (int r = 0; r < REPEATS; ++r) {
+        for (volatile int shift = 0; shift < r; ++shift) { }
+        @prepare@
+        const uint32_t begin = board_ticks();
+        @call@
+        total += (board_ticks() - begin) & 0xFFFFFFu;
+        *error = 0.0;
+        for (int i = 0; i < @checked@; ++i) { *error = fmax(*error, fabs((double)result[i] - expected[k][i])); }
+        if (status != 0) { *error = 4e9; }
+    }
+    return total * board_tick_instructions() / (uint32_t)REPEATS;
+}
+int main(void)
+{
+    board_start_counter();
+    for (int kind = 0; kind < @kinds@; ++kind) {
+        for (int k = 0; k < @count@; ++k) {
+            double error;
+            const uint32_t instructions = measured(kind, k, &error);
+            board_number((uint32_t)kind); board_text(" "); board_number(instructions); board_text(" ");
+            board_number((uint32_t)fmin(error * 1e12, 4e9)); board_text(" "); board_number((uint32_t)fmin(error * 1e6, 4e9)); board_text("\\n");
+        }
+    }
+    return 0;
+}
+"""
+
+
+@dataclass(frozen=True)
+class Harness:
+    """A folder with bench.c and SOURCE.c; `calls` are the functions that are measured, `kinds` the names of the cases."""
+
+    folder: Path
+    source: str
+    calls: tuple[str, ...]
+    kinds: tuple[str, ...]
+
+
+def harness_of(name: str, options: Options) -> Harness:
+    """A mechanism's folder, written anew, with its bench."""
+    program = build_program(load(name), options)
+    folder = Path(tempfile.mkdtemp())
+    write_folder(program.mechanism, folder, options)
+    (folder / "bench.c").write_text(main_text(program))
+    if program.mechanism.serial:
+        return Harness(folder, name, (f"{name}_inverse",), ("inverse",))
+    return Harness(folder, name, (f"{name}_direct", f"{name}_track"), ("cold", "warm", "track"))
+
+
+def main_text(program: Program) -> str:
+    """bench.c of a mechanism."""
+    return _serial_text(program) if program.mechanism.serial else _platform_text(program)
+
+
+def casadi_harness() -> Harness:
+    """CasADi's fast_newton C, double, tolerance 1e-9, on the same 64 poses of the platform."""
+    mechanism = load("zhang2009")
+    platform = build_program(mechanism, Options("double", home=HOME)).kind
+    if not isinstance(platform, RodPlatform):
+        raise TypeError("zhang2009 is a platform on six rods")
+    cases, exact = cases_of(platform), Real("double")
+    system = build_problem(mechanism, "direct").system
+    problem = {"x": system.unknown, "p": system.known, "g": flat_rows(system)}
+    solver = ca.rootfinder("solver", "fast_newton", problem, {"abstol": 1e-9, "abstolStep": 1e-9})
+    folder = Path(tempfile.mkdtemp())
+    generator = ca.CodeGenerator("newton.c", {"with_header": True})
+    generator.add(solver)
+    generator.generate(f"{folder}/")
+    sizes = [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
+    tables = [table("double", key, cases[key], exact) for key in ("joints", "cold", "warm", "expected")]
+    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; double result[7]; int status;
+        const double *arg[{sizes[0] + 1}] = {{ (kind == 0) ? cold[k] : warm[k], joints[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
+    text = _filled('#include "newton.h"', tables, prepare, "status = solver(arg, res, iw, w, 0);", 3, 2, 64)
+    (folder / "bench.c").write_text(text)
+    return Harness(folder, "newton", ("solver",), ("cold", "warm"))
+
+
+def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
+    lines = ", ".join("{ " + ", ".join(real.hexadecimal(float(v)) for v in row) + " }" for row in rows)
+    return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {lines} }};"
+
+
+def _filled(include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int) -> str:
+    values = {"include": include, "tables": "\n".join(tables), "prepare": prepare, "call": call, "checked": checked,
+              "kinds": kinds, "count": count}  # fmt: skip
+    text = MAIN
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", str(value))
+    return text
+
+
+def _nominal(program: Program) -> tuple[str, list[str]]:
+    """The first argument of each call, and what it points at."""
+    name = program.mechanism.name
+    if program.options.geometry == "fixed":
+        return "", []
+    return "&nominal, ", [f"static const {name}_geometry nominal = {name.upper()}_NOMINAL;"]
+
+
+def _platform_text(program: Program) -> str:
+    name, real = program.mechanism.name, program.real
+    cases = cases_of(program.kind)
+    tables = [table(real.type, key, cases[key], real) for key in ("joints", "cold", "warm")]
+    tables.append(table("double", "expected", cases["expected"], Real("double")))
+    first, nominal = _nominal(program)
+    prepare = f"""const {real.type} *const start = (kind == 0) ? cold[k] : warm[k];
+        {name}_pose pose; {name}_info info; int status; const {real.type} *const result = pose.position;
+        for (int i = 0; i < 3; ++i) {{ pose.position[i] = start[i]; }}
+        for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = start[3 + i]; }}"""
+    direct = f"(int){name}_direct({first}0, joints[k], &pose, &pose, &info)"
+    call = f"status = (kind < 2) ? {direct} : (int){name}_track({first}joints[k], &pose, &info);"
+    return _filled(f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"]))
+
+
+def _serial_text(program: Program) -> str:
+    name, real = program.mechanism.name, program.real
+    cases, n = cases_of(program.kind), len(program.mechanism.actuated)
+    tables = [table(real.type, key, cases[key], real) for key in ("guesses", "poses")]
+    tables.append(table("double", "expected", cases["expected"], Real("double")))
+    first, nominal = _nominal(program)
+    prepare = f"""{name}_pose pose; {name}_info info; {real.type} result[{n}]; int status; (void)kind;
+        for (int i = 0; i < 3; ++i) {{ pose.position[i] = poses[k][i]; }}
+        for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
+    call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"
+    return _filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
+
+
+def from_folder(folder: Path) -> str:
+    """bench.c for a folder, by the options that its manifest names."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    chosen = manifest["options"]
+    home = tuple(chosen["home"]) if chosen["home"] else None
+    options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], home)
+    return main_text(build_program(load(manifest["mechanism"]), options))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Write the bench of a folder of generated C.")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("-o", type=Path, required=True, metavar="FILE")
+    given = parser.parse_args()
+    given.o.write_text(from_folder(given.folder))

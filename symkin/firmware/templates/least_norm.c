@@ -1,0 +1,19 @@
+/* The shortest step among those that solve the @{n} rows, from w->f into w->f: Q y with y R = the rows. */
+static void @{k}_solve(@{k}_work *w)
+{
+    @{real} y[@{n}];
+    for (int c = 0; c < @{n}; ++c) {
+        y[c] = w->f[c];
+        for (int j = 0; j < c; ++j) {
+            y[c] -= w->r[@{n} * j + c] * y[j];
+        }
+        y[c] *= w->r[@{n} * c + c];
+    }
+    for (int i = 0; i < @{m}; ++i) {
+        w->f[i] = @{zero};
+        for (int c = 0; c < @{n}; ++c) {
+            w->f[i] += w->a[@{n} * i + c] * y[c];
+        }
+    }
+}
+

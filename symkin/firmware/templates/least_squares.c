@@ -1,0 +1,19 @@
+/* The least-squares step from w->f into the first @{n} entries of w->f. */
+static void @{k}_solve(@{k}_work *w)
+{
+    @{real} y[@{n}];
+    for (int c = 0; c < @{n}; ++c) {
+        y[c] = @{zero};
+        for (int i = 0; i < @{m}; ++i) {
+            y[c] += w->a[@{n} * i + c] * w->f[i];
+        }
+        for (int i = 0; i < @{m}; ++i) {
+            w->f[i] -= y[c] * w->a[@{n} * i + c];
+        }
+    }
+    for (int c = @{n} - 1; c >= 0; --c) {
+@{above}
+        w->f[c] = y[c] * w->r[@{n} * c + c];
+    }
+}
+
