@@ -1,40 +1,24 @@
-"""Expressions and closure equations as LaTeX.
-
-The graph of an SX function is walked instruction by instruction. What is used more than once gets a name, the rest is
-written in place, so that the text stays as short as the computation.
-"""
+"""Expressions and closure equations as LaTeX."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
+from symkin.export.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
+from symkin.export.expression import write as write_in
 from symkin.model.closure import Closure, build_closure
-from symkin.model.graph import instructions
 from symkin.model.mechanism import Mechanism
 
-_ATOM, _POWER, _PRODUCT, _SUM = 3, 2, 1, 0
 _FUNCTIONS = {
     ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
     ca.OP_ATAN: r"\arctan", ca.OP_EXP: r"\exp", ca.OP_LOG: r"\ln",
 }  # fmt: skip
 _GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omega")
-
-
-@dataclass(frozen=True)
-class _Text:
-    """LaTeX of a subexpression and how tightly it binds."""
-
-    text: str
-    level: int
-
-    def at(self, level: int) -> str:
-        return self.text if self.level >= level else rf"\left({self.text}\right)"
 
 
 def equations(mechanism: Mechanism) -> str:
@@ -83,26 +67,7 @@ def symbol_name(name: str, component: int | None = None) -> str:
 def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
     """Named intermediate values, in order, and the text of each entry of a dense column of `variables`."""
     function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
-    uses = _use_counts(function)
-    slots: dict[int, tuple[int, _Text]] = {}
-    definitions: list[tuple[str, str]] = []
-    results = ["0"] * int(function.numel_out(0))
-    for k, (op, inputs, outputs, constant) in enumerate(instructions(function)):
-        if op == ca.OP_OUTPUT:
-            results[outputs[1]] = slots[inputs[0]][1].text
-            continue
-        if op == ca.OP_INPUT:
-            value = _Text(names[inputs[1]], _ATOM)
-        elif op == ca.OP_CONST:
-            value = _constant(constant)
-        else:
-            value = _operation(op, [slots[i][1] for i in inputs])
-            if uses[k] > 1:
-                name = f"v_{{{len(definitions) + 1}}}"
-                definitions.append((name, value.text))
-                value = _Text(name, _ATOM)
-        slots[outputs[0]] = (k, value)
-    return definitions, results
+    return write_in(function, names, Latex())
 
 
 def _in_user_scale(closure: Closure) -> ca.SX:
@@ -121,75 +86,82 @@ def _is_position_row(closure: Closure, k: int) -> bool:
     return k - first < 3
 
 
-def _use_counts(function: ca.Function) -> Counter[int]:
-    """How often the result of each instruction is read."""
-    counts: Counter[int] = Counter()
-    writer: dict[int, int] = {}
-    for k, (op, inputs, outputs, _) in enumerate(instructions(function)):
-        if op not in (ca.OP_INPUT, ca.OP_CONST):
-            for slot in inputs[:1] if op == ca.OP_OUTPUT else inputs:
-                counts[writer[slot]] += 1
-        if op != ca.OP_OUTPUT:
-            writer[outputs[0]] = k
-    return counts
+@dataclass(frozen=True)
+class Latex:
+    """LaTeX as a language of expressions."""
+
+    longest: int | None = None
+
+    def operation(self, op: int, values: Sequence[Text]) -> Text:
+        return _operation(op, values)
+
+    def constant(self, value: float) -> Text:
+        return _constant(value)
+
+    def temporary(self, number: int) -> str:
+        return f"v_{{{number}}}"
 
 
-def _operation(op: int, a: Sequence[_Text]) -> _Text:
+def _at(value: Text, level: int) -> str:
+    return bracketed(value, level, r"\left(", r"\right)")
+
+
+def _operation(op: int, a: Sequence[Text]) -> Text:
     if op in _FUNCTIONS:
-        return _Text(rf"{_FUNCTIONS[op]}\left({a[0].text}\right)", _POWER)
+        return Text(rf"{_FUNCTIONS[op]}\left({a[0].text}\right)", POWER)
     if op in (ca.OP_ADD, ca.OP_SUB):
         return _sum(a[0], a[1], minus=op == ca.OP_SUB)
     if op == ca.OP_MUL:
         negative = _is_negative_number(a[0])
-        left, right = a[0].text if negative else a[0].at(_PRODUCT), a[1].at(_PRODUCT)
+        left, right = a[0].text if negative else _at(a[0], PRODUCT), _at(a[1], PRODUCT)
         joint = r" \cdot " if re.match(r"[\d.]", right) else r" \, "
-        return _Text(f"{left}{joint}{right}", _SUM if negative else _PRODUCT)
+        return Text(f"{left}{joint}{right}", SUM if negative else PRODUCT)
     if op == ca.OP_DIV:
-        return _Text(rf"\frac{{{a[0].text}}}{{{a[1].text}}}", _POWER)
+        return Text(rf"\frac{{{a[0].text}}}{{{a[1].text}}}", POWER)
     if op == ca.OP_SQ:
-        return _Text(f"{a[0].at(_ATOM)}^2", _POWER)
+        return Text(f"{_at(a[0], ATOM)}^2", POWER)
     if op == ca.OP_NEG:
-        return _Text(f"-{a[0].at(_PRODUCT)}", _SUM)
+        return Text(f"-{_at(a[0], PRODUCT)}", SUM)
     if op == ca.OP_TWICE:
-        return _Text(rf"2 \, {a[0].at(_PRODUCT)}", _PRODUCT)
+        return Text(rf"2 \, {_at(a[0], PRODUCT)}", PRODUCT)
     if op == ca.OP_SQRT:
-        return _Text(rf"\sqrt{{{a[0].text}}}", _ATOM)
+        return Text(rf"\sqrt{{{a[0].text}}}", ATOM)
     if op == ca.OP_INV:
-        return _Text(rf"\frac{{1}}{{{a[0].text}}}", _POWER)
+        return Text(rf"\frac{{1}}{{{a[0].text}}}", POWER)
     if op in (ca.OP_POW, ca.OP_CONSTPOW):
-        return _Text(rf"{a[0].at(_ATOM)}^{{{a[1].text}}}", _POWER)
+        return Text(rf"{_at(a[0], ATOM)}^{{{a[1].text}}}", POWER)
     if op == ca.OP_FABS:
-        return _Text(rf"\left|{a[0].text}\right|", _ATOM)
+        return Text(rf"\left|{a[0].text}\right|", ATOM)
     if op == ca.OP_ATAN2:
-        return _Text(rf"\operatorname{{atan2}}\left({a[0].text}, {a[1].text}\right)", _ATOM)
+        return Text(rf"\operatorname{{atan2}}\left({a[0].text}, {a[1].text}\right)", ATOM)
     if op == ca.OP_ASSIGN:
         return a[0]
     raise NotImplementedError(f"CasADi operation {op} has no LaTeX form")
 
 
-def _sum(left: _Text, right: _Text, *, minus: bool) -> _Text:
+def _sum(left: Text, right: Text, *, minus: bool) -> Text:
     """left + right or left - right, with the sign of a leading negative term folded into the operator."""
     text, flips = right.text, right.text.startswith("-")
     if flips and (_is_negative_number(right) or not re.search(r" [+-] ", right.text)):
         text, minus = text[1:], not minus
-    elif flips or (minus and right.level < _PRODUCT):
+    elif flips or (minus and right.level < PRODUCT):
         text = rf"\left({text}\right)"
-    return _Text(f"{left.at(_SUM)} {'-' if minus else '+'} {text}", _SUM)
+    return Text(f"{_at(left, SUM)} {'-' if minus else '+'} {text}", SUM)
 
 
-def _is_negative_number(value: _Text) -> bool:
+def _is_negative_number(value: Text) -> bool:
     return re.fullmatch(r"-[\d.]+( \\cdot 10\^\{-?\d+\})?", value.text) is not None
 
 
-def _constant(value: float) -> _Text:
+def _constant(value: float) -> Text:
     """A number without trailing digits of rounding; negative ones bind like a sum."""
     snapped = round(value, 12)
     text = f"{snapped:.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
     if "e" in text:
         mantissa, exponent = text.split("e")
         text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
-    level = _SUM if value < 0 else _PRODUCT if "cdot" in text else _ATOM
-    return _Text(text if math.isfinite(value) else r"\infty", level)
+    level = SUM if value < 0 else PRODUCT if "cdot" in text else ATOM
+    return Text(text if math.isfinite(value) else r"\infty", level)
 
 
 def _plain(text: str) -> str:

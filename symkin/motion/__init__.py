@@ -1,0 +1,1 @@
+"""Motion: velocity equations and Jacobians, and modes followed along paths."""

@@ -1,0 +1,101 @@
+"""Least squares and shortest solutions of small symbolic systems, without choice of pivots.
+
+Columns are made orthogonal one after the other (modified Gram-Schmidt without square roots), M = V U with V^T V diagonal
+and U unit upper triangular: as accurate as other orthogonal factorisations in solving, and defined wherever the columns
+are independent, so that expressions have no poles of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """M = V U of a matrix (m, k), and what that makes of others beside it (m, l): `coefficients` (k, l) with
+    rest = V coefficients + remainder, the remainder orthogonal to M's columns."""
+
+    orthogonal: ca.SX
+    triangular: ca.SX
+    squares: tuple[ca.SX, ...]
+    coefficients: ca.SX
+    remainder: ca.SX
+
+    def solution(self, first: int = 0) -> ca.SX:
+        """Rows `first`... of the least-squares solution Y of M Y = rest: U Y = coefficients."""
+        return back_substituted(self.triangular[first:, first:], self.coefficients[first:, :])
+
+
+def factored(matrix: ca.SX, rest: ca.SX) -> Factors:
+    """Orthogonal columns of `matrix`, and `rest` without their span."""
+    left, k = ca.sparsify(matrix), int(matrix.shape[1])
+    triangular, coefficients = ca.SX.eye(k), ca.SX(k, int(rest.shape[1]))
+    squares, columns = [], []
+    for j in range(k):
+        column = ca.sparsify(left[:, j])
+        parts, square = _parts(column, ca.horzcat(left[:, j + 1 :], rest))
+        triangular[j, j + 1 :] = parts[:, : k - j - 1]
+        coefficients[j, :] = parts[:, k - j - 1 :]
+        left[:, j + 1 :] = _without(left[:, j + 1 :], column, triangular[j, j + 1 :])
+        rest = _without(rest, column, coefficients[j, :])
+        squares.append(square)
+        columns.append(column)
+    orthogonal = ca.horzcat(*columns) if columns else ca.SX(matrix.shape[0], 0)
+    return Factors(orthogonal, ca.sparsify(triangular), tuple(squares), ca.sparsify(coefficients), ca.sparsify(rest))
+
+
+def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
+    """Y of U Y = right for a unit upper triangular U."""
+    rows: list[ca.SX] = []
+    for j in reversed(range(int(triangular.shape[0]))):
+        known = ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
+        rows.insert(0, ca.sparsify(right[j, :] - ca.mtimes(triangular[j, j + 1 :], known)))
+    return ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
+
+
+def shortest(matrix: ca.SX, right: ca.SX) -> ca.SX:
+    """The shortest Y of M Y = right for a matrix (k, n) of independent rows: with M^T = V U, Y = V D^-1 U^-T right."""
+    factors = factored(matrix.T, ca.SX(matrix.shape[1], 0))
+    reversed_rows = list(reversed(range(int(matrix.shape[0]))))
+    lower = factors.triangular.T
+    weights = back_substituted(lower[reversed_rows, reversed_rows], right[reversed_rows, :])[reversed_rows, :]
+    return ca.sparsify(ca.mtimes(factors.orthogonal, ca.mtimes(ca.diag(ca.vertcat(*(1 / d for d in factors.squares))), weights)))
+
+
+def without_span(rows: ca.SX, forbidden: ca.SX) -> ca.SX:
+    """Rows (a, r) projected onto the orthogonal complement of independent rows (c, r)."""
+    return factored(forbidden.T, rows.T).remainder.T
+
+
+def cofactors(matrix: ca.SX) -> ca.SX:
+    """(1, k + 1): y with y M = 0 for M of shape (k + 1, k), the signed minors; zero only where M loses rank."""
+    count = int(matrix.shape[0])
+    minors = []
+    for k in range(count):
+        others = [i for i in range(count) if i != k]
+        minors.append((-1) ** k * ca.det(matrix[others, :]))
+    return ca.sparsify(ca.horzcat(*minors))
+
+
+def nonzero_rows(matrix: ca.SX) -> list[int]:
+    """Rows that hold anything."""
+    return sorted(set(ca.sparsify(matrix).sparsity().row()))
+
+
+def _parts(column: ca.SX, others: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """v.w / v.v for each column w, and v.v; a column with a single entry divides by it alone."""
+    if column.nnz() == 1:
+        row, entry = column.sparsity().row()[0], column.nz[0]
+        return ca.sparsify(others[row, :] / entry), entry * entry
+    square = ca.sumsqr(column)
+    return ca.sparsify(ca.mtimes(column.T, others) / square), square
+
+
+def _without(others: ca.SX, column: ca.SX, parts: ca.SX) -> ca.SX:
+    if column.nnz() == 1:
+        kept = ca.SX(others)
+        kept[column.sparsity().row()[0], :] = 0
+        return ca.sparsify(kept)
+    return ca.sparsify(others - ca.mtimes(column, parts))
