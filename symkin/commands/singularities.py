@@ -1,0 +1,95 @@
+"""`symkin singularities`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.commands.options import (
+    JointsOption,
+    JsonOption,
+    MechArgument,
+    PoseOption,
+    SeedOption,
+    StartOption,
+    numbers_from,
+    print_result,
+    whole_number,
+)
+from symkin.errors import InputError, SolveError
+
+
+def singularities(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    start: StartOption = None,
+    plane: Annotated[
+        str | None,
+        typer.Option(
+            metavar="U,V", help="Loci over two pose coordinates (x, y, z, rx, ry, rz, gamma) or two actuated joints, others held."
+        ),
+    ] = None,
+    window: Annotated[
+        str | None,
+        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
+    starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane.")] = 200,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Name the singularity of one configuration, or draw the loci over a plane through it."""
+    from symkin.model.file import load
+    from symkin.position.solution import SolveResult
+    from symkin.singularities.configuration import configuration
+
+    if plane is None and (window is not None or plot is not None):
+        raise InputError("--range and --plot belong to --plane U,V, which names the two coordinates")
+    mechanism = load(mech)
+    if plot is not None:
+        from symkin.view.plot import check_picture_path
+
+        check_picture_path(plot)
+    sides = _window(window)
+    given = numbers_from(joints, "joints"), numbers_from(pose, "pose"), numbers_from(start, "start")
+    try:
+        solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
+    except SolveError as error:
+        if as_json and isinstance(error.result, SolveResult):
+            print(json.dumps(error.result.to_json(), allow_nan=False))
+        print(f"symkin: {error}", file=sys.stderr)
+        raise typer.Exit(3) from None
+    if plane is None:
+        from symkin.singularities.singularity import classify
+
+        found = classify(solution)
+        print_result(as_json, found.to_json, lambda: str(found))
+        return
+    from symkin.singularities.loci import singular_loci
+
+    names = [name.strip() for name in plane.split(",")]
+    loci = singular_loci(solution, names, ranges=sides, starts=starts, seed=seed)
+    if plot is not None:
+        from symkin.view.loci_plot import draw_loci
+
+        draw_loci(loci, plot)
+    print_result(as_json, loci.to_json, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
+
+
+def _window(text: str | None) -> list[tuple[float, float]] | None:
+    """Two pairs low:high."""
+    if text is None:
+        return None
+    pairs = []
+    for part in text.split(","):
+        ends = part.split(":")
+        try:
+            pairs.append((float(ends[0]), float(ends[1])))
+        except (ValueError, IndexError):
+            raise InputError(f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as -100:100,-50:50") from None
+    return pairs

@@ -1,0 +1,146 @@
+"""Curves F(z) = 0 with one freedom, traced by pseudo-arclength continuation; every point is corrected to a true zero."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.position.system import System
+
+CORRECTED = 1e-11
+"""A point lies on the curve when no row exceeds this times the size."""
+_NO_TANGENT = 1e-7
+"""A point has one tangent where of the rows' Jacobian one singular value, and no more, is below this times the largest."""
+_TURN = 0.95
+"""Least cosine between the tangents of neighbouring points: steps are shortened where the curve bends more."""
+_SHORTEST, _LONGEST = 1e-7, 0.1
+"""Bounds of a step, of the size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Points (n, width) in order and their unit tangents (n, freedom); `closed`: the last is followed by the first."""
+
+    points: np.ndarray
+    tangents: np.ndarray
+    closed: bool
+
+
+def correct(system: System, z: np.ndarray, most: int = 12) -> np.ndarray | None:
+    """Gauss-Newton by least-norm steps to a zero of all rows; None where it is not reached."""
+    nothing = np.zeros(0)
+    previous = np.inf
+    for _ in range(most):
+        values, jacobian = system.linearise_one(z, nothing)
+        largest = float(np.max(np.abs(values), initial=0.0))
+        if not np.isfinite(largest) or not np.all(np.isfinite(jacobian)):
+            return None
+        if largest == 0.0 or (largest <= CORRECTED * system.size and largest >= 0.1 * previous):
+            return z
+        previous = largest
+        z = system.move(z[None], np.linalg.lstsq(jacobian, -values, rcond=1e-10)[0][None])[0]
+    values, _ = system.linearise_one(z, nothing)
+    return z if np.max(np.abs(values)) <= CORRECTED * system.size else None
+
+
+def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
+    """The unit tangent at a point, either sense; None where the point is isolated or the freedoms are more than one."""
+    _, jacobian = system.linearise_one(z, np.zeros(0))
+    _, singular, right = np.linalg.svd(jacobian)
+    padded = np.zeros(system.freedom)
+    padded[: len(singular)] = singular
+    if padded[-1] > _NO_TANGENT * padded[0] or padded[-2] <= _NO_TANGENT * padded[0]:
+        return None
+    return np.asarray(right[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Where a curve is wanted: `inside` of a point; `cap`, the longest step along a tangent, so that the curve's picture is
+    as fine as it must be; `leading`, how many of the unknown coordinates tell points apart (null vectors have two signs)."""
+
+    inside: Callable[[np.ndarray], bool]
+    cap: Callable[[np.ndarray], float]
+    leading: int
+
+
+def trace(system: System, start: np.ndarray, window: Window, most: int = 4000) -> Curve | None:
+    """The curve through a point, both ways until it leaves the window or returns; None without a tangent there."""
+    first = tangent(system, start)
+    if first is None:
+        return None
+    ahead, closed = _one_way(system, start, first, window, most)
+    if closed:
+        return _curve(ahead, closed=True)
+    back, _ = _one_way(system, start, -first, window, most)
+    return _curve([(z, -t) for z, t in reversed(back[1:])] + ahead, closed=False)
+
+
+def distance(system: System, a: np.ndarray, b: np.ndarray, leading: int | None = None) -> np.ndarray:
+    """How far points (..., width) are apart in the first `leading` coordinates (length unit): angles modulo a turn and
+    rotations times the size, quaternions up to sign."""
+    total = np.zeros(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
+    for c, place in zip(system.unknowns[:leading], system.slices[:leading], strict=True):
+        if c.kind == "quaternion":
+            cosine = np.abs(np.sum(a[..., place] * b[..., place], axis=-1))
+            total += (2.0 * system.size) ** 2 * np.maximum(0.0, 2.0 - 2.0 * cosine)
+            continue
+        gap = a[..., place.start] - b[..., place.start]
+        if c.kind == "angle":
+            gap = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
+        total += (gap * (system.size if c.is_angular else 1.0)) ** 2
+    return np.sqrt(total)
+
+
+Step = tuple[np.ndarray, np.ndarray]
+
+
+def _one_way(system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int) -> tuple[list[Step], bool]:
+    path: list[Step] = [(start, direction)]
+    length = min(window.cap(direction), _LONGEST * system.size)
+    while len(path) < most:
+        z, t = path[-1]
+        length = min(length, window.cap(t), _LONGEST * system.size)
+        found = _step(system, z, t, length)
+        if found is None:
+            length /= 2
+            if length < _SHORTEST * system.size:
+                break
+            continue
+        path.append(found)
+        if len(path) > 3 and _returned(system, path, window.leading):
+            return path[:-1], True
+        if not window.inside(found[0]):
+            break
+        length *= 1.3
+    return path, False
+
+
+def _step(system: System, z: np.ndarray, t: np.ndarray, length: float) -> Step | None:
+    """One predictor and corrector step; None where the corrector moves far or the tangent turns too much."""
+    predicted = system.move(z[None], length * t[None])[0]
+    corrected = correct(system, predicted)
+    if corrected is None or float(distance(system, corrected, predicted)) > 0.3 * length:
+        return None
+    turned = tangent(system, corrected)
+    if turned is None:
+        return None
+    cosine = float(turned @ t)
+    return (corrected, turned if cosine > 0 else -turned) if abs(cosine) >= _TURN else None
+
+
+def _returned(system: System, path: list[Step], leading: int) -> bool:
+    """Whether the last step has passed the start, in the same sense."""
+    freedom = sum(c.freedom for c in system.unknowns[:leading])
+    (start, direction), (before, t), (now, _) = path[0], path[-2], path[-1]
+    a, b = t[:freedom], direction[:freedom]
+    if float(a @ b) < 0.8 * float(np.linalg.norm(a) * np.linalg.norm(b)):
+        return False
+    gaps = [float(distance(system, *pair, leading)) for pair in ((before, start), (now, start), (before, now))]
+    return gaps[0] + gaps[1] < 1.1 * gaps[2]
+
+
+def _curve(path: list[Step], *, closed: bool) -> Curve:
+    return Curve(np.array([z for z, _ in path]), np.array([t for _, t in path]), closed)

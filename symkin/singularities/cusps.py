@@ -1,0 +1,99 @@
+"""Cusps of a locus over two inputs: where its picture in the plane turns back.
+
+A locus over the inputs is the fold of the direct problem; along its curve (q, x, X, w) the velocity in the plane vanishes
+where three modes meet, F = 0, J w = 0 and n d2F(w, w) = 0 with n J = 0, and changes its sense there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.singularities.curve import Curve, correct, tangent
+from symkin.singularities.locus_system import LocusSystem
+
+_STILL = 1e-6
+"""A unit tangent whose part in the plane is below this is a motion with the inputs held, which has no cusp."""
+_REGULAR = 1e-4
+"""The last singular value but one of the curve's equations, over the largest, is above this at a cusp."""
+_LONGER = 5
+"""How often the bracket is made longer by a tenth: the curve is longer than its chord."""
+_STEPS = 60
+"""Most steps of the search between two points; the bracket halves at least every second one."""
+
+
+def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
+    """The curve with its cusps among its points, and their numbers."""
+    if system.kind != "type 2" or system.plane.of_pose:
+        return curve, np.zeros(0, dtype=int)
+    uv = curve.tangents[:, system.uv_columns]
+    moves = np.linalg.norm(uv, axis=1) > _STILL
+    turns = [k for k in range(len(uv) - 1) if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0]
+    found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _stands(system, z)]
+    if not found:
+        return curve, np.zeros(0, dtype=int)
+    places, points = [k for k, _ in found], np.array([z for _, z in found])
+    tangents = np.insert(curve.tangents, places, curve.tangents[[k - 1 for k in places]], axis=0)
+    numbers = np.array(places) + np.arange(len(places))
+    return Curve(np.insert(curve.points, places, points, axis=0), tangents, curve.closed), numbers
+
+
+def _stands(system: LocusSystem, z: np.ndarray) -> bool:
+    """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
+    regular: crossings of curves have no one tangent."""
+    t = tangent(system.curve, z)
+    if t is None or float(np.linalg.norm(t[system.uv_columns])) > _STILL:
+        return False
+    singular = np.linalg.svd(system.curve.linearise_one(z, np.zeros(0))[1], compute_uv=False)
+    return bool(singular[system.curve.freedom - 2] > _REGULAR * singular[0])
+
+
+def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None:
+    """The point of the curve between its points k and k + 1 where the velocity in the plane changes its sense."""
+    begin, ahead = curve.points[k], curve.tangents[k]
+    along = ahead[system.uv_columns] - curve.tangents[k + 1][system.uv_columns]
+
+    def at(length: float) -> tuple[np.ndarray, float] | None:
+        z = correct(system.curve, system.curve.move(begin[None], length * ahead[None])[0])
+        t = None if z is None else tangent(system.curve, z)
+        if z is None or t is None:
+            return None
+        return z, float((t if t @ ahead > 0 else -t)[system.uv_columns] @ along)
+
+    reach = _length_between(system, begin, curve.points[k + 1], ahead)
+    low, high = at(0.0), at(reach)
+    for _ in range(_LONGER):
+        if low is None or high is None or low[1] * high[1] <= 0.0:
+            break
+        reach *= 1.1
+        high = at(reach)
+    if low is None or high is None or low[1] * high[1] > 0.0:
+        return None
+    ends, values = [0.0, reach], [low[1], high[1]]
+    z = low[0]
+    for step in range(_STEPS):
+        width = ends[1] - ends[0]
+        secant = ends[0] - values[0] * width / (values[1] - values[0])
+        middle = secant if step % 2 == 0 and ends[0] < secant < ends[1] else ends[0] + 0.5 * width
+        found = at(middle)
+        if found is None or width <= 1e-15 * reach:
+            break
+        z, value = found
+        if value == 0.0:
+            break
+        side = 0 if (value > 0.0) == (values[0] > 0.0) else 1
+        ends[side], values[side] = middle, value
+    return z
+
+
+def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np.ndarray) -> float:
+    """Component of b - a along a tangent, by Newton on the retraction (angles and lengths: one step)."""
+    difference, column = np.zeros(system.curve.freedom), 0
+    for c, place in zip(system.curve.unknowns, system.curve.slices, strict=True):
+        if c.kind == "quaternion":
+            p, q = a[place], b[place] * np.sign(a[place] @ b[place])
+            relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
+            difference[column : column + 3] = 2 * system.curve.size * relative
+        else:
+            difference[column] = (b[place] - a[place])[0] * (system.curve.size if c.is_angular else 1.0)
+        column += c.freedom
+    return float(difference @ ahead)

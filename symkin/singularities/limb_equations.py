@@ -1,0 +1,137 @@
+"""The velocity equations of each limb without its passive joints, in one normal form.
+
+The rows of limb i, differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which
+y P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis of these rows,
+
+    a_i t + b_i q' = 0,    a_i a_i^T + b_i b_i^T = 1,
+
+depends neither on how the closure is written nor on units. Twists are t = (velocity of the platform origin; size times
+angular velocity) on the coordinates of the platform's motion, rates of angles are times the size. The rows a_i are the
+wrenches that the limb can exert while its actuated joints are held; those with b_i = 0 are its constraints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import Closure
+from symkin.position.mobility import whole_system
+from symkin.position.rank import RANK_TOLERANCE
+from symkin.position.system import System
+
+_SHORTEST_ROW = 1e-4
+"""Rows of the closure have derivatives of about 1; a limb whose rows are all below this times the rank tolerance has none."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimbEquations:
+    """`twist` (k, r) and `rates` (k, n) of one limb, rows orthonormal together; `constraints` (c, r), rows orthonormal, are
+    the wrenches that it exerts whatever its actuated joints do. `idle` counts passive motions that move neither platform
+    nor actuated joints, `passive` are the singular values of P_i, all rows of the limb orthonormal."""
+
+    limb: str
+    twist: np.ndarray
+    rates: np.ndarray
+    constraints: np.ndarray
+    passive: np.ndarray
+    idle: int
+
+
+@dataclass(frozen=True, eq=False)
+class LimbwiseEquations:
+    """All limbs at one configuration; `motion` (6, r) maps the twist coordinates to (velocity; size times angular velocity)."""
+
+    limbs: tuple[LimbEquations, ...]
+    motion: np.ndarray
+
+    @property
+    def twist(self) -> np.ndarray:
+        """The matrix of the direct problem, (k, r): type 2 where it loses rank."""
+        return np.vstack([limb.twist for limb in self.limbs])
+
+    @property
+    def rates(self) -> np.ndarray:
+        """The matrix of the inverse problem, (k, n): type 1 where it loses rank."""
+        return np.vstack([limb.rates for limb in self.limbs])
+
+    @property
+    def constraints(self) -> np.ndarray:
+        """Wrenches that the platform bears from all limbs with every actuated joint free, (c, r)."""
+        return np.vstack([limb.constraints for limb in self.limbs])
+
+    @property
+    def idle(self) -> int:
+        return sum(limb.idle for limb in self.limbs)
+
+
+def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float) -> LimbwiseEquations:
+    """The normal form at a closed configuration (a full vector of variables). Singular values below `tolerance` count as
+    zero."""
+    layout = _layout(closure)
+    _, jacobian = layout.system.linearise_one(values, np.zeros(0))
+    limbs = [
+        _eliminated(limb.name, jacobian[rows], layout.pose, layout.actuated, passive, tolerance)
+        for limb, (rows, passive) in zip(closure.mechanism.limbs, layout.limbs, strict=True)
+    ]
+    return LimbwiseEquations(tuple(limbs), motion_basis(closure))
+
+
+def motion_basis(closure: Closure) -> np.ndarray:
+    """(6, r): the unit motions of the platform's coordinates as (velocity of its origin; size times angular velocity)."""
+    columns = {"pose.x": [0], "pose.y": [1], "pose.z": [2], "pose.gamma": [5], "pose.quaternion": [3, 4, 5]}
+    chosen = [k for c in closure.role("pose") for k in columns[c.name]]
+    return np.eye(6)[:, chosen]
+
+
+def small_null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
+    """Orthonormal rows n with matrix n = 0, singular values below `tolerance` (absolute) taken as zero."""
+    if not len(matrix):
+        return np.eye(matrix.shape[1])
+    _, singular, right = np.linalg.svd(matrix)
+    return np.asarray(right[int(np.sum(singular > tolerance)) :])
+
+
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """Columns of the pose and of the actuated joints in the closure's Jacobian; rows and passive columns of each limb."""
+
+    system: System
+    pose: list[int]
+    actuated: list[int]
+    limbs: tuple[tuple[list[int], list[int]], ...]
+
+
+@lru_cache(maxsize=128)
+def _layout(closure: Closure) -> _Layout:
+    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
+    role = {name: [k for k, c in enumerate(columns) if c.role == name] for name in ("pose", "actuated", "passive")}
+    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
+    limbs = []
+    for limb in closure.mechanism.limbs:
+        rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
+        entering = [pattern[rows, closure.slices[columns[k].name]].any() for k in role["passive"]]
+        limbs.append((rows, [k for k, enters in zip(role["passive"], entering, strict=True) if enters]))
+    return _Layout(whole_system(closure), role["pose"], role["actuated"], tuple(limbs))
+
+
+def _eliminated(
+    name: str, rows: np.ndarray, pose: list[int], actuated: list[int], passive: list[int], tolerance: float
+) -> LimbEquations:
+    rows = _row_basis(rows)
+    left, singular, _ = np.linalg.svd(rows[:, passive])
+    rank = int(np.sum(singular > tolerance))
+    kept = _row_basis(left[:, rank:].T @ rows[:, [*pose, *actuated]])
+    twist, rates = kept[:, : len(pose)], kept[:, len(pose) :]
+    padded = np.zeros(len(passive))
+    padded[: len(singular)] = singular
+    return LimbEquations(name, twist, rates, small_null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank)
+
+
+def _row_basis(rows: np.ndarray) -> np.ndarray:
+    """Orthonormal rows of the same span; rows that others imply are dropped."""
+    _, lengths, basis = np.linalg.svd(rows, full_matrices=False)
+    return np.asarray(basis[lengths > RANK_TOLERANCE * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)])

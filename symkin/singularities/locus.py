@@ -1,0 +1,93 @@
+"""One singularity locus in a plane of two coordinates, and loci with the same picture as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.singularities.curve import Curve
+from symkin.singularities.locus_system import LocusSystem
+
+SAME_PICTURE = 5e-4
+"""Curves whose points are all within this of another curve (of the window's sides) have one picture."""
+_NONE = 1e-6
+"""A part of a unit null vector below this counts as zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Locus:
+    """One curve: `points` (n, 2) in the plane and `configurations` (n, width of the unknowns `names`), every one a zero.
+
+    Where the null vector moves passive joints only, the kind is "passive". `hits` counts the seeds. Curves of
+    other working modes and mirror images with the same picture are not listed again.
+
+    `in_mode` (n,) says which points belong to the working mode of the plane's configuration (all of them, where that
+    cannot be told); `cusps` (c, 2) are points at which the curve in the plane turns back. Values are in the mechanism's
+    units; configurations in radians.
+    """
+
+    kind: str
+    limb: str | None
+    points: np.ndarray
+    closed: bool
+    in_mode: np.ndarray
+    cusps: np.ndarray
+    names: tuple[str, ...]
+    configurations: np.ndarray
+    largest_row: float
+    hits: int
+
+    @property
+    def is_point(self) -> bool:
+        """The curve stands in one point of the plane: a self-motion there."""
+        return bool(np.ptp(self.points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(self.points).max())))
+
+
+def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np.ndarray, hits: int) -> Locus:
+    """A traced curve in the mechanism's units; `cusps` are numbers of its points."""
+    mechanism = system.plane.mechanism
+    factors = np.array([mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in system.plane.coordinates])
+    shares = curve.points[:, system.uv.stop :][:, system.telling] / system.curve.size
+    kind = system.kind if float(np.abs(shares).max()) > _NONE else "passive"
+    values, _ = system.curve.linearise(curve.points, np.zeros(0))
+    names = (*(c.name for c in system.free), *system.plane.names)
+    points = curve.points[:, system.uv] * factors
+    return Locus(
+        kind, system.limb, points, curve.closed, in_mode, points[cusps if kind == "type 2" else cusps[:0]],
+        names, curve.points[:, : system.uv.stop], float(np.max(np.abs(values))), hits,
+    )  # fmt: skip
+
+
+def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
+    """One locus for each picture: those with more points in the configuration's working mode stand for the others."""
+    kept: list[Locus] = []
+    for curve in sorted(curves, key=lambda c: (-int(c.in_mode.sum()), -len(c.points))):
+        place = next((k for k, other in enumerate(kept) if _has_picture(other, curve, sides)), None)
+        if place is None:
+            kept.append(curve)
+        else:
+            other = kept[place]
+            limb = other.limb if other.limb == curve.limb else other.limb or curve.limb
+            kept[place] = replace(other, hits=other.hits + curve.hits, limb=limb)
+    return tuple(sorted(kept, key=lambda c: (c.kind, c.limb or "", -len(c.points))))
+
+
+def _has_picture(other: Locus, curve: Locus, sides: np.ndarray) -> bool:
+    """Whether every point of `curve` lies on the polyline of `other`."""
+    if other.kind != curve.kind or (other.limb != curve.limb and curve.kind != "passive") or other.is_point != curve.is_point:
+        return False
+    away, _ = picture_distance(other.points, other.closed, sides, curve.points)
+    return bool(np.all(away < SAME_PICTURE))
+
+
+def picture_distance(line: np.ndarray, closed: bool, sides: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far points (k, 2) are from a polyline (n, 2), of the window's sides, and the number of the nearest segment."""
+    line = np.vstack([line, line[:1]]) if closed or len(line) == 1 else line
+    begin, along = line[:-1] / sides, np.diff(line, axis=0) / sides
+    gaps = points[:, None] / sides - begin
+    lengths = np.maximum(np.sum(along**2, axis=1), 1e-300)
+    share = np.clip(np.sum(gaps * along, axis=2) / lengths, 0.0, 1.0)
+    away = np.linalg.norm(gaps - share[:, :, None] * along, axis=2)
+    return away.min(axis=1), away.argmin(axis=1)

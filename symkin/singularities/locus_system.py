@@ -1,0 +1,208 @@
+"""The equations of a singularity locus over a plane of two coordinates (u, v).
+
+With the closure F(q, x, X) = 0, all coordinates but the plane's two and those that they leave free held at a configuration,
+and J the part of dF/d(q, x, X) that must not lose rank,
+
+    F = 0,   J w = 0,   (w.w - 1) / 2 = 0
+
+describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, folds and cusps included. Type 2: all rows,
+columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Every equation is solved, also
+where J is not square, so that points of the curve are true zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.closure import Closure, build_closure
+from symkin.model.joint import Coordinate, Kind
+from symkin.model.mechanism import Mechanism
+from symkin.position.mobility import whole_system
+from symkin.position.solution import Solution
+from symkin.position.system import System
+from symkin.spatial.rotation import multiply, quaternion_from_axis_angle
+
+LocusKind = Literal["type 1", "type 2"]
+_TURNS = {"rx": 0, "ry": 1, "rz": 2}
+"""Names of turns about the base axes, and the axes' numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Two coordinates that vary, all others of their family held: pose coordinates, or actuated joints.
+
+    `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
+    numbers, and `free` (the rest) as symbols of the closure. Pose coordinates are x, y, z and gamma of the motion; rx, ry, rz
+    turn a pose with a quaternion about the base axes from the configuration's, rx last.
+    """
+
+    closure: Closure
+    solution: Solution
+    names: tuple[str, str]
+    coordinates: tuple[Coordinate, Coordinate]
+    symbols: ca.SX
+    values: ca.SX
+    free: tuple[Coordinate, ...]
+    of_pose: bool
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.closure.mechanism
+
+    def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
+        return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
+
+
+def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
+    """The plane of two named coordinates through a configuration. Raises InputError for names that do not fit."""
+    closure = build_closure(solution.mechanism)
+    pose_names, joint_names = _pose_names(closure), [c.name for c in closure.mechanism.actuated]
+    if len(names) != 2 or names[0] == names[1]:
+        raise InputError(f"plane = {', '.join(names)!r}; two different coordinates are needed")
+    of_pose = all(name in pose_names for name in names)
+    if not of_pose and not all(name in joint_names for name in names):
+        raise InputError(
+            f"plane = {', '.join(names)!r}; allowed: two of {', '.join(pose_names)} (pose), or two of "
+            f"{', '.join(joint_names) or 'no'} (actuated joints)"
+        )
+    u = ca.SX.sym("uv", 2)
+    build = _pose_values if of_pose else _joint_values
+    values, coordinates = build(closure, solution, names, u)
+    free = closure.role("actuated", "passive") if of_pose else closure.role("passive", "pose")
+    return Plane(closure, solution, (names[0], names[1]), coordinates, u, values, free, of_pose)
+
+
+def _pose_names(closure: Closure) -> list[str]:
+    names = [c.name.removeprefix("pose.") for c in closure.role("pose") if c.kind != "quaternion"]
+    return [*names, *_TURNS] if any(c.kind == "quaternion" for c in closure.role("pose")) else names
+
+
+def _pose_values(
+    closure: Closure, solution: Solution, names: Sequence[str], u: ca.SX
+) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
+    values, made = ca.SX(closure.variables), []
+    for c in closure.role("pose"):
+        values[closure.slices[c.name]] = ca.DM(np.atleast_1d(np.asarray(solution.values[c.name], dtype=float)))
+    turn = ca.SX([1, 0, 0, 0])
+    for k in sorted(range(2), key=lambda k: _TURNS.get(names[k], -1)):
+        name = names[k]
+        if name in _TURNS:
+            turn = multiply(turn, quaternion_from_axis_angle(ca.SX(np.eye(3)[_TURNS[name]]), u[k]))
+        else:
+            values[closure.slices[f"pose.{name}"]] = u[k]
+    if any(name in _TURNS for name in names):
+        place = closure.slices["pose.quaternion"]
+        values[place] = multiply(turn, values[place])
+    for name in names:
+        if name in _TURNS:
+            made.append(Coordinate(f"plane.{name}", "angle", "pose"))
+        else:
+            kind: Kind = "angle" if name == "gamma" else "length"
+            made.append(Coordinate(f"plane.{name}", kind, "pose", (float(solution.values[f"pose.{name}"]),)))
+    return values, (made[0], made[1])
+
+
+def _joint_values(
+    closure: Closure, solution: Solution, names: Sequence[str], u: ca.SX
+) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
+    values, made = ca.SX(closure.variables), {}
+    for c in closure.role("actuated"):
+        now = float(solution.values[c.name])
+        values[closure.slices[c.name]] = u[names.index(c.name)] if c.name in names else now
+        made[c.name] = Coordinate(f"plane.{c.name}", c.kind, "actuated", (now,), least=c.least)
+    return values, (made[names[0]], made[names[1]])
+
+
+@dataclass(frozen=True, eq=False)
+class LocusSystem:
+    """One curve's equations: `curve` in the unknowns (free coordinates, u, v, w) and `closed`, F = 0 alone, in
+    the free coordinates, u and v; `kernel` evaluates J at (free, u, v). `limb` is set for type 1. `telling`
+    are the entries of w that tell the kind: pose for type 2, actuated joints for type 1; w of passive joints alone is neither."""
+
+    plane: Plane
+    kind: LocusKind
+    limb: str | None
+    free: tuple[Coordinate, ...]
+    curve: System
+    closed: System
+    kernel: ca.Function
+    telling: list[int]
+
+    @property
+    def uv(self) -> slice:
+        """Where (u, v) stand in a point of the curve."""
+        width = sum(c.width for c in self.free)
+        return slice(width, width + 2)
+
+    @property
+    def uv_columns(self) -> slice:
+        """Where (u, v) stand in a tangent of the curve."""
+        freedom = sum(c.freedom for c in self.free)
+        return slice(freedom, freedom + 2)
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Free coordinates, u and v of the plane's configuration."""
+        values = self.plane.solution.values
+        parts = [np.atleast_1d(np.asarray(values[c.name], dtype=float)) for c in self.free]
+        return np.concatenate([*parts, [c.reference[0] for c in self.plane.coordinates]])
+
+    def lift(self, closed: np.ndarray) -> tuple[np.ndarray, float]:
+        """A closed configuration with w the right singular vector of the smallest singular value of J, and that value."""
+        matrix = np.asarray(self.kernel(closed))
+        _, singular, right = np.linalg.svd(matrix)
+        smallest = float(singular[-1]) if matrix.shape[0] >= matrix.shape[1] else 0.0
+        return np.concatenate([closed, self.curve.size * right[-1]]), smallest
+
+
+def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]:
+    """Type 2 once, type 1 for each limb with an actuated joint. A kind that cannot occur has no system."""
+    closure, systems = plane.closure, []
+    whole = whole_system(closure)
+    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
+    if "type 2" in kinds and not closure.mechanism.serial:
+        kept = [k for k, c in enumerate(columns) if c.role != "actuated"]
+        systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept))
+    if "type 1" in kinds:
+        pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
+        for limb in closure.mechanism.limbs:
+            rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
+            own = [k for k, c in enumerate(columns) if c.role != "pose" and pattern[rows, closure.slices[c.name]].any()]
+            if any(columns[k].role == "actuated" for k in own):
+                systems.append(_system(plane, whole, "type 1", limb.name, rows, own))
+    return systems
+
+
+def _system(plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows: list[int], columns: list[int]) -> LocusSystem:
+    """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
+    closure, size = plane.closure, plane.closure.size
+    per_freedom = [c for c in closure.coordinates for _ in range(c.freedom)]
+    alone = plane.of_pose and kind == "type 1"
+    names = {per_freedom[k].name for k in columns}
+    free = tuple(c for c in plane.free if c.name in names) if alone else plane.free
+    used = rows if alone else list(range(int(closure.rows.shape[0])))
+    closed_rows = _substituted(plane, whole.rows[used, 0])
+    jacobian = _substituted(plane, whole.jacobian[rows, columns])
+    w = ca.SX.sym("w", len(columns))
+    fixed = plane.stacked(free)
+    nothing = ca.SX(0, 1)
+    extended = ca.vertcat(closed_rows, jacobian @ w, (ca.dot(w, w) / size - size) / 2)
+    weights = tuple(Coordinate(f"w.{k}", "length", "passive") for k in range(len(columns)))
+    unknown = ca.vertcat(fixed, plane.symbols, w)
+    return LocusSystem(
+        plane, kind, limb, free,
+        System((*free, *plane.coordinates, *weights), unknown, nothing, extended, extended, size),
+        System((*free, *plane.coordinates), ca.vertcat(fixed, plane.symbols), nothing, closed_rows, closed_rows, size),
+        ca.Function("kernel", [ca.vertcat(fixed, plane.symbols)], [ca.densify(jacobian)], {"cse": True}),
+        [k for k, column in enumerate(columns) if per_freedom[column].role == ("pose" if kind == "type 2" else "actuated")],
+    )  # fmt: skip
+
+
+def _substituted(plane: Plane, expression: ca.SX) -> ca.SX:
+    return ca.substitute(expression, plane.closure.variables, plane.values)

@@ -1,0 +1,58 @@
+"""Counts that tell a singular configuration from a regular one: feasible motions, and ranks of their parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from symkin.model.closure import build_closure
+from symkin.model.mechanism import Mechanism
+from symkin.position.mobility import closed_configurations
+from symkin.position.rank import RANK_TOLERANCE
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """What is counted at a configuration: feasible motions (t, q') and the ranks of their parts, passive motions alone,
+    and the ranks of A, of B and of the constraint wrenches C."""
+
+    motions: int
+    inputs: int
+    outputs: int
+    idle: int
+    twist: int
+    rates: int
+    constraints: int
+
+    @staticmethod
+    def of(equations: LimbwiseEquations, tolerance: float) -> Ranks:
+        motions = feasible_motions(equations, tolerance)
+        r = equations.twist.shape[1]
+        return Ranks(
+            len(motions), rank_of(motions[:, r:], tolerance), rank_of(motions[:, :r], tolerance), equations.idle,
+            rank_of(equations.twist, tolerance), rank_of(equations.rates, tolerance), rank_of(equations.constraints, tolerance),
+        )  # fmt: skip
+
+
+@lru_cache(maxsize=128)
+def generic_ranks(mechanism: Mechanism) -> Ranks:
+    """Ranks at a random closed configuration near the reference, the one with the fewest motions (seed 0)."""
+    closure = build_closure(mechanism)
+    found = [
+        Ranks.of(limbwise_equations(closure, values, RANK_TOLERANCE), RANK_TOLERANCE)
+        for values in closed_configurations(closure, 0)
+    ]
+    return min(found, key=lambda ranks: (ranks.motions + ranks.idle, -ranks.twist, -ranks.rates))
+
+
+def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:
+    """Orthonormal rows (t, q') with A t + B q' = 0."""
+    return small_null_space(np.hstack([equations.twist, equations.rates]), tolerance)
+
+
+def rank_of(matrix: np.ndarray, tolerance: float) -> int:
+    """Count of singular values above `tolerance` (absolute: rows have unit length)."""
+    return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0

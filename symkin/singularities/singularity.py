@@ -1,0 +1,242 @@
+"""Singular configurations: which kind, how near, and the motion or wrench that shows it.
+
+With the limbs' velocity equations A t + B q' = 0 (passive joints eliminated, rows orthonormal limb by limb, see
+`limb_equations`) the feasible motions are the pairs (t, q') of their null space. Compared with a generic configuration
+of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton and Benhabib 1995)
+
+    RI   redundant input: q' != 0 with t = 0                      type 1 (Gosselin and Angeles 1990; B loses rank)
+    RO   redundant output: t != 0 with q' = 0                     type 2 (A loses rank)
+    II   impossible input: some q' belong to no motion
+    IO   impossible output: some t belong to no motion
+    RPM  redundant passive motion: passive joints move alone      P loses rank
+    IIM  increased instantaneous mobility: more motions in all
+
+and where the limbs' constraint wrenches lose rank it is a constraint singularity (Zlatanov, Bonev and Gosselin 2002).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.closure import Closure, build_closure
+from symkin.model.mechanism import Mechanism
+from symkin.motion.velocity import variables_of
+from symkin.position.rank import RANK_TOLERANCE
+from symkin.position.solution import Solution
+from symkin.singularities.configuration import configuration
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+from symkin.singularities.motion_ranks import Ranks, feasible_motions, generic_ranks, rank_of
+from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
+from symkin.spatial.pose import Pose
+from symkin.spatial.screw import tidy_rows
+
+TOLERANCE = 1e-6
+"""A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
+KINDS = {
+    "type 1": "the inverse problem loses rank: joints move, the platform stands",
+    "type 2": "the direct problem loses rank: the platform moves, the actuated joints stand",
+    "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
+    "passive": "passive joints move alone, platform and actuated joints stand",
+}
+"""Kinds of singularity and what they mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class Singularity:
+    """What the velocity equations say at one configuration.
+
+    `kinds` are keys of KINDS, `conditions` Zlatanov's names; both empty where the configuration is regular. `distances`
+    holds, for each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere)
+    of its matrix with rows of unit length, angles times the size: the 2-norm of the smallest change of these rows that
+    makes the configuration singular, between 0 and 1 for each limb. They depend on the platform origin, and on neither
+    units nor the base frame. `singular_values` are those of the direct map q' -> t (lengths; angles times the size),
+    `manipulability` their product (Yoshikawa 1985), infinite at type 2. `twists` are the platform's motions with the
+    actuated joints held (type 2), or with all of them free where a constraint is lost; `wrenches` what the platform
+    bears without the actuated joints' help where an output is impossible; `inputs` the joint rates with the platform at
+    rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do.
+    """
+
+    solution: Solution
+    equations: LimbwiseEquations
+    ranks: Ranks
+    generic: Ranks
+    conditions: tuple[str, ...]
+    kinds: tuple[str, ...]
+    distances: dict[str, float]
+    singular_values: np.ndarray
+    twists: tuple[NamedScrew, ...]
+    wrenches: tuple[NamedScrew, ...]
+    inputs: tuple[dict[str, float], ...]
+    feasible_twists: tuple[NamedScrew, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def is_singular(self) -> bool:
+        return bool(self.kinds)
+
+    @property
+    def distance(self) -> float:
+        """The smallest of the distances."""
+        return min(self.distances.values(), default=float("inf"))
+
+    @property
+    def manipulability(self) -> float:
+        """Product of the direct map's singular values; that of the inverse map is its reciprocal."""
+        return float(np.prod(self.singular_values))
+
+    @property
+    def inverse_manipulability(self) -> float:
+        value = self.manipulability
+        return float("inf") if value == 0.0 else 1.0 / value
+
+    @property
+    def condition(self) -> float:
+        """Largest over smallest singular value of the direct map, and of the inverse one."""
+        s = self.singular_values
+        return float(s[0] / s[-1]) if s.size and np.isfinite(s[0]) and s[-1] > 0.0 else float("inf")
+
+    def to_json(self) -> dict[str, Any]:
+        """One object; infinite numbers are null."""
+        from symkin.view.singularity_text import singularity_json
+
+        return singularity_json(self)
+
+    def __str__(self) -> str:
+        from symkin.view.singularity_text import singularity_text
+
+        return singularity_text(self)
+
+
+def singularity(
+    mechanism: Mechanism,
+    *,
+    joints: Sequence[float] | None = None,
+    pose: Sequence[float] | Pose | None = None,
+    start: Sequence[float] | Pose | None = None,
+    tolerance: float = TOLERANCE,
+) -> Singularity:
+    """Classify the configuration that `solve` reaches from the same arguments.
+
+    At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
+    SolveError where no configuration is reached, InputError for values that do not fit.
+    """
+    return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance)
+
+
+def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
+    """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
+    if not 0.0 < tolerance < 1e-2:
+        raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
+    closure = build_closure(solution.mechanism)
+    equations = limbwise_equations(closure, variables_of(closure, solution), tolerance)
+    ranks, generic = Ranks.of(equations, tolerance), generic_ranks(solution.mechanism)
+    conditions = _conditions(ranks, generic)
+    kinds = _kinds(closure, ranks, generic, conditions)
+    return Singularity(
+        solution, equations, ranks, generic, conditions, kinds, _distances(closure, equations, generic),
+        _direct_map(equations, generic, tolerance), *_shown(solution, equations, kinds, conditions, tolerance),
+        _notes(closure, ranks, generic),
+    )  # fmt: skip
+
+
+# --- kinds ---------------------------------------------------------------------------------------------------------
+
+
+def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
+    """Zlatanov's names, each a count beside the generic one."""
+    tests = {
+        "RI": ranks.motions - ranks.outputs > generic.motions - generic.outputs,
+        "RO": ranks.motions - ranks.inputs > generic.motions - generic.inputs,
+        "II": ranks.inputs < generic.inputs,
+        "IO": ranks.outputs < generic.outputs,
+        "RPM": ranks.idle > generic.idle,
+        "IIM": ranks.motions + ranks.idle > generic.motions + generic.idle,
+    }
+    return tuple(name for name, holds in tests.items() if holds)
+
+
+def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...]) -> tuple[str, ...]:
+    tests = {
+        "type 1": "RI" in conditions,
+        "type 2": "RO" in conditions,
+        "constraint": closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints,
+        "passive": "RPM" in conditions,
+    }
+    return tuple(name for name, holds in tests.items() if holds)
+
+
+def _distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks) -> dict[str, float]:
+    found = {"type 1": _singular_value(equations.rates, generic.rates)}
+    if not closure.mechanism.serial:
+        found["type 2"] = _singular_value(equations.twist, generic.twist)
+    if generic.constraints and closure.mechanism.motion == "spatial":
+        found["constraint"] = _singular_value(equations.constraints, generic.constraints)
+    passive = [float(ratio) for limb in equations.limbs for ratio in limb.passive]
+    if passive:
+        found["passive"] = sorted(passive)[min(generic.idle, len(passive) - 1)]
+    return found
+
+
+def _singular_value(matrix: np.ndarray, rank: int) -> float:
+    """Singular value number `rank` of a matrix; 0 where it has fewer."""
+    s = np.linalg.svd(matrix, compute_uv=False) if min(matrix.shape) else np.zeros(0)
+    return float(s[rank - 1]) if 0 < rank <= len(s) else 0.0
+
+
+def _direct_map(equations: LimbwiseEquations, generic: Ranks, tolerance: float) -> np.ndarray:
+    """Singular values of q' -> t on the feasible motions; infinite where a platform motion needs no joint rate."""
+    motions = feasible_motions(equations, tolerance)
+    outputs, inputs = np.split(motions, [equations.twist.shape[1]], axis=1)
+    count = min(generic.outputs, generic.inputs)
+    if rank_of(inputs, tolerance) < generic.inputs:
+        return np.full(count, np.inf)
+    jacobian = np.linalg.pinv(inputs, rcond=RANK_TOLERANCE) @ outputs
+    values = np.linalg.svd(jacobian, compute_uv=False)[:count]
+    return np.asarray(np.where(values > tolerance, values, 0.0))
+
+
+def _notes(closure: Closure, ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
+    notes = []
+    if closure.mechanism.motion != "spatial":
+        notes.append(f"the platform's motion is declared {closure.mechanism.motion}: constraint singularities are not looked for")
+    if generic.inputs < len(closure.mechanism.actuated):
+        notes.append(f"only {generic.inputs} of {len(closure.mechanism.actuated)} actuated joints are independent")
+    if generic.motions > generic.inputs:
+        notes.append(f"freedoms that are not actuated, everywhere: {generic.motions - generic.inputs}")
+    if ranks.motions + ranks.idle != generic.motions + generic.idle:
+        notes.append(f"freedoms of motion here {ranks.motions + ranks.idle}, elsewhere {generic.motions + generic.idle}")
+    return tuple(notes)
+
+
+def _shown(
+    solution: Solution, equations: LimbwiseEquations, kinds: tuple[str, ...], conditions: tuple[str, ...], tolerance: float
+) -> tuple[tuple[NamedScrew, ...], tuple[NamedScrew, ...], tuple[dict[str, float], ...], tuple[NamedScrew, ...]]:
+    """The twists, wrenches and joint rates that show the singularity, and a basis of the feasible twists."""
+    motions = feasible_motions(equations, tolerance)
+    outputs = motions[:, : equations.twist.shape[1]]
+    twists, wrenches, inputs = np.zeros((0, 6)), np.zeros((0, 6)), np.zeros((0, equations.rates.shape[1]))
+    if "type 2" in kinds:
+        twists = small_null_space(equations.twist, tolerance) @ equations.motion.T
+    elif "constraint" in kinds:
+        twists = small_null_space(equations.constraints, tolerance) @ equations.motion.T
+    if "IO" in conditions:
+        wrenches = small_null_space(outputs, tolerance) @ equations.motion.T
+    if "type 1" in kinds:
+        inputs = small_null_space(equations.rates, tolerance)
+    return (
+        tuple(named_twist(solution, row) for row in tidy_rows(twists)),
+        tuple(named_wrench(solution, row) for row in tidy_rows(wrenches)),
+        tuple(joint_rates(solution, row) for row in tidy_rows(inputs)),
+        tuple(named_twist(solution, row) for row in _span(outputs, tolerance) @ equations.motion.T),
+    )
+
+
+def _span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
+    """Orthonormal rows of the same span, singular values below `tolerance` taken as zero."""
+    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    return np.asarray(right[singular > tolerance])

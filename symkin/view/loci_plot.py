@@ -1,0 +1,108 @@
+"""Pictures of singularity loci over a plane of two coordinates. Matplotlib is imported only when one is drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.view.box import COLOURS, style
+from symkin.view.plot import check_picture_path
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from symkin.singularities.loci import Loci
+    from symkin.singularities.locus import Locus
+
+KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
+"""Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
+_DPI = 150
+
+
+def draw_loci(loci: Loci, path: Path | str) -> None:
+    """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
+    from matplotlib import rc_context
+
+    target = check_picture_path(path)
+    figure = figure_of_loci(loci)
+    try:
+        with rc_context(style()):
+            figure.savefig(target, dpi=_DPI)
+    except OSError as error:
+        raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+
+
+def figure_of_loci(loci: Loci) -> Figure:
+    """The window with every curve: strong where it belongs to the configuration's working mode, thin elsewhere; cusps as
+    rings, the configuration as a cross; equal scales where both sides are of one unit."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with rc_context(style()):
+        figure = Figure(figsize=(7.4, 7.2), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        draw_curves(axes, loci)
+        figure.suptitle(f"{loci.plane.mechanism.name}: singularity loci", fontsize=13, fontweight="bold", color=COLOURS["text"])
+        axes.set_title(_held(loci), fontsize=9, color=COLOURS["quiet"], parse_math=False)
+        handles, labels = axes.get_legend_handles_labels()
+        if handles:
+            unique = dict(zip(labels, handles, strict=True))
+            figure.legend(
+                list(unique.values()), list(unique), loc="outside lower center", ncols=3, frameon=False, fontsize=9,
+                labelcolor=COLOURS["quiet"],
+            )  # fmt: skip
+    return figure
+
+
+def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
+    """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`: curves of other working
+    modes thin."""
+    for curve in loci.curves:
+        _curve(axes, curve, emphasise)
+    u, v = (_out(loci, k) for k in range(2))
+    axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+    axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
+    names = [f"{name} [{unit}]" for name, unit in zip(loci.plane.names, loci.units, strict=True)]
+    axes.set_xlabel(names[0], color=COLOURS["text"], parse_math=False)
+    axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
+    if loci.units[0] == loci.units[1]:
+        axes.set_aspect("equal")
+    axes.grid(color=COLOURS["grid"], lw=0.6)
+
+
+def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
+    colour = KIND_COLOURS[curve.kind]
+    points, mode = curve.points, curve.in_mode | (not emphasise)
+    if curve.is_point:
+        axes.plot(*points[:1].T, "s", color=colour, ms=6, label=f"{curve.kind}, self-motion", zorder=4)
+        return
+    if curve.closed:
+        points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])
+    if not mode.all():
+        axes.plot(*points.T, "-", color=colour, lw=0.8, alpha=0.45, label=f"{curve.kind}, other working modes", zorder=2)
+    if mode.any():
+        strong = np.where(mode[:, None], points, np.nan)
+        axes.plot(*strong.T, "-", color=colour, lw=1.9, label=curve.kind, zorder=3)
+    if len(curve.cusps):
+        axes.plot(*curve.cusps.T, "o", mfc="white", mec=colour, ms=6, mew=1.4, label="cusp", zorder=4)
+
+
+def _out(loci: Loci, k: int) -> float:
+    c = loci.plane.coordinates[k]
+    return loci.plane.mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+
+
+def _held(loci: Loci) -> str:
+    """What is held: the pose of the configuration, or its other actuated joints."""
+    solution, plane = loci.solution, loci.plane
+    if plane.of_pose:
+        position = ", ".join(f"{v:.5g}" for v in solution.position)
+        return f"pose held at ({position}) {plane.mechanism.length_unit}, but for {' and '.join(plane.names)}"
+    actuated = zip(plane.mechanism.actuated, solution.actuated, strict=True)
+    held = [f"{c.name} = {value:.5g}" for c, value in actuated if c.name not in plane.names]
+    return "held: " + ", ".join(held) if held else "both inputs vary"

@@ -1,0 +1,63 @@
+"""A configuration's singularity as text for terminals and as JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from symkin.singularities.singularity import Singularity
+
+
+def singularity_text(found: Singularity) -> str:
+    """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
+    from symkin.singularities.singularity import KINDS
+
+    mechanism = found.solution.mechanism
+    head = ", ".join(found.kinds) + " singularity" if found.kinds else "regular"
+    names = f" ({', '.join(found.conditions)})" if found.conditions else ""
+    lines = [str(found.solution), f"{head}{names}"]
+    lines += [f"  {kind}: {KINDS[kind]}" for kind in found.kinds]
+    distances = ", ".join(f"{kind} {value:.3g}" for kind, value in found.distances.items())
+    lines.append(f"distance (0 singular; rows of unit length, angles times the size {mechanism.size:.6g}): {distances}")
+    lines.append(
+        f"direct map, joint rates to twist: condition {found.condition:.4g}, manipulability {found.manipulability:.4g}; "
+        f"inverse map {found.inverse_manipulability:.4g}"
+    )
+    held = "with the actuated joints held" if "type 2" in found.kinds else "with the actuated joints free"
+    lines += [f"platform motion {held}: {screw}" for screw in found.twists]
+    lines += [f"borne without the actuated joints: {screw}" for screw in found.wrenches]
+    lines += [f"joint rates with the platform at rest: {_rates(rates)}" for rates in found.inputs]
+    lines += [f"note: {note}" for note in found.notes]
+    return "\n".join(lines)
+
+
+def singularity_json(found: Singularity) -> dict[str, Any]:
+    """The same as one object; infinite numbers are null."""
+    mechanism = found.solution.mechanism
+    return {
+        "mechanism": mechanism.name,
+        "length_unit": mechanism.length_unit,
+        "angle_unit": mechanism.angle_unit,
+        "size": mechanism.size,
+        "configuration": found.solution.to_json(),
+        "kinds": list(found.kinds),
+        "conditions": list(found.conditions),
+        "distances": dict(found.distances),
+        "condition": _finite(found.condition),
+        "manipulability": _finite(found.manipulability),
+        "inverse_manipulability": _finite(found.inverse_manipulability),
+        "singular_values": [_finite(float(value)) for value in found.singular_values],
+        "twists": [screw.to_json() for screw in found.twists],
+        "wrenches": [screw.to_json() for screw in found.wrenches],
+        "inputs": list(found.inputs),
+        "notes": list(found.notes),
+    }
+
+
+def _rates(rates: dict[str, float]) -> str:
+    return ", ".join(f"{name} {value:.6g}" for name, value in rates.items())
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
