@@ -1,0 +1,108 @@
+"""`symkin sweep`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from symkin.commands.options import MechArgument, SeedOption, numbers_from, whole_number
+
+
+class Quantity(StrEnum):
+    modes = "modes"
+    conditioning = "conditioning"
+    reach = "reach"
+
+
+def _count(name: str, text: str) -> Any:
+    return typer.Option(name, metavar="N", parser=whole_number, help=text)
+
+
+def sweep(
+    mech: MechArgument,
+    grid: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT,...", help="What is swept; NAME=LOW:HIGH with --random, NAME=VALUE for one value."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
+    ],
+    poses: Annotated[
+        bool, typer.Option("--poses", help="Sweep x, y, z, rx, ry, rz (rotation vector before the orientation of --at).")
+    ] = False,
+    at: Annotated[
+        str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")
+    ] = None,
+    random: Annotated[int | None, _count("--random", "Random points in place of a grid.")] = None,
+    seed: SeedOption = 0,
+    quantity: Annotated[Quantity, typer.Option(help="What is stored.")] = Quantity.modes,
+    certify: Annotated[bool, typer.Option("--certify", help="Prove every mode; takes many times as long.")] = False,
+    starts: Annotated[int, _count("--starts", "Random starts where paths do not decide.")] = 2000,
+    workers: Annotated[int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")] = None,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.")
+    ] = None,
+    chunk: Annotated[int | None, _count("--chunk", "Points that are computed and written at a time.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.")] = None,
+    slices: Annotated[
+        str | None,
+        typer.Option("--slice", metavar="NAME=VALUE,...", help="Where the map cuts a grid of more than two dimensions."),
+    ] = None,
+) -> None:
+    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
+    from symkin.model.file import load
+    from symkin.sweeps.ranges import read_ranges, read_values
+    from symkin.sweeps.run import sweep as run
+
+    mechanism = load(mech)
+    ranges = read_ranges(grid, sampled=random is not None)
+    cuts = read_values(slices, "slice") if slices is not None else {}
+    if plot is not None:
+        from symkin.view.plot import check_picture_path
+        from symkin.view.sweep_plot import check_slices
+
+        check_picture_path(plot)
+        check_slices(cuts, list(ranges), sampled=random is not None)
+    with _progress() as progress:
+        swept = run(
+            mechanism, ranges, output, poses=poses, at=numbers_from(at, "at"), random=random, seed=seed, quantity=quantity.value,
+            certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
+        )  # fmt: skip
+    print(swept)
+    if plot is not None:
+        from symkin.view.sweep_plot import draw_sweep
+
+        draw_sweep(output, plot, slices=cuts)
+        print(f"picture: {plot}")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """A bar with rate and remaining time on stderr when it is a terminal, else nothing."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("points"), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("points", total=None, rate="")
+
+        def show(done: int, total: int) -> None:
+            if bar.tasks[0].total is None:
+                bar.reset(task, total=total, completed=done, rate="")
+                return
+            bar.update(task, completed=done)
+            speed = bar.tasks[0].speed
+            bar.update(task, rate="" if speed is None else f"{speed:.3g}/s")
+
+        yield show

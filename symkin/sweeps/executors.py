@@ -1,0 +1,198 @@
+"""Who computes the chunks: local processes, a Dask scheduler, any other executor, or this process itself.
+
+At most a bounded number of chunks is under way. Where a local process is killed, the pool is built anew and the chunks
+that were under way are computed again.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+from symkin.errors import InputError
+
+_UNDER_WAY = 2
+"""Chunks under way for each worker, so that none waits for the next."""
+_MOST_LOSSES = 3
+"""Times that a chunk may be lost with its worker before the sweep is stopped."""
+_PATIENCE_S = 10.0
+"""Seconds in which a Dask scheduler must answer and show a worker."""
+_KEPT = "what is done is kept, and the same sweep goes on from there"
+_GUARD = "a script that sweeps must do so under `if __name__ == '__main__':`, and a worker needs memory enough"
+
+
+class Here(Executor):
+    """Computes in this process, at once."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@dataclass(eq=False)
+class Crew:
+    """An executor, how many chunks it has under way, and how it is made again when it breaks (None: not at all)."""
+
+    executor: Executor
+    under_way: int
+    make: Callable[[], Executor] | None = None
+    losses: Counter[int] = field(default_factory=Counter)
+    _lost: list[int] = field(default_factory=list)
+    _pending: dict[Future[Any], int] = field(default_factory=dict)
+
+    def results(self, function: Callable[..., Any], job: bytes, chunks: Iterable[int]) -> Iterator[tuple[int, Any]]:
+        """Chunks and their results `function(job, chunk)`, in the order in which they are done."""
+        left = iter(chunks)
+        while self._fill(function, job, left):
+            done, _ = wait(self._pending, return_when=FIRST_COMPLETED)
+            for future in done:
+                index = self._pending.pop(future)
+                if self._is_good(future, index):
+                    self.losses.clear()
+                    yield index, future.result()
+            if self._lost and _is_broken(self.executor):
+                self._rebuild("a worker process ended")
+
+    def _fill(self, function: Callable[..., Any], job: bytes, left: Iterator[int]) -> bool:
+        """Submit as many chunks as may be under way, lost ones first; whether any is."""
+        while len(self._pending) < self.under_way:
+            index = self._lost.pop() if self._lost else next(left, None)
+            if index is None:
+                break
+            try:
+                self._pending[self.executor.submit(function, job, index)] = index
+            except BrokenExecutor as error:
+                self._lost.append(index)
+                self._rebuild(str(error))
+        return bool(self._pending)
+
+    def _is_good(self, future: Future[Any], index: int) -> bool:
+        """Whether a future has a result; a chunk that was lost with its worker is kept for later. Other errors are raised."""
+        if future.cancelled():
+            raise InputError(f"the executor has cancelled its work; {_KEPT}")
+        error = future.exception()
+        if error is None:
+            return True
+        if not (isinstance(error, BrokenExecutor) or _is_killed_worker(error)):
+            raise error
+        self._lost.append(index)
+        if _is_killed_worker(error):
+            self._count([index], str(error))
+        return False
+
+    def _rebuild(self, reason: str) -> None:
+        """The executor is broken: make another, to which all that was under way is given."""
+        self._lost += self._pending.values()
+        self._pending.clear()
+        if self.make is None:
+            raise InputError(f"the executor broke ({reason}); {_KEPT}")
+        self._count(self._lost, reason)
+        self.executor.shutdown(wait=False, cancel_futures=True)
+        self.executor = self.make()
+
+    def _count(self, chunks: list[int], reason: str) -> None:
+        self.losses.update(chunks)
+        if max(self.losses.values()) > _MOST_LOSSES:
+            raise InputError(f"workers end abruptly, again and again ({reason}); {_GUARD}")
+
+
+def _is_broken(executor: Executor) -> bool:
+    """Whether a process pool takes no more work, by the standard library's own flag."""
+    return bool(getattr(executor, "_broken", False))
+
+
+def _is_killed_worker(error: BaseException) -> bool:
+    """Whether Dask gave a chunk up because its workers died."""
+    return type(error).__name__ == "KilledWorker"
+
+
+# --- local processes ---------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def local_crew(workers: int | None) -> Iterator[Crew]:
+    """`workers` processes (default: one for each processor), or none: this process."""
+    count = (os.cpu_count() or 1) if workers is None else workers
+    if not 0 <= count <= 1024:
+        raise InputError(f"workers = {count}; allowed: 0 (this process) to 1024")
+    if count == 0:
+        yield Crew(Here(), 1)
+        return
+    before = set(multiprocessing.active_children())
+    crew = Crew(_pool(count), _UNDER_WAY * count, lambda: _pool(count))
+    try:
+        yield crew
+    except BaseException:
+        crew.executor.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - before:
+            process.terminate()
+        raise
+    crew.executor.shutdown()
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker)
+
+
+def _begin_worker() -> None:
+    """Ctrl-C is the driver's to handle; a worker whose driver was killed ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+# --- others ------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def dask_crew(address: str) -> Iterator[Crew]:
+    """The workers of the Dask scheduler at an address."""
+    try:
+        import distributed
+
+        connect: Any = distributed.Client
+    except ImportError:
+        from symkin.sweeps.store import MISSING
+
+        raise InputError(MISSING) from None
+    try:
+        client = connect(address, timeout=_PATIENCE_S, set_as_default=False)
+    except (OSError, TimeoutError, ValueError, TypeError, KeyError) as error:
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"no Dask scheduler answers at {address!r} within {_PATIENCE_S:.0f} s ({text})") from None
+    try:
+        try:
+            client.wait_for_workers(1, timeout=_PATIENCE_S)
+        except TimeoutError:
+            raise InputError(
+                f"the Dask scheduler at {address!r} has no workers; start some with `dask worker {address}`"
+            ) from None
+        yield Crew(client.get_executor(pure=False), _UNDER_WAY * max(1, sum(client.ncores().values())))
+    finally:
+        with suppress(OSError, TimeoutError):
+            client.close(timeout=_PATIENCE_S)
+
+
+@contextmanager
+def given_crew(executor: Executor) -> Iterator[Crew]:
+    """An executor that the caller made and shuts down."""
+    workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    yield Crew(executor, _UNDER_WAY * int(workers))

@@ -1,0 +1,105 @@
+"""What a sweep found at some points: the modes of all of them, one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.model.closure import Closure
+from symkin.position.solution import Modes, Solution
+
+COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
+"""What the numbers of the array `completeness` mean: their place here."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a
+    set of solutions that are not isolated was met. Of all m modes, in the order of points: positions (m, 3), quaternions
+    (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1 none; `certified`
+    1, 0, or -1 where it was not tried; radius."""
+
+    count: np.ndarray
+    completeness: np.ndarray
+    unresolved: np.ndarray
+    continuum: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+    joints: np.ndarray
+    residual: np.ndarray
+    condition: np.ndarray
+    within_limits: np.ndarray
+    certified: np.ndarray
+    radius: np.ndarray
+
+
+PER_POINT = ("count", "completeness", "unresolved", "continuum")
+
+
+def joint_labels(closure: Closure) -> list[tuple[str, str]]:
+    """Names and units of the numbers in `joints`: closure coordinates in order; a ball joint's are name.w, .x, .y, .z."""
+    mechanism = closure.mechanism
+    labels: list[tuple[str, str]] = []
+    for c in closure.coordinates:
+        if c.role == "pose":
+            continue
+        unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
+        labels += [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.kind == "quaternion" else [(c.name, unit)]
+    return labels
+
+
+def from_modes(found: Modes, code: str | None = None) -> Found:
+    """One point, from its modes; `code` in place of their completeness."""
+    width = len(joint_labels(found.problem.closure))
+    unresolved = -1 if found.unresolved_paths is None else found.unresolved_paths
+    return Found(
+        np.array([len(found)]), np.array([COMPLETENESS.index(code or found.completeness)]), np.array([unresolved]),
+        np.array([found.positive_dimensional]),
+        np.array([s.position for s in found]).reshape(-1, 3), np.array([s.quaternion for s in found]).reshape(-1, 4),
+        np.array([_joints(s) for s in found]).reshape(-1, width),
+        np.array([s.residual for s in found]), np.array([s.condition for s in found]),
+        np.array([_flag(s.within_limits) for s in found], dtype=int),
+        np.array([_flag(s.certified) for s in found], dtype=int),
+        np.array([np.nan if s.radius is None else s.radius for s in found]),
+    )  # fmt: skip
+
+
+def nothing(closure: Closure, code: str, count: int) -> Found:
+    """One point without modes."""
+    empty, width = np.zeros(0), len(joint_labels(closure))
+    flags = np.zeros(0, dtype=int)
+    return Found(
+        np.array([count]), np.array([COMPLETENESS.index(code)]), np.array([-1]), np.array([False]),
+        np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, width)), empty, empty, flags, flags, empty,
+    )  # fmt: skip
+
+
+def joined(plain: Found, places: np.ndarray, others: dict[int, Found]) -> Found:
+    """All points in order: `plain` holds those of `places`, `others` single ones."""
+    if not others:
+        return plain
+    total = len(places) + len(others)
+    owner = np.repeat(places, np.maximum(plain.count, 0))
+    single = [(i, others[i]) for i in sorted(others)]
+    owners = np.concatenate([owner, *(np.full(max(int(f.count[0]), 0), i) for i, f in single)])
+    order = np.argsort(owners, kind="stable")
+    arrays = {}
+    for name in Found.__dataclass_fields__:
+        pieces = [getattr(plain, name), *(getattr(f, name) for _, f in single)]
+        if name in PER_POINT:
+            arrays[name] = np.zeros(total, dtype=pieces[0].dtype)
+            arrays[name][places] = pieces[0]
+            arrays[name][[i for i, _ in single]] = np.concatenate(pieces[1:])
+        else:
+            arrays[name] = np.concatenate(pieces)[order]
+    return Found(**arrays)
+
+
+def _joints(solution: Solution) -> np.ndarray:
+    values = solution.joints.values()
+    return np.concatenate([np.zeros(0), *(np.atleast_1d(np.asarray(v, dtype=float)) for v in values)])
+
+
+def _flag(value: bool | None) -> int:
+    return -1 if value is None else int(value)

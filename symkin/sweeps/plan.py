@@ -1,0 +1,129 @@
+"""All that decides the arrays of a sweep, and the comparison of two sweeps."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from symkin._version import __version__
+from symkin.enumeration.modes import MOST_STARTS
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import Kind
+from symkin.sweeps.enumerator import Enumerator, make_enumerator
+from symkin.sweeps.quantities import Variable, arrays_of, variables
+from symkin.sweeps.space import Blocks, Space
+
+FORMAT = 1
+"""Number of this layout of a sweep's folder."""
+_LARGEST_CHUNK, _FEWEST_CHUNKS = 500, 32
+"""A chunk has as many points as it may, unless a sweep would have less chunks than this."""
+_MOST_CHUNK = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is swept, what is stored, and how: `starts` and `seed` are those of `symkin.modes`, `chunk` the points that one
+    worker computes at a time."""
+
+    space: Space
+    quantity: str
+    certify: bool
+    starts: int
+    chunk: int
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.space.mechanism
+
+    @property
+    def kind(self) -> Kind:
+        return "inverse" if self.space.poses else "direct"
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        return Blocks(self.space.shape, self.chunk)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return variables(self.quantity, self.certify, self.mechanism.length_unit)
+
+    def enumerator(self) -> Enumerator:
+        return make_enumerator(self.mechanism, self.kind, starts=self.starts, seed=self.space.seed, certify=self.certify)
+
+    def compute(self, enumerator: Enumerator, index: int) -> dict[str, np.ndarray]:
+        """The arrays of one chunk."""
+        found = enumerator.enumerate([self.space.given(point) for point in self.space.points(self.blocks[index])])
+        return arrays_of(found, self.quantity, self.certify, self.mechanism.length_unit)
+
+    def pinned(self, enumerator: Enumerator) -> dict[str, Any]:
+        """What another sweep must share for its arrays to be equal."""
+        text = self.mechanism.to_toml()
+        return {
+            "symkin_sweep": FORMAT,
+            "symkin_version": __version__,
+            "mechanism": self.mechanism.name,
+            "mechanism_sha256": hashlib.sha256(text.encode()).hexdigest(),
+            "mechanism_file": text,
+            "problem": self.kind,
+            **self.space.pinned(),
+            "quantity": self.quantity,
+            "certify": self.certify,
+            "starts": self.starts,
+            "seed": self.space.seed,
+            "chunk": self.chunk,
+            "engine": enumerator.engine,
+            "starts_sha256": enumerator.starts_digest,
+            "first_point_sha256": self._probe(enumerator),
+        }
+
+    def _probe(self, enumerator: Enumerator) -> str:
+        """Hash of the results at the first point: shows a machine that computes other last digits."""
+        first = self.space.points(self.blocks[0])[0]
+        arrays = arrays_of(
+            enumerator.enumerate([self.space.given(first)]), self.quantity, self.certify, self.mechanism.length_unit
+        )
+        return hashlib.sha256(b"".join(arrays[name].tobytes() for name in sorted(arrays))).hexdigest()
+
+
+def make_plan(
+    space: Space, *, quantity: str = "modes", certify: bool = False, starts: int = 2000, chunk: int | None = None
+) -> Plan:
+    """A checked plan. Raises InputError for options that do not fit."""
+    if chunk is None:
+        chunk = max(1, min(_LARGEST_CHUNK, -(-space.size // _FEWEST_CHUNKS)))
+    if not 1 <= chunk <= _MOST_CHUNK:
+        raise InputError(f"chunk = {chunk}; allowed: 1 to {_MOST_CHUNK} points")
+    if not 1 <= starts <= MOST_STARTS:
+        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
+    variables(quantity, certify, space.mechanism.length_unit)
+    return Plan(space, quantity, certify, starts, chunk)
+
+
+def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
+    """What differs between what two sweeps pinned, as a clause; None where nothing does."""
+    if there.get("mechanism_sha256") != here["mechanism_sha256"] and there.get("mechanism") == here["mechanism"]:
+        return f"the file of {here['mechanism']} has changed"
+    for key in here:
+        if key.endswith("_sha256") or key == "mechanism_file":
+            continue
+        if json.dumps(there.get(key)) != json.dumps(here[key]):
+            verb = "are" if key == "axes" else "is"
+            return f"{key.replace('_', ' ')} {verb} {_short(there.get(key))} there and {_short(here[key])} here"
+    if there.get("starts_sha256") != here["starts_sha256"]:
+        return "the generic solutions from which paths begin are others (the cache folder has changed)"
+    if there.get("first_point_sha256") != here["first_point_sha256"]:
+        return "this machine or its libraries compute other last digits than those that began it"
+    return None
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{k} ({v})" for k, v in value.items())
+    return str(value)

@@ -1,0 +1,129 @@
+"""What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
+
+`modes`: all of them; `conditioning`: their condition numbers and the least and largest at each point; `reach`: how many
+there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
+modes of any point, and filled up with its `fill`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.sweeps.found import COMPLETENESS, Found
+
+QUANTITIES = ("modes", "conditioning", "reach")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array over the points: its type, value where nothing is, dimensions after the points' own, and attributes."""
+
+    name: str
+    dtype: str
+    fill: float
+    dimensions: tuple[str, ...]
+    attributes: tuple[tuple[str, Any], ...]
+
+    @property
+    def per_mode(self) -> bool:
+        return "mode" in self.dimensions
+
+
+def variables(quantity: str, certify: bool, length_unit: str) -> tuple[Variable, ...]:
+    """The arrays of a quantity. Raises InputError for one that is unknown."""
+    if quantity not in QUANTITIES:
+        raise InputError(f"quantity = {quantity!r} is unknown; allowed: {', '.join(QUANTITIES)}")
+    found = list(_COMMON)
+    if quantity == "modes":
+        found += _modes(length_unit) + (_certificates(length_unit) if certify else [])
+    elif quantity == "conditioning":
+        found += _CONDITIONING
+    else:
+        found += _REACH
+    return tuple(found)
+
+
+def _variable(name: str, dtype: str, fill: float, dimensions: str = "", **attributes: Any) -> Variable:
+    return Variable(name, dtype, fill, tuple(dimensions.split()), tuple(attributes.items()))
+
+
+_COMMON = (
+    _variable("count", "int32", -1, long_name="real modes", values="-1: not computed, or too many to list"),
+    _variable("completeness", "uint8", 0, flag_values=list(range(len(COMPLETENESS))), flag_meanings=list(COMPLETENESS)),
+    _variable("unresolved", "int32", -1, long_name="unresolved paths", values="-1: no paths were tracked"),
+    _variable("continuum", "int8", -1, long_name="solutions that are not isolated were met", values="1: yes, 0: no"),
+)
+_CONDITION = _variable("condition", "float64", np.nan, "mode", long_name="condition of the unknowns' Jacobian", units="1")
+_WITHIN = _variable("within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits")
+_CONDITIONING = [
+    _CONDITION,
+    _WITHIN,
+    _variable("least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"),
+    _variable("largest_condition", "float64", np.nan, long_name="condition of the worst mode", units="1"),
+]
+_REACH = [
+    _variable("count_within_limits", "int32", -1, long_name="real modes within limits", values="all, where there are no limits"),
+    _variable("reached", "int8", -1, long_name="some solution lies within limits", values="1: yes, 0: no, -1: not decided"),
+]
+
+
+def _modes(length_unit: str) -> list[Variable]:
+    return [
+        _variable("position", "float64", np.nan, "mode axis", units=length_unit),
+        _variable("quaternion", "float64", np.nan, "mode component", units="1"),
+        _variable("joints", "float64", np.nan, "mode joint", long_name="joint coordinates, units in joint_units"),
+        _variable("residual", "float64", np.nan, "mode", long_name="largest closure error", units=length_unit),
+        _CONDITION,
+        _WITHIN,
+    ]
+
+
+def _certificates(length_unit: str) -> list[Variable]:
+    return [
+        _variable("certified", "int8", -1, "mode", values="1: one exact solution is proved, 0: not, -1: no mode"),
+        _variable("radius", "float64", np.nan, "mode", long_name="distance of the exact solution at most", units=length_unit),
+    ]
+
+
+def arrays_of(found: Found, quantity: str, certify: bool, length_unit: str) -> dict[str, np.ndarray]:
+    """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
+    chosen = variables(quantity, certify, length_unit)
+    derived = _derived(found)
+    arrays = {}
+    for v in chosen:
+        values = derived.get(v.name, getattr(found, v.name, None))
+        arrays[v.name] = _spread(found.count, values, v) if v.per_mode else np.asarray(values).astype(v.dtype)
+    return arrays
+
+
+def _owners(count: np.ndarray) -> np.ndarray:
+    return np.repeat(np.arange(len(count)), np.maximum(count, 0))
+
+
+def _spread(count: np.ndarray, values: Any, variable: Variable) -> np.ndarray:
+    """Values (m, ...) of all modes as (points, most modes, ...)."""
+    owner = _owners(count)
+    begins = np.cumsum(np.maximum(count, 0)) - np.maximum(count, 0)
+    spread = np.full((len(count), int(count.max(initial=0)), *values.shape[1:]), variable.fill, dtype=variable.dtype)
+    spread[owner, np.arange(len(owner)) - begins[owner]] = values
+    return spread
+
+
+def _derived(found: Found) -> dict[str, np.ndarray]:
+    """What is computed for each point from its modes."""
+    n, owner = len(found.count), _owners(found.count)
+    least, largest = np.full(n, np.inf), np.full(n, -np.inf)
+    np.minimum.at(least, owner, found.condition)
+    np.maximum.at(largest, owner, found.condition)
+    inside = np.bincount(owner, weights=found.within_limits != 0, minlength=n).astype(int)
+    decided = (inside > 0) | ((found.count >= 0) & ~found.continuum)
+    return {
+        "least_condition": np.where(found.count > 0, least, np.nan),
+        "largest_condition": np.where(found.count > 0, largest, np.nan),
+        "count_within_limits": np.where(found.count < 0, -1, inside),
+        "reached": np.where(decided, inside > 0, -1),
+    }

@@ -1,0 +1,138 @@
+"""`symkin.sweep`: a sweep from its options to its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+    from contextlib import AbstractContextManager
+
+    from symkin.sweeps.executors import Crew
+    from symkin.sweeps.plan import Plan
+    from symkin.sweeps.space import Values
+    from symkin.sweeps.store import Store
+
+Progress = Callable[[int, int], None]
+"""Called with the count of points that are done, and of all."""
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A finished sweep: its folder, how many points and chunks it has, how many chunks this run computed, the most modes of
+    any point, and how many points have each count of real modes."""
+
+    folder: Path
+    points: int
+    chunks: int
+    computed: int
+    most_modes: int
+    points_by_count: Mapping[int, int]
+
+    def open(self) -> Any:
+        """The labelled arrays, an `xarray.Dataset`."""
+        import xarray
+
+        return xarray.open_zarr(self.folder)
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
+        kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
+        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}\n{self.folder}"
+
+
+def sweep(
+    mechanism: Mechanism,
+    grid: Mapping[str, Values],
+    directory: Path | str,
+    *,
+    poses: bool = False,
+    at: Sequence[float] | Pose | None = None,
+    random: int | None = None,
+    seed: int = 0,
+    quantity: str = "modes",
+    certify: bool = False,
+    starts: int = 2000,
+    chunk: int | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    progress: Progress | None = None,
+) -> Swept:
+    """Every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
+
+    `grid` maps actuated joints to rising values, with `poses` x, y, z and the rotation vector rx, ry, rz (base frame,
+    before the orientation of `at`), in the mechanism's units; with `random` = N points, to (least, largest). `at` gives what
+    is not swept. `quantity` is "modes", "conditioning" or "reach"; `certify` proves modes, at many times the cost; `seed`
+    is that of the sample and of random starts, `starts` their number where paths do not decide. `chunk` points are computed
+    and written at a time, by `executor`, by the Dask scheduler at the address `dask`, or by `workers` local processes (0:
+    this one). The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit.
+    Raises InputError for what does not fit, another sweep in the folder, and a folder that cannot be written.
+    """
+    from symkin.sweeps.plan import make_plan
+    from symkin.sweeps.space import make_space
+    from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
+    from symkin.sweeps.work import Job
+
+    folder = Path(directory)
+    require_zarr()
+    read_attributes(folder)
+    if (executor is not None) + (workers is not None) + (dask is not None) > 1:
+        raise InputError("executor, workers and dask are given together; one of them is needed, or none")
+    space = make_space(mechanism, grid, poses=poses, at=at, sample=random, seed=seed)
+    plan = make_plan(space, quantity=quantity, certify=certify, starts=starts, chunk=chunk)
+    enumerator = plan.enumerator()
+    pinned = plan.pinned(enumerator)
+    with _crew(executor, workers, dask) as crew:
+        store = open_store(folder, plan, pinned, enumerator.bound)
+        with locked(folder):
+            store.mend()
+            return _run(store, crew, Job(plan, pinned).packed(), progress)
+
+
+def _crew(executor: Executor | None, workers: int | None, dask: str | None) -> AbstractContextManager[Crew]:
+    from symkin.sweeps.executors import dask_crew, given_crew, local_crew
+
+    if executor is not None:
+        return given_crew(executor)
+    return local_crew(workers) if dask is None else dask_crew(dask)
+
+
+def _run(store: Store, crew: Crew, job: bytes, progress: Progress | None) -> Swept:
+    from symkin.sweeps.work import compute_chunk
+
+    plan = store.plan
+    left = np.flatnonzero(~store.done())
+    total = plan.space.size
+    done = total - sum(_points(plan, int(i)) for i in left)
+    if progress is not None:
+        progress(done, total)
+    for index, arrays in crew.results(compute_chunk, job, (int(i) for i in left)):
+        store.write(index, arrays)
+        done += _points(plan, index)
+        if progress is not None:
+            progress(done, total)
+    counts = _histogram(store)
+    return Swept(store.folder, total, len(plan.blocks), len(left), max([0, *counts]), counts)
+
+
+def _points(plan: Plan, index: int) -> int:
+    return int(np.prod([place.stop - place.start for place in plan.blocks[index]]))
+
+
+def _histogram(store: Store) -> dict[int, int]:
+    """How many points have each count, read chunk by chunk."""
+    totals: dict[int, int] = {}
+    for index in range(len(store.plan.blocks)):
+        for count, points in zip(*np.unique(store.arrays["count"][store.plan.blocks[index]], return_counts=True), strict=True):
+            totals[int(count)] = totals.get(int(count), 0) + int(points)
+    return dict(sorted(totals.items()))

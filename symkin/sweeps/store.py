@@ -1,0 +1,269 @@
+"""The folder of a sweep: a Zarr group that `xarray.open_zarr` reads, written chunk by chunk.
+
+A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after the chunk's data, so
+that whatever a killed run left is computed again. The dimension `mode` grows to the most modes met, whatever the order.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import uuid
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.closure import build_closure
+from symkin.sweeps.found import joint_labels
+from symkin.sweeps.plan import Plan, difference
+from symkin.sweeps.quantities import QUANTITIES, Variable, variables
+
+_MODE_CHUNK = 8
+"""Modes in one chunk of an array; more modes of a point make more chunks."""
+_SAMPLE_DIMENSION = "point"
+_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "chunk", "done", _SAMPLE_DIMENSION)
+RESERVED = frozenset(_DIMENSIONS) | {v.name for quantity in QUANTITIES for v in variables(quantity, True, "")}
+"""Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
+MISSING = "sweeps need xarray, zarr and dask: pip install 'symkin[sweep]'"
+
+
+@dataclass(frozen=True, eq=False)
+class Store:
+    """An open folder; `group` is its Zarr group."""
+
+    folder: Path
+    plan: Plan
+    group: Any
+
+    @cached_property
+    def arrays(self) -> dict[str, Any]:
+        """The arrays over the points, and `done`."""
+        return {name: self.group[name] for name in (*(v.name for v in self.plan.variables), "done")}
+
+    @property
+    def per_mode(self) -> list[Variable]:
+        return [v for v in self.plan.variables if v.per_mode]
+
+    def done(self) -> np.ndarray:
+        """Which chunks are written."""
+        return np.asarray(np.asarray(self.arrays["done"][:]) == 1)
+
+    def lengths(self) -> set[int]:
+        """Lengths of the dimension `mode`: one, unless a run was killed while it grew; none where no array has it."""
+        return {self.arrays[v.name].shape[len(self.plan.space.shape)] for v in self.per_mode}
+
+    def mend(self) -> None:
+        """Remove what a killed run left half written; to be called by the only run in the folder."""
+        with refused_writing(self.folder):
+            for rest in self.folder.rglob("*.partial"):
+                rest.unlink(missing_ok=True)
+            if len(self.lengths()) > 1:
+                self.grow(max(self.lengths()))
+            _consolidate(self.folder)
+
+    def write(self, index: int, arrays: Mapping[str, np.ndarray]) -> None:
+        """One chunk, its mark last. Raises InputError where the folder cannot be written."""
+        block, dimensions = self.plan.blocks[index], len(self.plan.space.shape)
+        shape = tuple(place.stop - place.start for place in block)
+        with refused_writing(self.folder):
+            needed = max((arrays[v.name].shape[1] for v in self.per_mode), default=0)
+            if needed > max(self.lengths(), default=needed):
+                self.grow(needed)
+            for v in self.plan.variables:
+                target, values = self.arrays[v.name], arrays[v.name]
+                if v.per_mode:
+                    gap = target.shape[dimensions] - values.shape[1]
+                    values = np.pad(values, [(0, 0), (0, gap), *[(0, 0)] * (values.ndim - 2)], constant_values=v.fill)
+                target[block] = values.reshape(*shape, *values.shape[1:])
+            self.arrays["done"][index] = 1
+
+    def grow(self, modes: int) -> None:
+        """Make the dimension `mode` of all arrays `modes` long."""
+        dimensions = len(self.plan.space.shape)
+        for v in self.per_mode:
+            array = self.arrays[v.name]
+            array.resize((*array.shape[:dimensions], modes, *array.shape[dimensions + 1 :]))
+        _consolidate(self.folder)
+
+
+def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> Store:
+    """The folder of a new sweep, or that of the same sweep begun before, as it was left. Raises InputError for another
+    sweep's folder, for one that holds something else, and for one that cannot be written."""
+    kept = read_attributes(folder)
+    if kept is None:
+        with refused_writing(folder, begun=False):
+            _create(folder, plan, pinned, bound)
+    else:
+        reason = difference(kept, pinned)
+        if reason is not None:
+            raise InputError(f"{folder}: another sweep is in this folder: {reason}; choose another folder, or the same options")
+        if not os.access(folder, os.W_OK):
+            raise InputError(f"{folder}: cannot be written (permission denied)")
+    return Store(folder, plan, _group(folder))
+
+
+def read_attributes(folder: Path) -> dict[str, Any] | None:
+    """What a sweep's folder has pinned; None for a folder that is not there or empty. Raises InputError for others."""
+    if not folder.exists():
+        return None
+    if not folder.is_dir():
+        raise InputError(f"{folder}: is a file; the name of a folder is needed")
+    try:
+        if not any(folder.iterdir()):
+            return None
+        attributes = dict(_group(folder).attrs)
+    except PermissionError:
+        raise InputError(f"{folder}: cannot be read (permission denied)") from None
+    except (OSError, ValueError, KeyError, TypeError):
+        attributes = {}
+    if "symkin_sweep" not in attributes:
+        raise InputError(f"{folder}: holds something that is no sweep, and is left alone; choose another folder")
+    return attributes
+
+
+@contextmanager
+def refused_writing(folder: Path, *, begun: bool = True) -> Iterator[None]:
+    """OSError as a sentence."""
+    try:
+        yield
+    except OSError as error:
+        kept = "; what is done is kept, and the same command goes on from there" if begun else ""
+        raise InputError(f"{folder}: cannot be written ({error.strerror or error}){kept}") from None
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep a second run away from a folder; ends with the process, however it ends."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(f"{folder}: another run is writing into this folder; wait for it or stop it") from None
+        except OSError:
+            pass
+        yield
+    finally:
+        os.close(handle)
+
+
+def labels(names: Sequence[str]) -> list[str]:
+    """Names of arrays for swept names: those that collide or that no path can hold are changed."""
+    found: list[str] = []
+    for name in names:
+        clean = "".join(c if c.isalnum() or c in "._-" else "_" for c in name)
+        label = name if clean == name and name not in RESERVED and name[0].isalpha() else f"joint.{clean}"
+        while label in found:
+            label += "_"
+        found.append(label)
+    return found
+
+
+def require_zarr() -> None:
+    """Raises InputError where what reads and writes the arrays is not installed."""
+    try:
+        import xarray  # noqa: F401
+        import zarr  # noqa: F401
+    except ImportError:
+        raise InputError(MISSING) from None
+
+
+def _group(folder: Path) -> Any:
+    import zarr
+
+    return zarr.open_group(folder, mode="r+" if os.access(folder, os.W_OK) else "r", use_consolidated=False)
+
+
+def _consolidate(folder: Path) -> None:
+    import zarr
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(folder)
+
+
+def _create(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
+    """All arrays, empty: made beside the folder, so that it is there as a whole or not at all; or within an empty one, whose
+    description is moved up last."""
+    there = folder.exists()
+    if not there:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+    beside = (folder if there else folder.parent) / f".{folder.name}.{uuid.uuid4().hex}.part"
+    try:
+        _create_arrays(beside, plan, pinned, bound)
+        if not there:
+            beside.rename(folder)
+            return
+        for child in sorted(beside.iterdir(), key=lambda path: path.name == "zarr.json"):
+            child.rename(folder / child.name)
+        beside.rmdir()
+    except BaseException:
+        shutil.rmtree(beside, ignore_errors=True)
+        raise
+
+
+def _create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
+    import zarr
+
+    space, box = plan.space, plan.blocks.box
+    names = labels([axis.name for axis in space.axes])
+    group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
+    dimensions = (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(names)
+    joints = joint_labels(build_closure(plan.mechanism))
+    lengths = {"mode": 1, "axis": 3, "component": 4, "joint": len(joints)}
+    chunks = lengths | {"mode": max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))}
+    for v in plan.variables:
+        group.create_array(
+            v.name, shape=(*space.shape, *(lengths[d] for d in v.dimensions)), chunks=(*box, *(max(1, chunks[d]) for d in v.dimensions)),
+            dtype=v.dtype, fill_value=v.fill, dimension_names=(*dimensions, *v.dimensions), attributes=dict(v.attributes),
+        )  # fmt: skip
+    group.create_array(
+        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",),
+        attributes={"long_name": "chunks of points that are written"},
+    )  # fmt: skip
+    for text, name in (("x y z", "axis"), ("w x y z", "component")):
+        _strings(group, name, text.split(), name)
+    _strings(group, "joint", [name for name, _ in joints], "joint")
+    _strings(group, "joint_units", [unit for _, unit in joints], "joint")
+    _create_coordinates(group, plan, names, dimensions)
+    _consolidate(folder)
+
+
+def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]) -> None:
+    """Values of the swept joints or pose coordinates, along their axes or for each random point."""
+    space = plan.space
+    for k, (axis, name) in enumerate(zip(space.axes, names, strict=True)):
+        own = dimensions if space.sample is not None else (dimensions[k],)
+        length = space.sample if space.sample is not None else len(axis.values)
+        attributes = {"units": axis.unit, "long_name": axis.name}
+        coordinate = group.create_array(
+            name, shape=(length,), chunks=(max(1, min(length, 100_000)),), dtype="float64", fill_value=np.nan,
+            dimension_names=own, attributes=attributes,
+        )  # fmt: skip
+        if space.sample is None:
+            coordinate[:] = axis.values
+    if space.sample is not None:
+        for begin in range(0, space.sample, 100_000):
+            block = slice(begin, min(begin + 100_000, space.sample))
+            points = space.points((block,))
+            for k, name in enumerate(names):
+                group[name][block] = points[:, k]
+
+
+def _strings(group: Any, name: str, values: Sequence[str], dimension: str) -> None:
+    array = group.create_array(
+        name, shape=(len(values),), chunks=(max(1, len(values)),), dtype="str", dimension_names=(dimension,)
+    )
+    array[:] = np.array(list(values), dtype=object)

@@ -1,0 +1,309 @@
+"""The folder of a sweep: labelled arrays that hold what `symkin.modes` finds, resumed bit for bit, never overwritten."""
+
+import errno
+import filecmp
+import os
+import shutil
+import warnings
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin import InputError
+from symkin.sweeps.found import COMPLETENESS
+from symkin.sweeps.run import sweep
+
+xarray = pytest.importorskip("xarray")
+pytestmark = pytest.mark.usefixtures("kept_starts")
+PLATFORM = symkin.load("zhang2009")
+GRID = {"leg1": np.linspace(100, 160, 8), "leg2": np.linspace(320, 370, 5)}
+ONE = {"leg1": [140.0]}
+
+
+def same_files(a, b):
+    """Whether two folders hold the same files with the same bytes."""
+    compared = filecmp.dircmp(a, b)
+    if compared.left_only or compared.right_only or compared.funny_files:
+        return False
+    _, different, broken = filecmp.cmpfiles(a, b, compared.common_files, shallow=False)
+    return not different and not broken and all(same_files(a / name, b / name) for name in compared.common_dirs)
+
+
+class Stops(ThreadPoolExecutor):
+    """Raises after some chunks, as a driver that is interrupted between two of them."""
+
+    def __init__(self, after):
+        super().__init__(1)
+        self.left = after
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.left -= 1
+        if self.left < 0:
+            raise KeyboardInterrupt
+        return super().submit(fn, *args, **kwargs)
+
+
+class Backwards(ThreadPoolExecutor):
+    """Runs what it is given in pairs, the later one first."""
+
+    def __init__(self):
+        super().__init__(2)
+        self.kept = None
+
+    def submit(self, fn, /, *args):
+        future = Future()
+        if self.kept is None:
+            self.kept = (future, fn, args)
+        else:
+            future.set_result(fn(*args))
+            self.kept[0].set_result(self.kept[1](*self.kept[2]))
+            self.kept = None
+        return future
+
+
+def test_arrays_hold_the_modes(tmp_path):
+    """At each grid point the arrays have the count, poses and joints of `symkin.modes`, and NaN beyond."""
+    swept = sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
+    data = swept.open().load()
+    assert data["count"].dims == ("leg1", "leg2")
+    assert data.leg1.attrs["units"] == "mm"
+    assert data.position.attrs["units"] == "mm"
+    assert data.sizes["mode"] == data["count"].max() == swept.most_modes
+    assert swept.points == sum(swept.points_by_count.values()) == 40
+    for i, j in [(0, 0), (3, 2), (7, 4)]:
+        point = data.isel(leg1=i, leg2=j)
+        alone = symkin.modes(PLATFORM, joints=[GRID["leg1"][i], GRID["leg2"][j], *PLATFORM.example.joints[2:]])
+        assert int(point["count"]) == len(alone)
+        for k, mode in enumerate(alone):
+            assert np.allclose(point.position[k], mode.position, atol=1e-8)
+            assert np.allclose(point.quaternion[k], mode.quaternion, atol=1e-10)
+            for name, value in mode.joints.items():
+                assert float(point.joints.sel(joint=name)[k]) == pytest.approx(value, abs=1e-8)
+        assert np.isnan(point.position[len(alone) :]).all()
+    assert data.completeness.attrs["flag_meanings"] == list(COMPLETENESS)
+    assert data.attrs["mechanism_file"] == PLATFORM.to_toml()
+
+
+def test_opening_gives_no_warning(tmp_path):
+    """`xarray.open_zarr` reads a folder at once, finished or not."""
+    with pytest.raises(KeyboardInterrupt):
+        sweep(PLATFORM, GRID, tmp_path / "s", executor=Stops(3), chunk=7)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data = xarray.open_zarr(tmp_path / "s").load()
+    assert 0 < int(data.done.sum()) < 6
+    assert int((data["count"] >= 0).sum()) < 40
+
+
+@pytest.mark.parametrize(("after", "engine"), [(1, ""), (4, "numpy")])
+def test_interrupted_sweeps_go_on_bit_for_bit(tmp_path, monkeypatch, after, engine):
+    """A sweep that stopped goes on with the chunks that are left, and its files equal an uninterrupted one's, with either
+    engine."""
+    monkeypatch.setenv("SYMKIN_ENGINE", engine)
+    sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(PLATFORM, GRID, tmp_path / "cut", executor=Stops(after), chunk=7)
+    before = int(xarray.open_zarr(tmp_path / "cut").done.sum())
+    swept = sweep(PLATFORM, GRID, tmp_path / "cut", workers=0, chunk=7)
+    assert swept.computed == swept.chunks - before
+    assert same_files(tmp_path / "whole", tmp_path / "cut")
+    assert sweep(PLATFORM, GRID, tmp_path / "cut", workers=0, chunk=7).computed == 0
+
+
+def test_half_written_chunks_are_computed_again(tmp_path):
+    """Data without its mark, leftovers of a write and arrays of unequal length are what a kill can leave: all is mended."""
+    import zarr
+
+    sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
+    shutil.copytree(tmp_path / "whole", tmp_path / "torn")
+    torn = zarr.open_group(tmp_path / "torn", mode="r+", use_consolidated=False)
+    torn["done"][2:4] = 0
+    torn["position"][2] = -7.0
+    torn["joints"].resize((8, 5, 1, 6))
+    leftover = next((tmp_path / "torn" / "position" / "c").rglob("*"))
+    (leftover.parent / "0.abc.partial").write_bytes(b"half")
+    assert sweep(PLATFORM, GRID, tmp_path / "torn", workers=0, chunk=7).computed == 2
+    assert same_files(tmp_path / "whole" / "position", tmp_path / "torn" / "position")
+    assert (tmp_path / "whole" / "zarr.json").read_bytes() == (tmp_path / "torn" / "zarr.json").read_bytes()
+
+
+def test_order_of_completion_leaves_no_trace(tmp_path):
+    """Chunks that are done in another order, and the growth of the array of modes with them, give the same files."""
+    grid = {"leg1": np.linspace(110, 150, 6), "leg2": [347.0, 350.0]}
+    sweep(PLATFORM, grid, tmp_path / "a", workers=0, chunk=1)
+    sweep(PLATFORM, grid, tmp_path / "b", executor=Backwards(), chunk=1)
+    assert same_files(tmp_path / "a", tmp_path / "b")
+    counts = xarray.open_zarr(tmp_path / "a")["count"].values
+    assert len(np.unique(counts)) > 1
+
+
+def test_one_point_and_axes_of_one_value(tmp_path):
+    """A sweep of one point is a sweep; an axis of one value keeps its dimension."""
+    data = sweep(PLATFORM, ONE, tmp_path / "one", workers=0).open()
+    assert data["count"].shape == (1,)
+    data = sweep(PLATFORM, {"leg1": [140.0], "leg2": [340.0, 347.0]}, tmp_path / "two", workers=0).open()
+    assert data["count"].dims == ("leg1", "leg2")
+    assert data["count"].shape == (1, 2)
+
+
+def test_samples_are_labelled_by_point(tmp_path):
+    """A random sample has the dimension `point`, and the swept values as its coordinates."""
+    data = sweep(PLATFORM, {"leg1": (140, 150), "leg2": (340, 350)}, tmp_path / "s", random=9, seed=1, workers=0).open().load()
+    assert data["count"].dims == ("point",)
+    assert {"leg1", "leg2"} <= set(data.coords)
+    assert np.allclose(data.joints.sel(joint="leg1").values[:, 0], data.leg1.values)
+
+
+def test_points_without_solution_and_off_the_motion(tmp_path):
+    """Out of reach, or off a restricted motion, the count is 0, and completeness tells them apart."""
+    beyond = sweep(PLATFORM, {"leg1": [140.0, 1000.0]}, tmp_path / "a", workers=0).open().load()
+    assert beyond["count"].values.tolist() == [4, 0]
+    assert set(np.array(COMPLETENESS)[beyond.completeness.values]) == {"probability one"}
+    tilted = sweep(symkin.load("zhao2000"), {"rx": [0.0, 20.0]}, tmp_path / "b", poses=True, workers=0).open().load()
+    assert tilted["count"].values.tolist() == [8, 0]
+    assert np.array(COMPLETENESS)[tilted.completeness.values].tolist() == ["probability one", "off the motion"]
+    assert tilted.rx.attrs["units"] == "deg"
+
+
+def test_conditioning_and_reach(tmp_path):
+    """The best and worst condition are those of the listed modes; an input is reached where some mode lies within limits."""
+    grid = {"leg1": [120.0, 140.0, 1000.0]}
+    whole = sweep(PLATFORM, grid, tmp_path / "m", workers=0).open().load()
+    best = sweep(PLATFORM, grid, tmp_path / "c", quantity="conditioning", workers=0).open().load()
+    assert np.array_equal(whole.condition.min("mode").values, best.least_condition.values, equal_nan=True)
+    assert np.array_equal(whole.condition.max("mode").values, best.largest_condition.values, equal_nan=True)
+    assert "position" not in best
+    reach = sweep(PLATFORM, grid, tmp_path / "r", quantity="reach", workers=0).open().load()
+    assert np.array_equal(reach.reached.values == 1, whole["count"].values > 0)
+    assert np.array_equal(reach.count_within_limits.values, whole["count"].values)
+
+
+# --- refusals ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"chunk": 8}, "chunk is 7 there and 8 here"), ({"seed": 1}, "seed is 0 there and 1 here"), ({"quantity": "reach"}, "quantity"),
+        ({"certify": True}, "certify"), ({"at": [1, 2, 3, 4, 5, 6]}, "base"), ({"random": 4}, "axes"), ({"starts": 5}, "starts is 2000"),
+    ],
+)  # fmt: skip
+def test_other_options_are_refused(tmp_path, options, said):
+    """Another sweep in the folder is refused by what differs, and the folder left as it was."""
+    grid = {"leg1": [140.0, 150.0], "leg2": [340.0, 347.0]}
+    sweep(PLATFORM, grid, tmp_path / "s", workers=0, chunk=7)
+    shutil.copytree(tmp_path / "s", tmp_path / "kept")
+    with pytest.raises(InputError, match=said):
+        sweep(PLATFORM, grid, tmp_path / "s", workers=0, **({"chunk": 7} | options))
+    assert same_files(tmp_path / "s", tmp_path / "kept")
+
+
+def test_changed_mechanisms_and_axes_are_refused(tmp_path, monkeypatch):
+    """A mechanism whose file has changed, other axes and another engine are named."""
+    grid = {"leg1": [140.0, 150.0]}
+    sweep(PLATFORM, grid, tmp_path / "s", workers=0)
+    changed = replace(PLATFORM, platform_position=(0.0, 0.0, 1.0))
+    with pytest.raises(InputError, match="the file of zhang2009 has changed"):
+        sweep(changed, grid, tmp_path / "s", workers=0)
+    with pytest.raises(InputError, match=r"axes are leg1 \(2 values from 140.0 to 150.0\).*to 151.0"):
+        sweep(PLATFORM, {"leg1": [140.0, 151.0]}, tmp_path / "s", workers=0)
+    with pytest.raises(InputError, match="mechanism is zhang2009 there and other here"):
+        sweep(replace(PLATFORM, name="other"), ONE, tmp_path / "s", workers=0)
+    monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
+    if "compiled" in xarray.open_zarr(tmp_path / "s").attrs["engine"]:
+        with pytest.raises(InputError, match="engine is compiled C there and NumPy"):
+            sweep(PLATFORM, grid, tmp_path / "s", workers=0)
+
+
+def test_folders_that_hold_something_else_are_left_alone(tmp_path):
+    """A folder with other files, a file, and a Zarr group of others are refused and unchanged; an empty folder is taken."""
+    import zarr
+
+    other, file, group, empty = (tmp_path / name for name in ("other", "file", "group", "empty"))
+    other.mkdir()
+    (other / "thesis.txt").write_text("keep")
+    file.write_text("keep")
+    zarr.create_group(group, attributes={"mine": 1})
+    empty.mkdir()
+    for folder, said in ((other, "is no sweep"), (file, "is a file"), (group, "is no sweep")):
+        with pytest.raises(InputError, match=said):
+            sweep(PLATFORM, ONE, folder, workers=0)
+    assert [p.name for p in other.iterdir()] == ["thesis.txt"]
+    assert sweep(PLATFORM, ONE, empty, workers=0).points == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["empty", "file", "group", "other"]
+
+
+def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on(tmp_path, monkeypatch):
+    """No space is said, what is done is kept, and the same call finishes bit for bit."""
+    import zarr
+
+    sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
+    write, left = zarr.Array.__setitem__, [30]
+
+    def full(self, place, value):
+        left[0] -= 1
+        if left[0] == 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        write(self, place, value)
+
+    monkeypatch.setattr(zarr.Array, "__setitem__", full)
+    with pytest.raises(InputError, match=r"No space left.*what is done is kept"):
+        sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
+    monkeypatch.setattr(zarr.Array, "__setitem__", write)
+    sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
+    assert same_files(tmp_path / "whole", tmp_path / "s")
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_folders_without_permission(tmp_path):
+    """A folder that may not be written is a sentence."""
+    (tmp_path / "closed").mkdir(mode=0o500)
+    with pytest.raises(InputError, match="cannot be written"):
+        sweep(PLATFORM, ONE, tmp_path / "closed" / "s", workers=0)
+
+
+def test_parents_that_are_files(tmp_path):
+    """A path through a file cannot be made."""
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="cannot be written"):
+        sweep(PLATFORM, ONE, tmp_path / "file" / "s", workers=0)
+
+
+def test_two_runs_do_not_share_a_folder(tmp_path):
+    """A second run in the same folder is refused while the first goes on."""
+
+    def again(done, total):
+        if done:
+            with pytest.raises(InputError, match="another run"):
+                sweep(PLATFORM, {"leg1": [140.0, 150.0]}, tmp_path / "s", workers=0)
+            raised.append(total)
+
+    raised = []
+    sweep(PLATFORM, {"leg1": [140.0, 150.0]}, tmp_path / "s", workers=0, progress=again)
+    assert raised
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"quantity": "speed"}, "modes, conditioning, reach"), ({"chunk": 0}, "chunk = 0"), ({"starts": 0}, "starts = 0"),
+        ({"workers": -1}, "workers = -1"), ({"workers": 1, "dask": "tcp://x"}, "together"),
+    ],
+)  # fmt: skip
+def test_options_that_are_refused(tmp_path, options, said):
+    """Each mistake is a sentence, and nothing is created."""
+    with pytest.raises(InputError, match=said):
+        sweep(PLATFORM, ONE, tmp_path / "s", **({"workers": 0} if "workers" not in options else {}), **options)
+    assert not (tmp_path / "s").exists()
+
+
+def test_missing_extra_is_named(tmp_path, monkeypatch):
+    """Without zarr the sentence says what to install."""
+    import sys
+
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(InputError, match=r"pip install 'symkin\[sweep\]'"):
+        sweep(PLATFORM, ONE, tmp_path / "s", workers=0)

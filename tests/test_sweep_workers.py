@@ -1,0 +1,179 @@
+"""Workers of every kind give the same bits, and a kill of one, or of the driver, loses the chunks under way only."""
+
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from test_sweep_store import same_files
+
+import symkin
+from symkin import InputError
+from symkin.sweeps.executors import Crew, Here, local_crew
+from symkin.sweeps.run import sweep
+
+pytest.importorskip("zarr")
+pytestmark = pytest.mark.usefixtures("kept_starts")
+PLATFORM = symkin.load("zhang2009")
+TEXT = "leg1=100:160:13,leg2=330:370:10"
+GRID = {"leg1": np.linspace(100, 160, 13), "leg2": np.linspace(330, 370, 10)}
+CHUNK = 10
+
+
+@pytest.fixture
+def whole(tmp_path, kept_starts):
+    """The folder of an uninterrupted sweep in one process."""
+    sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=CHUNK)
+    return tmp_path / "whole"
+
+
+def started(folder, *more):
+    """The command, running."""
+    command = [
+        sys.executable,
+        "-m",
+        "symkin",
+        "sweep",
+        "zhang2009",
+        "--grid",
+        TEXT,
+        "--chunk",
+        str(CHUNK),
+        "-o",
+        str(folder),
+        *more,
+    ]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def marks(folder):
+    return len(list((folder / "done" / "c").glob("?"))) + len(list((folder / "done" / "c").glob("??")))
+
+
+def wait_for(condition, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited too long"
+        time.sleep(0.01)
+
+
+def children(pid):
+    found = []
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            try:
+                with open(f"/proc/{entry}/stat") as file:
+                    if int(file.read().rsplit(")", 1)[1].split()[1]) == pid:
+                        found.append(int(entry))
+            except OSError:
+                pass
+    return found
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc"), reason="needs /proc")
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
+    """After kill -9 or Ctrl-C of the command its workers end, what is marked is kept, and the same command goes on to the
+    same files. Ctrl-C ends with status 130."""
+    process = started(tmp_path / "cut", "--workers", "2")
+    wait_for(lambda: marks(tmp_path / "cut") >= 2 or process.poll() is not None)
+    workers = children(process.pid)
+    process.send_signal(sign)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == (130 if sign == signal.SIGINT else -9), said
+    assert "Traceback" not in said
+    wait_for(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
+    done = marks(tmp_path / "cut")
+    assert 2 <= done < 13
+    swept = sweep(PLATFORM, GRID, tmp_path / "cut", workers=0, chunk=CHUNK)
+    assert swept.computed == 13 - done
+    assert same_files(whole, tmp_path / "cut")
+
+
+def test_a_killed_worker_is_replaced(whole, tmp_path):
+    """kill -9 of a worker process while others work: the pool is built anew and the files are the same."""
+    killed = []
+
+    def kill(done, total):
+        if done and not killed:
+            killed.append(multiprocessing.active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    swept = sweep(PLATFORM, GRID, tmp_path / "s", workers=2, chunk=CHUNK, progress=kill)
+    assert killed
+    assert swept.computed == 13
+    assert same_files(whole, tmp_path / "s")
+    assert not multiprocessing.active_children()
+
+
+def dies(job, index):
+    os._exit(1)
+
+
+def test_work_that_kills_its_workers_is_given_up(monkeypatch):
+    """Chunks that end every worker stop the sweep with a sentence, and leave no process."""
+    monkeypatch.setattr("symkin.sweeps.executors._MOST_LOSSES", 1)
+    with pytest.raises(InputError, match="workers end abruptly"), local_crew(1) as crew:
+        list(crew.results(dies, b"", range(3)))
+    wait_for(lambda: not multiprocessing.active_children())
+
+
+def same(job, index):
+    return index
+
+
+def test_chunks_under_way_are_bounded():
+    """No more chunks are asked for than are under way, however many there are."""
+    asked = []
+    chunks = (asked.append(i) or i for i in range(50))
+    for count, _ in enumerate(Crew(Here(), 3).results(same, b"", chunks), start=1):
+        assert len(asked) <= count + 3
+    assert count == 50
+
+
+# --- Dask --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def cluster():
+    """A real scheduler and two worker processes on loopback."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    ) as made:
+        yield made
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cluster):
+    """Two worker processes of a scheduler on loopback, one of them killed on the way: the same files."""
+    killed = []
+
+    def kill(done, total):
+        if done and not killed:
+            killed.append(next(iter(cluster.workers.values())).pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    swept = sweep(PLATFORM, GRID, tmp_path / "s", dask=cluster.scheduler_address, chunk=CHUNK, progress=kill)
+    assert killed
+    assert swept.computed == 13
+    assert same_files(whole, tmp_path / "s")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_dask_addresses_that_do_not_answer(tmp_path, monkeypatch):
+    """A port that nobody serves, and text that is no address, are sentences."""
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("symkin.sweeps.executors._PATIENCE_S", 1.0)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    for address in (f"tcp://127.0.0.1:{port}", "nonsense://here"):
+        with pytest.raises(InputError, match="no Dask scheduler answers"):
+            sweep(PLATFORM, {"leg1": [140.0]}, tmp_path / "s", dask=address)
+    assert not (tmp_path / "s").exists()
