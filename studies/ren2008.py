@@ -10,7 +10,7 @@ Two true values are illegible in our copy and assumed: z of M5 = -0.0030 (negati
 
 Before calibration the controller inverts the nominal geometry and the true mechanism takes the pose of these rods. The
 error is t and (alpha, beta, gamma) of the true pose less those commanded, each in the infinity norm as in the paper.
-Calibration itself is another study.
+Calibration itself: ren2008_calibration and ren2008_planning.
 """
 
 from __future__ import annotations
@@ -21,56 +21,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import symkin
+from ren2008_tables import ASSUMED, NOMINAL, PLATFORM_CENTRE, TRUE, circle, extensions, random_poses, table_gap
 from report import Report, folder_from_arguments, new_figure
 from symkin.model.closure import build_closure
-from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+from symkin.spatial.rotation import euler_from_quaternion
 
-NOMINAL = {
-    "base": [(0, 0, 0), (0.1504, 0, 0), (0.6283, 0.8278, 0), (0.5531, 0.958, 0), (-0.4027, 0.958, 0), (-0.4779, 0.8278, 0)],
-    "platform": [(0, 0, 0), (0.7687, 0, 0), (0.8255, 0.0984, 0), (0.4412, 0.7642, 0), (0.3275, 0.7642, 0), (-0.0568, 0.0984, 0)],
-    "offset": [1.2] * 6,
-}
-TRUE = {
-    "base": [
-        (0, 0, 0), (0.1543, 0, 0.0025), (0.6233, 0.8256, -0.005),
-        (0.5506, 0.9599, 0.003), (-0.4068, 0.9549, 0.0049), (-0.4761, 0.8251, 0.004),
-    ],
-    "platform": [
-        (0, 0, 0), (0.7637, 0, 0), (0.8295, 0.0993, 0.002),
-        (0.4436, 0.7672, 0.005), (0.3233, 0.7612, -0.003), (-0.0587, 0.0964, 0),
-    ],
-    "offset": [1.2037, 1.1981, 1.205, 1.1963, 1.2026, 1.1969],
-}  # fmt: skip
-HEIGHTS, ASIDE, TILT, EXTENSIONS = (1.15, 1.45), 0.25, 20.0, (0.0, 0.55)
 PAPER_ERROR = (9.0, 0.8)
 SEED = 8
 POSES = 200
-
-
-# --- geometry ----------------------------------------------------------------------------------------------------
-
-
-def table_gap(mechanism: symkin.Mechanism, table: dict[str, list]) -> float:
-    """Largest difference of a mechanism's limbs from a table."""
-    return max(float(np.abs(np.subtract([getattr(limb, key) for limb in mechanism.limbs], table[key])).max()) for key in table)
-
-
-def circle(points: list) -> tuple[np.ndarray, float, float]:
-    """Centre, radius and largest distance from the circle of points in the xy plane: |x|^2 = 2 c.x + k."""
-    xy = np.array(points)[:, :2]
-    solution = np.linalg.lstsq(np.column_stack([2 * xy, np.ones(len(xy))]), (xy**2).sum(axis=1), rcond=None)[0]
-    distances = np.linalg.norm(xy - solution[:2], axis=1)
-    radius = float(distances.mean())
-    return np.append(solution[:2], 0.0), radius, float(np.abs(distances - radius).max())
-
-
-PLATFORM_CENTRE, BASE_CENTRE = circle(NOMINAL["platform"])[0], circle(NOMINAL["base"])[0]
-
-
-def extensions(mechanism: symkin.Mechanism, pose: symkin.Pose) -> np.ndarray:
-    """l_i = |t + R m_i - b_i| - dl_i: the inverse problem in closed form."""
-    ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in mechanism.limbs]
-    return np.array([np.linalg.norm(end) - limb.offset for end, limb in zip(ends, mechanism.limbs, strict=True)])
 
 
 # --- poses and errors --------------------------------------------------------------------------------------------
@@ -84,20 +42,6 @@ class Errors:
     shifts: np.ndarray
     position: np.ndarray
     angle: np.ndarray
-
-
-def random_poses(mechanism: symkin.Mechanism, count: int, seed: int) -> tuple[list[symkin.Pose], float]:
-    """Poses in the assumed workspace, and the share of draws that the range of the rods rejects."""
-    rng, poses, drawn = np.random.default_rng(seed), [], 0
-    while len(poses) < count:
-        drawn += 1
-        centre = BASE_CENTRE + [*rng.uniform(-ASIDE, ASIDE, 2), rng.uniform(*HEIGHTS)]
-        q = quaternion_from_euler(np.radians(rng.uniform(-TILT, TILT, 3)), "xyz")
-        pose = symkin.Pose(centre - symkin.Pose(np.zeros(3), q).apply(PLATFORM_CENTRE), q)
-        lengths = extensions(mechanism, pose)
-        if EXTENSIONS[0] <= lengths.min() and lengths.max() <= EXTENSIONS[1]:
-            poses.append(pose)
-    return poses, 1 - count / drawn
 
 
 def angles_deg(pose: symkin.Pose) -> np.ndarray:
@@ -132,7 +76,7 @@ def report_geometry(report: Report, nominal: symkin.Mechanism, true: symkin.Mech
     names = [n for n in build_closure(nominal).parameter_names if n.startswith("leg")]
     report.row("geometric parameters", 42, len(names))
     report.row("mechanism files less tables 1 and 2", 0.0, max(table_gap(nominal, NOMINAL), table_gap(true, TRUE)), "m")
-    report.row("true values illegible in our copy, assumed: z of M5, z of B2", None, [-0.0030, 0.0025], "m")
+    report.row("true values illegible in our copy, assumed: z of M5, z of B2", None, list(ASSUMED.values()), "m")
     for name in ("platform", "base"):
         centre, radius, off = circle(NOMINAL[name])
         report.row(f"{name} joint circle: centre x, y, radius, largest departure", None, [*centre[:2], radius, off], "m")

@@ -1,0 +1,289 @@
+"""Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy.
+
+    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|outliers|time]
+
+Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not. Time is processor time of the
+whole fit from nominal, direct problems included, building left out, against scipy's least_squares(method="lm") with finite
+differences over a direct solver that treats all postures at once in NumPy and goes on from its last solution (warm), or
+begins at the home pose at every call (cold). scipy is needed for the time only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+import symkin
+from inclinometer import (
+    BASE_LIMBS,
+    PLATFORM_LIMBS,
+    Geometry,
+    geometry,
+    measured,
+    random_geometry,
+    tilted,
+)
+from symkin.calibration.calibrate import calibrate
+from symkin.calibration.direct import ROUGH, solve_postures
+from symkin.calibration.estimator import Estimate, estimate
+from symkin.calibration.gauge import joint_frames
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.outliers import screen
+from symkin.calibration.problem import CalibrationProblem, build_calibration
+from symkin.calibration.statistics import covariance, linear_model
+
+NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
+HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
+GAUSS = np.radians(0.001)
+"""A harder case than the paper's uniform errors: normal ones with this standard deviation."""
+
+
+class Lines:
+    """Prints figures beside their limits and remembers whether all hold."""
+
+    def __init__(self) -> None:
+        self.all_hold = True
+
+    def add(self, text: str, figure: str, limit: str = "", holds: bool | None = None) -> None:
+        mark = "" if holds is None else "holds" if holds else "FAILS"
+        self.all_hold = self.all_hold and holds is not False
+        print(f"{text:78s} {figure:>22s}  {limit:24s} {mark}", flush=True)
+
+
+def fit(problem: CalibrationProblem, method: str = "nested") -> Estimate:
+    """From nominal to the estimate: direct problems, then least squares."""
+    postures = solve_postures(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGH)
+    return estimate(problem, postures.z, method=method)
+
+
+# --- exactness -----------------------------------------------------------------------------------------------------
+
+
+def report_exact(lines: Lines, seed: int) -> None:
+    for spread, count in ((0.005, 50), (0.05, 20)):
+        errors = []
+        for k in range(count):
+            rng = np.random.default_rng([seed, k])
+            truth = random_geometry(geometry(NOMINAL), HELD, spread, rng)
+            found = calibrate(NOMINAL, measured(truth, rng, rods=False), fixed=HELD, outliers="ignore")
+            errors.append(max(abs(p.value - truth.value(p.name)) for p in found.parameters))
+        good = sum(e < 1e-12 for e in errors)
+        text = f"noise-free, truth within {1e3 * spread:.0f} mm, {count} truths: largest parameter error [m]"
+        lines.add(text, f"{max(errors):.1e}", "below 1e-12 for all", good == count)
+
+
+# --- noise ---------------------------------------------------------------------------------------------------------
+
+
+def report_noise(lines: Lines, seed: int, trials: int) -> None:
+    """chi^2 / 32 in the metric of the Cramer-Rao bound (rods and inclinometer), and variances over those of the means."""
+    truth = geometry(TRUE)
+    ratios: dict[str, list[float]] = {"means": [], "differences": [], "maximum likelihood": []}
+    predicted, variances = [], []
+    for k in range(trials):
+        data = measured(truth, np.random.default_rng([seed, k]), noisy=True)
+        best = build_calibration(NOMINAL, data, fixed=HELD, residual="maximum likelihood")
+        scatter = {}
+        for form, found in ratios.items():
+            problem = replace(best, form=form)
+            state = fit(problem).state
+            bound = covariance(best, state)
+            error = state.p - truth.values(problem.names)
+            found.append(float(error @ np.linalg.solve(bound, error)) / len(error))
+            scatter[form] = covariance(problem, state)
+        predicted.append(np.trace(np.linalg.solve(bound, scatter["differences"])) / len(error))
+        variances.append(np.median(np.diag(scatter["differences"]) / np.diag(scatter["means"])))
+    means, worse = np.mean(ratios["means"]), np.mean(ratios["differences"])
+    lines.add(
+        f"{trials} trials, group means: chi^2 / 32 over the Cramer-Rao bound", f"{means:.3f}", "0.9 to 1.1", 0.9 < means < 1.1
+    )
+    lines.add("maximum likelihood with rod noise", f"{np.mean(ratios['maximum likelihood']):.3f}")
+    lines.add(
+        "neighbour differences (the paper): measured, predicted by their covariance",
+        f"{worse:.3f}, {np.mean(predicted):.3f}",
+        "about 1.31",
+        worse > 1.15,
+    )
+    lines.add("median variance of a parameter, differences over means", f"{np.mean(variances):.3f}", "about 1.31")
+
+
+# --- outliers ------------------------------------------------------------------------------------------------------
+
+
+def spoilt(data: Measurements, truth: Geometry, rng: np.random.Generator) -> tuple[Measurements, int]:
+    """One inclination of a random posture off by 0.01 deg."""
+    problem = build_calibration(TRUE, data, fixed=HELD)
+    poses = problem.model.poses(solve_postures(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    posture, shift = int(rng.integers(len(data))), np.zeros(2)
+    shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
+    return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture
+
+
+def normal_noise(truth: Geometry, rng: np.random.Generator) -> Measurements:
+    """Exact groups whose inclinations are each off by normal errors of 0.001 deg, rods by 2 um / sqrt(12)."""
+    data = measured(truth, rng)
+    problem = build_calibration(TRUE, data, fixed=HELD)
+    poses = problem.model.poses(solve_postures(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    joints = data.joints + 2e-6 / np.sqrt(12) * rng.normal(size=data.joints.shape)
+    for k in range(len(data)):
+        joints = tilted(truth, joints, poses, k, GAUSS * rng.normal(size=2))
+    return replace(data, joints=joints, group_sigma=GAUSS)
+
+
+def report_outliers(lines: Lines, seed: int, trials: int) -> None:
+    truth = geometry(TRUE)
+    cases: dict[str, Callable[[np.random.Generator], Measurements]] = {
+        "uniform errors of 0.001 deg": lambda rng: measured(truth, rng, noisy=True),
+        "normal errors, sigma 0.001 deg": lambda rng: normal_noise(truth, rng),
+    }
+    for name, draw in cases.items():
+        hits = flagged = 0
+        for k in range(trials):
+            rng = np.random.default_rng([seed, 1, k])
+            clean = draw(rng)
+            bad, posture = spoilt(clean, truth, rng)
+            for data, is_bad in ((bad, True), (clean, False)):
+                problem = build_calibration(NOMINAL, data, fixed=HELD)
+                found = [o.posture for o in screen(problem, linear_model(problem, fit(problem).state)).outliers]
+                hits, flagged = hits + (is_bad and posture in found), flagged + (not is_bad and bool(found))
+        strict = name.startswith("uniform")
+        share, false = hits / trials, flagged / trials
+        lines.add(
+            f"{name}: outliers of 0.01 deg found",
+            f"{100 * share:.1f} %",
+            "at least 95 %" if strict else "",
+            share >= 0.95 if strict else None,
+        )
+        lines.add(f"{name}: clean sets with a reading flagged", f"{100 * false:.1f} %", "at most 5 %", false <= 0.05)
+
+
+# --- time ----------------------------------------------------------------------------------------------------------
+
+
+class VectorisedDirect:
+    """Newton for all postures in NumPy: unit directions u and moments (R m) x u of the rods as the Jacobian."""
+
+    def __init__(self, joints: np.ndarray, home: np.ndarray, *, warm: bool) -> None:
+        self.joints, self.warm = joints, warm
+        self.begin = np.tile(home, (len(joints), 1)), np.tile(np.eye(3), (len(joints), 1, 1))
+        self.last = self.begin
+
+    def rotations(self, base: np.ndarray, platform: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        t, r = self.last if self.warm else self.begin
+        for _ in range(30):
+            arms = platform @ r.transpose(0, 2, 1)
+            rods = t[:, None] + arms - base
+            length = np.sqrt((rods * rods).sum(axis=2))
+            gap = length - (self.joints + offset)
+            if np.max(np.abs(gap)) < 1e-13:
+                break
+            u = rods / length[:, :, None]
+            step = -np.linalg.solve(np.concatenate([u, np.cross(arms, u)], axis=2), gap[:, :, None])[:, :, 0]
+            t, r = t + step[:, :3], turned(step[:, 3:]) @ r
+        self.last = t, r
+        return r
+
+
+def turned(w: np.ndarray) -> np.ndarray:
+    """Rotation matrices of rotation vectors (n, 3), Rodrigues."""
+    angle = np.maximum(np.linalg.norm(w, axis=1), 1e-9)[:, None, None]
+    k = np.zeros((len(w), 3, 3))
+    k[:, 2, 1], k[:, 0, 2], k[:, 1, 0] = w.T
+    k -= k.transpose(0, 2, 1)
+    return np.eye(3) + np.sin(angle) / angle * k + (1 - np.cos(angle)) / angle**2 * (k @ k)
+
+
+def scipy_fit(data: Measurements, names: tuple[str, ...], *, warm: bool) -> np.ndarray:
+    from scipy.optimize import least_squares
+
+    nominal = geometry(NOMINAL)
+    direct = VectorisedDirect(data.joints, np.array(NOMINAL.platform_position), warm=warm)
+    tables = [nominal.base.copy(), nominal.platform.copy(), nominal.offset.copy()]
+    places = [(("base", "platform", "offset").index(n.split(".")[1]), int(n[3]) - 1, "xyz".find(n[-1])) for n in names]
+    average = (data.groups[:, None] == np.arange(data.groups.max() + 1)) / 4.0
+
+    def residuals(p: np.ndarray) -> np.ndarray:
+        for value, (table, row, column) in zip(p, places, strict=True):
+            if table == 2:
+                tables[2][row] = value
+            else:
+                tables[table][row, column] = value
+        r = direct.rotations(*tables)
+        angles = np.column_stack([np.arctan2(r[:, 2, 1], r[:, 2, 2]), np.arctan2(-r[:, 2, 0], np.hypot(r[:, 2, 1], r[:, 2, 2]))])
+        return (angles - (average.T @ angles)[data.groups]).ravel()
+
+    return least_squares(residuals, nominal.values(names), method="lm", xtol=1e-13, ftol=1e-13, gtol=1e-13).x
+
+
+def seconds(run: Callable[[], object]) -> float:
+    begin = time.process_time()
+    run()
+    return time.process_time() - begin
+
+
+def report_time(lines: Lines, seed: int) -> None:
+    for groups, limit in ((10, 20.0), (100, 10.0)):
+        rng = np.random.default_rng([seed, 2])
+        truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
+        data = measured(truth, rng, groups, rods=False)
+        problem = build_calibration(NOMINAL, data, fixed=HELD)
+        problem.model.compile()
+        runs: dict[str, Callable[[], object]] = {
+            "nested": lambda problem=problem: fit(problem),
+            "lifted": lambda problem=problem: fit(problem, "lifted"),
+            "scipy, warm": lambda data=data, problem=problem: scipy_fit(data, problem.names, warm=True),
+            "scipy, cold": lambda data=data, problem=problem: scipy_fit(data, problem.names, warm=False),
+        }
+        for run in runs.values():
+            run()
+        times = {name: [] for name in runs}
+        for _ in range(9):
+            for name, run in runs.items():
+                times[name].append(seconds(run))
+        median = {name: float(np.median(t)) for name, t in times.items()}
+        for name, t in median.items():
+            lines.add(f"{4 * groups} postures, {name}", f"{1e3 * t:.1f} ms")
+        worst = max(np.abs(scipy_fit(data, problem.names, warm=w) - truth.values(problem.names)).max() for w in (True, False))
+        lines.add(f"{4 * groups} postures, scipy's largest parameter error [m]", f"{worst:.1e}")
+        for name in ("nested", "lifted"):
+            for other in ("scipy, cold", "scipy, warm"):
+                ratio = float(np.median(np.array(times[other]) / np.array(times[name])))
+                holds = ratio >= limit if other == "scipy, cold" else None
+                lines.add(
+                    f"{4 * groups} postures, {other} over {name}",
+                    f"{ratio:.1f}",
+                    f"at least {limit:.0f}" if holds is not None else "",
+                    holds,
+                )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--trials", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--part", choices=["exact", "noise", "outliers", "time"])
+    options = parser.parse_args()
+    print(f"seed {options.seed}, {options.trials} trials")
+    lines = Lines()
+    parts: dict[str, Callable[[], None]] = {
+        "exact": lambda: report_exact(lines, options.seed),
+        "noise": lambda: report_noise(lines, options.seed, options.trials),
+        "outliers": lambda: report_outliers(lines, options.seed, options.trials),
+        "time": lambda: report_time(lines, options.seed),
+    }
+    for name, part in parts.items():
+        if options.part in (None, name):
+            part()
+    return 0 if lines.all_hold else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Calibration: geometry from joint readings and what is known of each posture."""

@@ -1,0 +1,83 @@
+"""Is a fit believable? Each doubt is one sentence with its figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from symkin.calibration.result import Calibration
+
+_UNLIKELY = 1e-3
+"""Tail probability of chi-square beyond which the stated noise does not explain the residuals."""
+_ILL = 1e6
+"""Condition of the identification Jacobian above which digits of the parameters are lost."""
+_FAR = 0.2
+"""A change of a parameter by more than this share of the size is worth a look."""
+_NAMED = 5
+
+
+def believe(fit: Calibration, *, removed: bool) -> Iterator[str]:
+    """Doubts and facts about a fit that its reader must know."""
+    yield from _postures(fit)
+    yield from _fit(fit)
+    yield from _rank(fit)
+    for o in fit.outliers:
+        yield ("left out: " if removed else "outlier: ") + o.reason
+    if fit.unchecked:
+        yield f"nothing else checks {_listed([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
+
+
+def _postures(fit: Calibration) -> Iterator[str]:
+    labels = fit.measurements.labels
+    if fit.unsolved:
+        yield (
+            f"not used: the direct problem of posture {_listed([labels[k] for k in fit.unsolved])} was not solved, neither at "
+            "the nominal nor at the identified geometry; check the joint readings or give starts"
+        )
+    if fit.changed_mode:
+        yield f"posture {_listed([labels[k] for k in fit.changed_mode])} crossed a singularity and changed its assembly mode"
+    groups = fit.measurements.groups
+    if groups is not None:
+        numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
+        if np.any(counts == 1):
+            yield f"group {_listed([str(g) for g in numbers[counts == 1]])} has one posture and says nothing"
+
+
+def _fit(fit: Calibration) -> Iterator[str]:
+    if fit.status != "ok":
+        yield f"the iteration ended with {fit.status} after {fit.iterations} steps; the values are not a minimum"
+    if fit.degrees <= 0:
+        yield "there are no degrees of freedom left: the residuals are zero for any noise and nothing is checked; add postures"
+    elif fit.p_value is None:
+        yield "standard deviations are missing: those of the parameters are scaled by the residuals, and chi-square tests nothing"
+    elif fit.p_value < _UNLIKELY:
+        ratio = fit.chi_square / fit.degrees
+        yield (
+            f"not believable with the stated noise: chi-square per degree of freedom is {ratio:.3g}, probability {fit.p_value:.1g}; "
+            "the noise is larger than stated or the model lacks something"
+        )
+    elif 1.0 - fit.p_value < _UNLIKELY:
+        yield f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}: the stated noise is too large"
+    size = fit.mechanism.size
+    far = [p.name for p in fit.parameters if not p.held and abs(p.change) > _FAR * (size if p.kind == "length" else 1.0)]
+    if far:
+        yield f"{_listed(far)} moved by more than {100 * _FAR:.0f} % of the size (angles: {_FAR} rad); check units and nominal values"
+
+
+def _rank(fit: Calibration) -> Iterator[str]:
+    found = fit.identifiability
+    if not found.is_clear:
+        yield f"the rank {found.rank} is not clear: singular values fall by a factor of only {found.gap:.3g} there"
+    if found.condition > _ILL:
+        yield f"the identification Jacobian has condition {found.condition:.2g}; choose postures that differ more"
+    if found.unobservable:
+        yield f"not observable, held by the least change from nominal: {'; '.join(found.unobservable)}"
+    yield from found.advice
+
+
+def _listed(items: list[str]) -> str:
+    more = len(items) - _NAMED
+    return ", ".join(items[:_NAMED]) + (f" and {more} more" if more > 0 else "")

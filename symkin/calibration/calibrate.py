@@ -1,0 +1,152 @@
+"""Calibration as one call."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
+from symkin.calibration.estimator import Estimate, estimate
+from symkin.calibration.from_poses import parameters_from_poses
+from symkin.calibration.gauge import least_change
+from symkin.calibration.lifted import estimate_by_ipopt
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.outcome import Fitted, report
+from symkin.calibration.outliers import LEVEL, Outlier, Screening, screen
+from symkin.calibration.problem import CalibrationProblem, build_calibration
+from symkin.calibration.result import Calibration, Parameter, Residual
+from symkin.calibration.statistics import linear_model
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+
+__all__ = ["METHODS", "OUTLIER_RULES", "Calibration", "Parameter", "Residual", "calibrate"]
+
+METHODS = ("nested", "lifted", "ipopt")
+_OTHER = {"nested": "lifted", "lifted": "nested"}
+"""The form that is tried where one does not converge: they cross curved valleys in different ways."""
+OUTLIER_RULES = ("remove", "report", "ignore")
+
+
+def calibrate(
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    residual: str = "means",
+    method: str = "nested",
+    outliers: str = "remove",
+    level: float = LEVEL,
+    max_iterations: int = 60,
+    seed: int = 0,
+) -> Calibration:
+    """Identify a mechanism's geometry from measurements.
+
+    `parameters` are names (default: all that the closure uses; see `model.parameter_names` for factors of readings and
+    measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
+    `gauge.joint_frames`); whatever else no reading tells is held by the least change from nominal. `residual`: "means",
+    "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `outliers`: "remove",
+    "report" or "ignore", at the family-wise `level`; `seed` is for random starts of direct problems.
+
+    Raises InputError for names, options and readings that do not fit, and where no posture's direct problem is solved.
+    """
+    _check_choices(method, outliers, level)
+    begin = time.perf_counter()
+    options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual}
+    found = _fit(mechanism, measurements, options, method, max_iterations, seed)
+    screening = Screening((), ())
+    if outliers != "ignore" and found.result.status == "ok":
+        screening = screen(found.problem, linear_model(found.problem, found.result.state), level=level)
+        screening = _renumbered(screening, found.used)
+        if outliers == "remove" and screening.outliers:
+            cleaned = _without(measurements, screening.outliers)
+            found = _fit(mechanism, cleaned, options, method, max_iterations, seed)
+    return report(mechanism, measurements, found, screening, method, time.perf_counter() - begin, outliers == "remove")
+
+
+# --- fitting -------------------------------------------------------------------------------------------------------
+
+
+def _fit(
+    mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int
+) -> Fitted:
+    """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate."""
+    problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
+    start = parameters_from_poses(problem.model, measurements)
+    p = problem.model.nominal if start is None else start
+    postures = solve_postures(problem.model, measurements, p, seed=seed, tolerance=ROUGH)
+    if not postures.solved.any():
+        raise InputError(
+            f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
+            "and the order of joints, or give starts"
+        )
+    _check_determined(problem, postures, p)
+    part, notes = _partial(problem, postures, options), []
+    result = _estimate(part, postures.z[postures.solved], method, limit, p)
+    if not postures.solved.all():
+        p = result.state.p
+        again = solve_postures(problem.model, measurements, p, seed=seed + 1, tolerance=ROUGH)
+        if again.solved.sum() > postures.solved.sum():
+            postures, part = again, _partial(problem, again, options)
+            result = _estimate(part, again.z[again.solved], method, limit, p)
+    if result.status != "ok" and method in _OTHER:
+        other = _estimate(part, postures.z[postures.solved], _OTHER[method], limit, p)
+        if other.status == "ok":
+            notes.append(f"the {method} form did not converge ({result.status}); the {_OTHER[method]} form was used")
+            result = other
+    if result.null_space.shape[1]:
+        result = least_change(part, result, "nested")
+    begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
+    return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes))
+
+
+def _estimate(problem: CalibrationProblem, z: np.ndarray, method: str, limit: int, p: np.ndarray | None = None) -> Estimate:
+    if method == "ipopt":
+        return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
+    return estimate(problem, z, method=method, max_iterations=limit, p=p)
+
+
+def _partial(problem: CalibrationProblem, postures: Postures, options: dict[str, object]) -> CalibrationProblem:
+    if postures.solved.all():
+        return problem
+    some = problem.measurements.subset(postures.solved)
+    return build_calibration(problem.mechanism, some, **options)  # type: ignore[arg-type]
+
+
+def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.ndarray) -> None:
+    """Joint readings must fix the pose: each posture's closure has full column rank in its unknown coordinates."""
+    rows_z = problem.model.rows(postures.z, problem.measurements.joints, p)[1][postures.solved]
+    if rows_z.shape[2] == 0:
+        return
+    singular = np.linalg.svd(rows_z, compute_uv=False)
+    short = rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0]))
+    if short:
+        raise InputError(
+            f"{problem.mechanism.name}: the actuated joints do not determine the pose; calibration needs a direct problem with "
+            "isolated solutions: actuate more joints, or declare the platform's motion"
+        )
+
+
+def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
+    for o in outliers:
+        measurements = measurements.without(o.posture, o.kind)
+    return measurements
+
+
+def _renumbered(screening: Screening, used: np.ndarray) -> Screening:
+    return Screening(
+        tuple(replace(o, posture=int(used[o.posture])) for o in screening.outliers),
+        tuple((int(used[k]), kind) for k, kind in screening.unchecked),
+    )
+
+
+def _check_choices(method: str, outliers: str, level: float) -> None:
+    if method not in METHODS:
+        raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
+    if outliers not in OUTLIER_RULES:
+        raise InputError(f"outliers = {outliers!r} is unknown; allowed: {', '.join(OUTLIER_RULES)}")
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level = {level!r}: a probability between 0 and 1 is needed")

@@ -1,0 +1,202 @@
+"""Measurements and plans as CSV files: names and units in its header, one row a posture, an empty cell where nothing was read.
+
+group                               postures with the same text have equal inclination; empty: none
+leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; every cell is needed
+alpha[deg], beta[deg]               inclination, R = Rz(gamma) Ry(beta) Rx(alpha)
+x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of the three
+qw, qx, qy, qz                      its orientation, a unit quaternion; or
+euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
+                                    fixed ones; euler_1[deg], ... where the sequence is not known
+sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg], sigma_x[mm]; besides
+                                    sigma_group[deg] and sigma_orientation[deg] (each component of a rotation vector)
+Where a joint has the name of a reading, the reading is written platform.NAME.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from symkin.calibration.columns import (
+    INCLINATION,
+    POSITION,
+    QUATERNION,
+    SEQUENCES,
+    WEDGE,
+    ColumnReader,
+    Measure,
+    measure_of,
+    reading_name,
+    unit_of,
+)
+from symkin.calibration.measurements import NO_GROUP, Measurements
+from symkin.calibration.planning import Accuracy, Plan
+from symkin.csv_table import read_table, replace_text
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+
+
+@dataclass(frozen=True, eq=False)
+class DataFile:
+    """What a file holds: measurements in radians and the mechanism's length unit, the line of each posture, the names of
+    its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
+    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations."""
+
+    path: str
+    measurements: Measurements
+    lines: tuple[int, ...]
+    groups: tuple[str, ...]
+    sequence: str | None
+    open_euler: np.ndarray | None
+    wedges: np.ndarray | None
+    notes: tuple[str, ...]
+
+    def with_sequence(self, sequence: str) -> Measurements:
+        """The measurements with the open Euler angles read in a sequence."""
+        if self.open_euler is None:
+            return self.measurements
+        return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
+
+
+def read_measurements(path: str | Path, mechanism: Mechanism) -> DataFile:
+    """Read a CSV file. Raises InputError that names file, line and column."""
+    table = read_table(path)
+    reader = ColumnReader(table, mechanism)
+    reader.refuse_unknown()
+    if not len(table):
+        raise InputError(f"{path}: the file has a header and no row; one row for each posture is needed")
+    labels, groups = reader.groups()
+    quaternions = reader.orientation()
+    sequence, angles = reader.euler()
+    if angles is not None and quaternions is not None:
+        raise InputError(f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of them")
+    if angles is not None and sequence is not None:
+        quaternions = euler_quaternions(angles, sequence)
+    measurements = Measurements(
+        reader.joints(),
+        groups=groups,
+        inclination=reader.together(INCLINATION, "angle"),
+        position=reader.some(POSITION, "length"),
+        orientation=quaternions,
+        joint_sigma=reader.joint_sigmas(),
+        group_sigma=reader.sigma("group", "angle", ["group"]),
+        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
+        position_sigma=reader.sigmas(POSITION, "length"),
+        orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
+        labels=tuple(f"line {line}" for line in table.lines),
+    )
+    wedges = reader.together(WEDGE, "angle")
+    open_euler = angles if sequence is None else None
+    return DataFile(str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes))
+
+
+def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
+    """Unit quaternions (n, 4) of Euler angles (n, 3) in radians; NaN stays NaN."""
+    return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
+
+
+# --- writing -------------------------------------------------------------------------------------------------------
+
+
+def write_measurements(
+    path: str | Path, mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
+    comments: Sequence[str] = (),
+) -> None:  # fmt: skip
+    """Write readings in the mechanism's units; orientations as quaternions or, with `sequence`, as Euler angles, whose
+    headers leave the sequence out when it is `hidden`."""
+    if sequence is not None and sequence not in SEQUENCES:
+        raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
+    table = _Columns(mechanism)
+    if measurements.groups is not None:
+        table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])
+    joint_sigma = measurements.sigma("joint")
+    for k, c in enumerate(mechanism.actuated):
+        table.number(c.name, measurements.joints[:, k], measure_of(c))
+    readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
+        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+    )  # fmt: skip
+    for kind, names, measure in readings:
+        values = getattr(measurements, kind)
+        for k, name in enumerate(names if values is not None else ()):
+            table.number(reading_name(mechanism, name), values[:, k], measure)
+    if measurements.orientation is not None:
+        _write_orientation(table, measurements.orientation, sequence, hidden)
+    for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
+        table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
+    sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
+        ("group", ("group",), "angle"), ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+        ("orientation", ("orientation",), "angle"),
+    )  # fmt: skip
+    for key, names, measure in sigmas:
+        sigma = measurements.sigma(key)
+        for k, name in enumerate(names if sigma is not None else ()):
+            table.number(f"sigma_{name}", sigma[:, k], measure)  # type: ignore[index]
+    replace_text(path, table.csv(comments))
+
+
+def write_plan(path: str | Path, plan: Plan) -> None:
+    """Write a plan: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
+    table = _Columns(plan.mechanism)
+    if len(plan.wedges):
+        table.text("group", [str(g + 1) for g in plan.groups])
+    for k, c in enumerate(plan.mechanism.actuated):
+        table.number(c.name, plan.postures.joints[:, k], measure_of(c))
+    for k, name in enumerate(WEDGE if len(plan.wedges) else ()):
+        table.number(name, plan.wedges[plan.groups, k], "angle")
+    comments = [
+        f"plan for {plan.mechanism.name}: {len(plan.groups)} postures, {plan.criterion}-optimal, seed {plan.seed}",
+        f"expected pose error: {accuracy_text(plan.mechanism, plan.accuracy)}",
+        f"the same of random postures: {accuracy_text(plan.mechanism, plan.random)}",
+    ]
+    replace_text(path, table.csv(comments))
+
+
+def accuracy_text(mechanism: Mechanism, accuracy: Accuracy) -> str:
+    """Predicted errors in the mechanism's units."""
+    length, angle = mechanism.length_unit, mechanism.angle_unit
+    return (
+        f"rms {accuracy.position:.3g} {length} and {mechanism.angle_out(accuracy.angle):.3g} {angle}; largest of 200 test poses in "
+        f"95 % of calibrations {accuracy.worst_position:.3g} {length} and {mechanism.angle_out(accuracy.worst_angle):.3g} {angle}"
+    )
+
+
+def _write_orientation(table: _Columns, quaternions: np.ndarray, sequence: str | None, hidden: bool) -> None:
+    if sequence is None:
+        for k, name in enumerate(QUATERNION):
+            table.number(name, quaternions[:, k], None)
+        return
+    angles = np.asarray(euler_from_quaternion(quaternions.T, sequence))
+    for k in range(3):
+        table.number(f"euler_{k + 1}" if hidden else f"euler_{sequence}_{k + 1}", angles[k], "angle")
+
+
+class _Columns:
+    """Columns gathered for a CSV text, numbers with all their digits, NaN as an empty cell."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.headers: list[str] = []
+        self.cells: list[list[str]] = []
+
+    def text(self, name: str, cells: Iterable[str]) -> None:
+        self.headers.append(name)
+        self.cells.append(list(cells))
+
+    def number(self, name: str, values: np.ndarray, measure: Measure | None) -> None:
+        unit = "" if measure is None else f"[{unit_of(self.mechanism, measure)}]"
+        out = [self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values]
+        self.text(name + unit, ["" if np.isnan(v) else repr(v) for v in out])
+
+    def csv(self, comments: Sequence[str]) -> str:
+        text = io.StringIO()
+        text.writelines(f"# {comment}\n" for comment in comments)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.headers)
+        writer.writerows(zip(*self.cells, strict=True))
+        return text.getvalue()

@@ -1,0 +1,323 @@
+"""The closure and the readings of one posture with their derivatives, evaluated for all postures at once.
+
+F(z; q, p) = 0 in the unknown coordinates z (passive joints and pose) given joint readings q and parameters p; readings
+h(z, p). Derivatives are taken in the tangent space of z (see `position.system`) and along scaled parameters: one unit of
+a scaled parameter is one length unit, for angles and directions 1/size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.calibration.mapped import Mapped, build_mapped
+from symkin.calibration.measurements import Measurements
+from symkin.errors import InputError
+from symkin.model.closure import Closure, build_closure, random_values
+from symkin.model.closure_rows import RowBuilder
+from symkin.model.mechanism import Mechanism
+from symkin.position.system import System
+from symkin.spatial.backend import dot
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
+
+ParameterKind = Literal["length", "angle", "number"]
+KINDS = ("group", "inclination", "position", "orientation")
+"""Kinds of readings in the order of their columns; distances follow."""
+COMPONENTS = {
+    "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
+    "position": ("x", "y", "z"), "orientation": ("x", "y", "z"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Values at n postures: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K, P)."""
+
+    rows: np.ndarray
+    rows_z: np.ndarray
+    rows_p: np.ndarray
+    readings: np.ndarray
+    readings_z: np.ndarray
+    readings_p: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PostureModel:
+    """One posture as expressions: `system` holds closure and tangent space, `known` stacks joints, parameters and the
+    measured quaternion; `columns` names each reading (kind, component)."""
+
+    mechanism: Mechanism
+    closure: Closure
+    system: System
+    names: tuple[str, ...]
+    kinds: tuple[ParameterKind, ...]
+    nominal: np.ndarray
+    scales: np.ndarray
+    joints: ca.SX
+    parameters: ca.SX
+    quaternion: ca.SX
+    readings: ca.SX
+    columns: tuple[tuple[str, str], ...]
+    pose: Pose
+
+    def evaluate(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> Evaluation:
+        """Closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
+        return Evaluation(*self._call("whole", z, joints, p, quaternions))
+
+    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F (n, m) and F_z (n, m, f)."""
+        rows, rows_z = self._call("rows", z, joints, p, np.zeros((len(z), 4)))
+        return rows, rows_z
+
+    def rows_by_joint(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """dF/dq (n, m, a)."""
+        return self._call("joints", z, joints, p, np.zeros((len(z), 4)))[0]
+
+    def tangent(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
+        """F, F_z, F_q, h, h_z, orientations measured against none."""
+        return self._call("tangent", z, joints, p, np.zeros((len(z), 4)))
+
+    def closure_errors(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Largest error of each posture over all constraints and whole rotations (n,), length unit."""
+        errors = self._call("errors", z, joints, p, np.zeros((len(z), 4)))[0]
+        return np.asarray(np.max(np.abs(errors), axis=1, initial=0.0))
+
+    def poses(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Observed poses (n, 7), quaternions with w >= 0."""
+        packed = self._call("pose", z, np.zeros((len(z), int(self.joints.shape[0]))), p, np.zeros((len(z), 4)))[0]
+        return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
+
+    def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """`System.move` in few array operations: a fit takes a dozen short ones, where calls cost more than numbers."""
+        plain, columns, units, turns = self._retraction
+        moved = z.copy()
+        moved[:, plain] += units * step[:, columns]
+        for place, column in turns:
+            w, x, y, t = z[:, place].T
+            a, b, c = (0.5 / self.system.size) * step[:, column : column + 3].T
+            q = np.array(
+                [w - a * x - b * y - c * t, x + a * w + b * t - c * y, y + b * w + c * x - a * t, t + c * w + a * y - b * x]
+            )
+            moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
+        return moved
+
+    @cached_property
+    def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
+        """Entries and tangent columns of single numbers with their units, and (entries, first column) of quaternions."""
+        plain, columns, units, turns, column = [], [], [], [], 0
+        for c, place in zip(self.system.unknowns, self.system.slices, strict=True):
+            if c.kind == "quaternion":
+                turns.append((place, column))
+            else:
+                plain.append(place.start)
+                columns.append(column)
+                units.append(1.0 / self.system.size if c.is_angular else 1.0)
+            column += c.freedom
+        return np.array(plain, dtype=int), np.array(columns, dtype=int), np.array(units), turns
+
+    @property
+    def observes_through_frames(self) -> bool:
+        """Whether frames between the mechanism and what is measured are unknown."""
+        return any(n.startswith(("world.", "target.")) for n in self.names)
+
+    def compile(self) -> None:
+        """Compile the functions now, where there is a compiler; else they are when that pays (see `mapped`)."""
+        self._mapped["whole"].engine.compile()
+
+    @cached_property
+    def _outputs(self) -> dict[str, list[ca.SX]]:
+        system, scales = self.system, ca.diag(ca.DM(self.scales))
+        rows_z = system.jacobian
+        readings_z = ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent)
+        by_p = [ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in (system.rows, self.readings)]
+        return {
+            "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
+            "rows": [system.rows, rows_z],
+            "joints": [ca.jacobian(system.rows, self.joints)],
+            "tangent": [system.rows, rows_z, ca.jacobian(system.rows, self.joints), self.readings, readings_z],
+            "errors": [system.errors],
+            "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
+        }
+
+    @cached_property
+    def _mapped(self) -> dict[str, Mapped]:
+        inputs = [self.system.unknown, self.joints, self.parameters, self.quaternion]
+        made = [
+            ca.Function(f"symkin_{what}", inputs, [ca.densify(f) for f in outputs], {"cse": True})
+            for what, outputs in self._outputs.items()
+        ]
+        return dict(zip(self._outputs, build_mapped(made), strict=True))
+
+    def _call(self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> list[np.ndarray]:
+        results = self._mapped[what](len(z), (z, joints, p, quaternions))
+        vectors = _VECTORS[what]
+        return [a[:, 0, :] if k in vectors else a.transpose(0, 2, 1) for k, a in enumerate(results)]
+
+
+_VECTORS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "errors": (0,), "pose": (0,)}
+"""Outputs that are columns, for each function of a posture."""
+
+
+# --- building ------------------------------------------------------------------------------------------------------
+
+
+def parameter_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """All that may be identified: the closure's parameters, factors of readings, world and target frame."""
+    return tuple(nominal_parameters(mechanism))
+
+
+def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> PostureModel:
+    """The model of a posture with the readings that `measurements` has, over the named parameters; all others keep
+    their nominal values."""
+    kinds = tuple(k for k in KINDS if _taken(measurements, k))
+    distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
+    return _model(mechanism, kinds, distances, tuple(names))
+
+
+def _taken(measurements: Measurements, kind: str) -> bool:
+    if kind == "group":
+        return measurements.groups is not None
+    return getattr(measurements, kind) is not None
+
+
+@lru_cache(maxsize=64)
+def _model(
+    mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
+    names: tuple[str, ...],
+) -> PostureModel:  # fmt: skip
+    closure = build_closure(mechanism)
+    table = nominal_parameters(mechanism)
+    for name in names:
+        if name not in table:
+            raise InputError(f"parameter {name!r} is unknown; {mechanism.name} has {', '.join(table)}")
+    symbols = {name: ca.SX.sym(name) if name in names else ca.SX(value) for name, (value, _) in table.items()}
+    parameters = ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1)
+    system, readings_of_joints = _system(closure, symbols, parameters)
+    pose = _observed(closure, symbols)
+    quaternion = ca.SX.sym("measured", 4)
+    readings, columns = _readings(pose, quaternion, kinds, distances)
+    system = System(
+        system.unknowns, system.unknown, ca.vertcat(readings_of_joints, parameters), system.rows, system.errors, closure.size
+    )
+    types = tuple(table[n][1] for n in names)
+    scales = np.array([1.0 if kind == "length" else 1.0 / closure.size for kind in types])
+    return PostureModel(
+        mechanism, closure, system, names, types, np.array([table[n][0] for n in names]), scales, readings_of_joints,
+        parameters, quaternion, readings, columns, pose,
+    )  # fmt: skip
+
+
+def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
+    """Nominal value and kind of each name that may be identified."""
+    closure = build_closure(mechanism)
+    turning = {f"{_path(mechanism, limb.name, j.name)}.zero" for limb, j in mechanism.joints if j.type in ("R", "H")}
+    table: dict[str, tuple[float, ParameterKind]] = {}
+    for name, value in zip(closure.parameter_names, closure.parameter_values, strict=True):
+        pieces = name.split(".")
+        directed = pieces[-2] in ("axis", "axis2", "quaternion")
+        angular = name in turning or (pieces[0] == "dh" and pieces[-1] in ("theta", "alpha"))
+        table[name] = (float(value), "number" if directed else "angle" if angular else "length")
+    for c in mechanism.actuated:
+        table[f"{c.name}.scale"] = (1.0, "number")
+    for frame in ("world", "target"):
+        for k in "xyz":
+            table[f"{frame}.position.{k}"] = (0.0, "length")
+        for k in "xyz":
+            table[f"{frame}.rotation.{k}"] = (0.0, "angle")
+    return table
+
+
+@lru_cache(maxsize=64)
+def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
+    """Parameters that a declared motion binds: moved alone, they let rows that the motion leaves out appear, and the limb
+    could no longer carry the platform through it."""
+    closure = build_closure(mechanism)
+    builder = RowBuilder(mechanism)
+    builder.build_rows()
+    if len(builder.rows) == int(closure.rows.shape[0]):
+        return frozenset()
+    coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
+    variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
+    both = ca.Function("left_out", [variables, table], [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)])
+    rng, size = np.random.default_rng(0), closure.size
+    largest, slopes = np.zeros(len(builder.rows)), np.zeros((len(builder.rows), len(builder.table.names)))
+    for _ in range(3):
+        rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
+        largest = np.maximum(largest, np.abs(np.asarray(rows)).ravel())
+        slopes = np.maximum(slopes, np.abs(np.asarray(by_p)))
+    left_out = largest <= 1e-11 * size
+    reach = np.max(slopes[left_out], axis=0, initial=0.0)
+    return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
+
+
+def _path(mechanism: Mechanism, limb: str, joint: str) -> str:
+    return joint if mechanism.serial else f"{limb}.{joint}"
+
+
+def _system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
+    """The closure over readings in place of actuated coordinates, and the readings."""
+    unknowns = closure.role("passive", "pose")
+    actuated = closure.role("actuated")
+    readings = ca.vertcat(*(ca.SX.sym(f"{c.name}.reading") for c in actuated)) if actuated else ca.SX(0, 1)
+    unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in unknowns))
+    before = [*(closure.variables[closure.slices[c.name]] for c in actuated), closure.parameters]
+    after = [*(symbols[f"{c.name}.scale"] * readings[k] for k, c in enumerate(actuated)), _values(closure, symbols)]
+    rows, errors = ca.substitute([closure.rows, closure.errors], [ca.vertcat(*before)], [ca.vertcat(*after)])
+    return System(unknowns, unknown, ca.vertcat(readings, parameters), rows, errors, closure.size), readings
+
+
+def _values(closure: Closure, symbols: dict[str, ca.SX]) -> ca.SX:
+    return ca.vertcat(*(symbols[n] for n in closure.parameter_names)) if closure.parameter_names else ca.SX(0, 1)
+
+
+def _observed(closure: Closure, symbols: dict[str, ca.SX]) -> Pose:
+    """world @ platform pose @ target."""
+
+    def frame(name: str) -> Pose | None:
+        parts = [symbols[f"{name}.{what}.{k}"] for what in ("position", "rotation") for k in "xyz"]
+        if all(part.is_constant() and float(part) == 0.0 for part in parts):
+            return None
+        return Pose(ca.vertcat(*parts[:3]), quaternion_from_rotation_vector(ca.vertcat(*parts[3:])))
+
+    packed = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+    packed = ca.substitute(packed, closure.parameters, _values(closure, symbols))
+    pose = Pose(packed[:3], packed[3:])
+    world, target = frame("world"), frame("target")
+    pose = pose if world is None else world @ pose
+    return pose if target is None else pose @ target
+
+
+def _readings(
+    pose: Pose, quaternion: ca.SX, kinds: Sequence[str], distances: Sequence[tuple[str, Sequence[float], Sequence[float]]]
+) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
+    made: list[ca.SX] = []
+    columns: list[tuple[str, str]] = []
+    for kind in kinds:
+        match kind:
+            case "group" | "inclination":
+                made.extend(inclination(pose.quaternion))
+            case "position":
+                made.extend(ca.vertsplit(pose.position))
+            case _:
+                e = multiply(conjugate(quaternion), pose.quaternion)
+                sign = ca.if_else(e[0] < 0, -1, 1)
+                made.extend(2 * sign * e[k] for k in (1, 2, 3))
+        columns.extend((kind, c) for c in COMPONENTS[kind])
+    for name, end, base in distances:
+        gap = pose.apply(ca.SX(ca.DM(list(end)))) - ca.SX(ca.DM(list(base)))
+        made.append(ca.sqrt(dot(gap, gap)))
+        columns.append(("distance", name))
+    return ca.vertcat(*made) if made else ca.SX(0, 1), tuple(columns)
+
+
+def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b, cos b sin a, cos b cos a)."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))

@@ -1,0 +1,84 @@
+"""A calibration problem: mechanism, readings, the parameters to identify and the frames they are given in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.model import PostureModel, bound_by_motion, build_model
+from symkin.calibration.residuals import FORMS, Form, Readings, build_readings
+from symkin.errors import InputError
+from symkin.model.closure import build_closure
+from symkin.model.mechanism import Mechanism
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationProblem:
+    """`model.names` are the free parameters; `fixed` those that the user asked for and holds at their nominal values."""
+
+    mechanism: Mechanism
+    measurements: Measurements
+    model: PostureModel
+    readings: Readings
+    fixed: tuple[str, ...]
+    form: Form
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.model.names
+
+    @property
+    def quaternions(self) -> np.ndarray:
+        """Measured orientations (n, 4), zero where there are none."""
+        q = self.measurements.orientation
+        return np.zeros((len(self.measurements), 4)) if q is None else np.nan_to_num(q)
+
+
+def build_calibration(
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    residual: str = "means",
+) -> CalibrationProblem:
+    """The problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held.
+
+    Raises InputError for unknown names, for readings that do not fit the mechanism and for measurements without any.
+    """
+    measurements.check(mechanism)
+    if residual not in FORMS:
+        raise InputError(f"residual = {residual!r} is unknown; allowed: {', '.join(FORMS)}")
+    bound = bound_by_motion(mechanism)
+    names = default_parameters(mechanism) if parameters is None else tuple(parameters)
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"parameters: {name!r} is named twice")
+        if name in bound and name not in fixed:
+            raise InputError(
+                f"parameter {name!r} is bound by the platform's {mechanism.motion} motion: moved alone, its limb could not carry "
+                "the platform through that motion; leave it out, or declare the motion spatial"
+            )
+    for name in fixed:
+        if name not in names:
+            raise InputError(f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})")
+    free = [n for n in names if n not in fixed]
+    if not free:
+        raise InputError("no parameter is left to identify; name some, or fix fewer")
+    model = build_model(mechanism, measurements, free)
+    readings = build_readings(model, measurements)
+    if readings.count <= 0:
+        raise InputError(
+            "the measurements hold no reading beside the joints: give groups of two postures or more, inclinations, "
+            "positions, orientations or distances"
+        )
+    return CalibrationProblem(mechanism, measurements, model, readings, tuple(fixed), residual)
+
+
+def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:
+    """All that the closure uses, without those that a declared motion binds."""
+    bound = bound_by_motion(mechanism)
+    return tuple(n for n in build_closure(mechanism).parameter_names if n not in bound)

@@ -1,0 +1,238 @@
+"""What a calibration says to its user: a verdict with reasons, as a short text, JSON and Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.calibrate import Calibration, Parameter
+from symkin.calibration.prediction import PoseSigma
+from symkin.calibration.sequence import SequenceChoice
+
+_LARGEST = 6
+"""Changes and outliers that the short text shows."""
+_FRAME = "frame"
+"""Unobservable combinations with this word are frames: they move no pose against another."""
+
+
+@dataclass(frozen=True, eq=False)
+class FitReport:
+    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, slips that
+    may explain readings which do not fit, and the pose's standard deviation."""
+
+    fit: Calibration
+    data: str
+    command: str
+    sequence: SequenceChoice | None
+    suspicions: tuple[str, ...]
+    notes: tuple[str, ...]
+    sigma: PoseSigma
+
+    @property
+    def usable(self) -> bool:
+        """Converged, and every combination that moves poses was observable."""
+        return self.fit.status == "ok" and not self.sigma.blind and bool(self.fit.used)
+
+    @property
+    def believable(self) -> bool:
+        return self.usable and self.fit.believable and not self.suspicions and (self.sequence is None or self.sequence.clear)
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: believable, or why not."""
+        if self.believable:
+            sure = (
+                "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
+            )
+            return (
+                f"believable: {sure}"
+                if self.fit.p_value is not None
+                else f"converged; {sure}, so that no test says whether it is right"
+            )
+        why = f"; {self.suspicions[0]}" if self.suspicions else ""
+        if self.fit.status != "ok":
+            return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
+        if self.sigma.blind:
+            return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
+        return "NOT BELIEVABLE: " + (self.suspicions[0] if self.suspicions else self._doubt())
+
+    def _doubt(self) -> str:
+        fit = self.fit
+        if fit.degrees <= 0:
+            return "no degree of freedom is left to check it; add postures"
+        if fit.p_value is not None and fit.p_value <= 1e-3:
+            return f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise larger than stated, outliers, or a model that lacks something"
+        if fit.unsolved:
+            return f"{len(fit.unsolved)} of {len(fit.measurements)} postures do not close"
+        if self.sequence is not None and not self.sequence.clear:
+            return "several Euler sequences fit almost equally"
+        return "see the notes"
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        sequence = () if self.sequence is None else (str(self.sequence),)
+        return (*sequence, *self.suspicions, *self.notes, *self.fit.notes)
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME in text)
+
+    @property
+    def unobservable(self) -> tuple[str, ...]:
+        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME not in text)
+
+    def changes(self) -> list[Parameter]:
+        """Parameters by the size of their change, angles times the size."""
+        size = self.fit.mechanism.size
+        return sorted(self.fit.parameters, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
+
+    # --- text ------------------------------------------------------------------------------------------------------
+
+    def summary(self) -> str:
+        """What the terminal shows."""
+        fit, found = self.fit, self.fit.identifiability
+        p = "" if fit.p_value is None else f", probability {fit.p_value:.3g}"
+        lines = [
+            f"{fit.mechanism.name}: {self.verdict}",
+            f"  {fit.status} after {fit.iterations} iterations, {len(fit.used)} of {len(fit.measurements)} postures, "
+            f"chi-square {fit.chi_square:.4g} with {fit.degrees} degrees of freedom{p}",
+            f"  rank {found.rank} of {len(found.names)} parameters, condition {found.condition:.3g}",
+        ]
+        if self.frames:
+            lines.append(f"  frames held by the least change: {_short(self.frames, 10)}")
+        missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
+        lines += [f"  {missing}: {text}" for text in self.unobservable[:_LARGEST]]
+        if len(self.unobservable) > _LARGEST:
+            lines.append(f"  and {len(self.unobservable) - _LARGEST} more combinations (report.md)")
+        lines += [f"  to do: {text}" for text in found.advice]
+        lines.append("  " + self.sigma_text())
+        changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
+        lines.append(f"  largest changes: {', '.join(changed)}")
+        for o in fit.outliers[:_LARGEST]:
+            lines.append(f"  outlier: {o.reason}")
+        if len(fit.outliers) > _LARGEST:
+            lines.append(f"  and {len(fit.outliers) - _LARGEST} more outliers (report.md)")
+        said = {o.reason for o in fit.outliers} | set(found.advice)
+        for note in self.all_notes:
+            if not any(text in note for text in said) and not note.startswith("not observable"):
+                lines.append(f"  note: {note}")
+        return "\n".join(lines)
+
+    def sigma_text(self) -> str:
+        m = self.fit.mechanism
+        if self.fit.degrees <= 0 and self.fit.p_value is None:
+            return "standard deviation of poses: unknown, no degree of freedom is left"
+        return (
+            f"standard deviation of poses in aligned frames ({self.sigma.where}): rms {_rms(self.sigma.position):.3g} {m.length_unit} and "
+            f"{m.angle_out(_rms(self.sigma.angle)):.3g} {m.angle_unit}, largest {self.sigma.position.max():.3g} {m.length_unit} and "
+            f"{m.angle_out(float(self.sigma.angle.max())):.3g} {m.angle_unit}"
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it; lengths in the mechanism's unit, angles in its angle unit."""
+        fit, m = self.fit, self.fit.mechanism
+        found = fit.identifiability
+        labels = fit.measurements.labels
+        return {
+            "mechanism": m.name, "data": self.data, "command": self.command, "length_unit": m.length_unit, "angle_unit": m.angle_unit,
+            "verdict": self.verdict, "believable": self.believable, "usable": self.usable, "status": fit.status,
+            "iterations": fit.iterations, "method": fit.method, "postures": len(fit.measurements), "used": len(fit.used),
+            "unsolved": [labels[k] for k in fit.unsolved], "changed_mode": [labels[k] for k in fit.changed_mode],
+            "chi_square": _finite(fit.chi_square), "degrees": fit.degrees, "p_value": _finite(fit.p_value),
+            "euler_sequence": None if self.sequence is None else {
+                "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
+                "runner_up": self.sequence.runner_up, "runner_up_chi_square": _finite(self.sequence.runner_up_chi_square),
+                "clear": self.sequence.clear,
+            },
+            "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
+            "singular_values": found.singular_values.tolist(), "frames": list(self.frames), "unobservable": list(self.unobservable),
+            "advice": list(found.advice),
+            "parameters": [
+                {"name": q.name, "unit": _unit(self, q), "nominal": _out(self, q, q.nominal), "value": _out(self, q, q.value),
+                 "sigma": None if q.sigma is None else _out(self, q, q.sigma), "held": q.held}
+                for q in fit.parameters
+            ],
+            "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in fit.outliers],
+            "pose_sigma": {
+                "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
+                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max())),
+            },
+            "residuals": [
+                {"posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": m.angle_out(r.value) if _angular(r.kind) else r.value,
+                 "normalised": _finite(r.normalised)}
+                for r in fit.residuals
+            ],
+            "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
+        }  # fmt: skip
+
+    def to_markdown(self, files: Sequence[Path]) -> str:
+        """The report; `files` are those that stand beside it, pictures among them."""
+        fit, m = self.fit, self.fit.mechanism
+        lines = [
+            f"# Calibration of {m.name}",
+            "",
+            f"{self.verdict}.",
+            "",
+            "```text",
+            self.summary(),
+            "```",
+            "",
+            f"Data: `{self.data}`. Command:",
+            "",
+        ]
+        lines += ["```sh", self.command, "```", ""]
+        lines += [f"![{f.stem.replace('_', ' ')}]({f.name})\n" for f in files if f.suffix == ".png"]
+        lines += [
+            "## Parameters",
+            "",
+            "| parameter | unit | nominal | identified | sigma | change |",
+            "|---|---|---|---|---|---|",
+        ]
+        for q in fit.parameters:
+            sigma = "held" if q.held else "unknown" if q.sigma is None else f"{_out(self, q, q.sigma):.2g}"
+            lines.append(
+                f"| {q.name} | {_unit(self, q)} | {_out(self, q, q.nominal):.9g} | {_out(self, q, q.value):.9g} | {sigma} | "
+                f"{_out(self, q, q.change):+.3g} |"
+            )
+        lines += ["", "Parameters along what is not observable are held by the least change from nominal.", ""]
+        lines += ["## Observability", "", f"Rank {fit.rank} of {len(fit.identifiability.names)}."]
+        lines += [f"- frame: {text}" for text in self.frames] + [f"- **not observable**: {text}" for text in self.unobservable]
+        lines += [f"- to do: {text}" for text in fit.identifiability.advice]
+        lines += ["", "## Outliers", ""] + ([f"- {o.reason}" for o in fit.outliers] or ["None."])
+        lines += ["", "## Notes", ""] + ([f"- {note}" for note in self.all_notes] or ["None."])
+        return "\n".join(lines) + "\n"
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _angular(kind: str) -> bool:
+    return kind in ("group", "inclination", "orientation")
+
+
+def _unit(report: FitReport, q: Parameter) -> str:
+    m = report.fit.mechanism
+    return {"length": m.length_unit, "angle": m.angle_unit, "number": "1"}[q.kind]
+
+
+def _out(report: FitReport, q: Parameter, value: float) -> float:
+    return report.fit.mechanism.angle_out(value) if q.kind == "angle" else value
+
+
+def _value(report: FitReport, q: Parameter, value: float, *, sign: bool = False) -> str:
+    unit = _unit(report, q)
+    return f"{_out(report, q, value):{'+' if sign else ''}.3g}" + ("" if unit == "1" else f" {unit}")
+
+
+def _short(items: Sequence[str], most: int) -> str:
+    return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

@@ -1,0 +1,129 @@
+"""From a mechanism and a file of measurements to a fit with its report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.calibrate import Calibration, calibrate
+from symkin.calibration.files import DataFile
+from symkin.calibration.gauge import joint_frames
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.model import parameter_names
+from symkin.calibration.prediction import pose_sigma
+from symkin.calibration.report import FitReport
+from symkin.calibration.sequence import find_sequence
+from symkin.calibration.suspicions import suspicions
+from symkin.errors import InputError
+from symkin.model.closure import build_closure
+from symkin.model.mechanism import Mechanism
+
+EVERYTHING = "all"
+"""The pattern that stands for every parameter of the closure."""
+_SHOWN = 12
+"""Most names that a message lists."""
+LEAST = "least"
+"""Frames held by the least change from nominal."""
+
+
+class NotFittedError(InputError):
+    """Readings that nothing can be fitted to, and the slips (`suspicions`) that would explain it."""
+
+    def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
+        super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
+        self.suspicions = suspicions
+
+
+def fit_file(
+    mechanism: Mechanism, data: DataFile, *, parameters: str | None = None, hold: str | None = None, frames: str = LEAST,
+    sigmas: Mapping[str, np.ndarray | float] | None = None, command: str = "", seed: int = 0, **options: Any,
+) -> FitReport:  # fmt: skip
+    """Fit and judge. `parameters` and `hold` are patterns separated by commas, `frames` is "least" or "joints:..." (see
+    `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `options` are those of `calibrate`.
+
+    Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
+    names = matching(mechanism, parameters) if parameters else tuple(build_closure(mechanism).parameter_names)
+    held = dict.fromkeys((*(matching(mechanism, hold) if hold else ()), *frame_names(mechanism, frames)))
+    fixed = tuple(name for name in held if name in names)
+    data = replace(data, measurements=with_sigmas(data, sigmas or {}))
+    options = {**options, "parameters": names, "fixed": fixed}
+    choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
+    measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
+    fit = _fitted(mechanism, data, measurements, seed, options)
+    slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements)
+    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed))
+
+
+def _fitted(mechanism: Mechanism, data: DataFile, measurements: Measurements, seed: int, options: dict[str, Any]) -> Calibration:
+    try:
+        return calibrate(mechanism, measurements, seed=seed, **options)
+    except InputError as error:
+        slips = suspicions(mechanism, measurements)
+        if not slips:
+            raise InputError(f"{data.path}: {error}") from None
+        raise NotFittedError(f"{data.path}: {error}", slips) from None
+
+
+def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
+    """The measurements with standard deviations (keys joint, group, ...) that the file does not give."""
+    m = data.measurements
+    for key, value in sigmas.items():
+        if m.sigma(key) is not None:
+            raise InputError(f"{data.path}: the standard deviation of {key} readings stands in the file; leave the option out")
+        m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
+    return m
+
+
+def matching(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
+    """Parameter names that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every parameter
+    of the closure. Raises InputError for a pattern that matches nothing."""
+    known, own = parameter_names(mechanism), set(build_closure(mechanism).parameter_names)
+    wanted: set[str] = set()
+    for pattern in (part.strip() for part in patterns.split(",")):
+        found = own if pattern == EVERYTHING else {name for name in known if fnmatchcase(name, pattern)}
+        if not found:
+            raise InputError(
+                f"parameter {pattern!r} matches nothing of {mechanism.name}; allowed: {EVERYTHING}, {_listed(known)}, and patterns "
+                "such as 'leg*.base.*'"
+            )
+        wanted |= found
+    return tuple(name for name in known if name in wanted)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Some names of each beginning and end, that the rest can be guessed from."""
+    if len(names) <= _SHOWN:
+        return ", ".join(names)
+    endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
+    begins = list(dict.fromkeys(name.split(".")[0] for name in names))
+    kinds = [next(n for n in names if n.split(".", 1)[1:] == [ending]) for ending in list(endings)[:_SHOWN] if ending]
+    more = len(begins) - _SHOWN
+    return f"{', '.join(kinds)}, ... of {', '.join(begins[:_SHOWN])}" + (f" and {more} more" if more > 0 else "")
+
+
+def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
+    """Parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform frame
+    in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of the
+    first limb after the slash, x towards the second's, z against gravity."""
+    if frames == LEAST:
+        return ()
+    kind, _, limbs = frames.partition(":")
+    platform, _, base = limbs.partition("/")
+    if kind != "joints" or not base:
+        raise InputError(f"frames = {frames!r} is unknown; allowed: {LEAST}, or joints:P1,P2,P3/B1,B2 with names of rod limbs")
+    return joint_frames(mechanism, tuple(s.strip() for s in platform.split(",")), tuple(s.strip() for s in base.split(",")))
+
+
+def calibrated_mechanism(report: FitReport) -> Mechanism:
+    """The corrected mechanism; title and source say what it is."""
+    fit, nominal = report.fit, report.fit.mechanism
+    how = f"calibrated from {len(fit.used)} postures of {report.data}: {report.verdict}"
+    return replace(
+        fit.corrected,
+        title=f"{nominal.title or nominal.name}, calibrated",
+        source="; ".join(s for s in (nominal.source, how) if s),
+    )

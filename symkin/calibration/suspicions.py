@@ -1,0 +1,120 @@
+"""What may be wrong with a file: slips that would explain readings which do not fit the nominal geometry.
+
+For each slip (a unit, two columns exchanged, a sign) the readings are put right and the direct problems solved again at the
+nominal geometry. A slip is named when the readings then agree with it many times better.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from symkin.calibration.direct import newton_postures, start_points
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.problem import build_calibration
+from symkin.calibration.residuals import linearise
+from symkin.errors import SymkinError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+
+_ROWS = 40
+"""Postures that are looked at, spread evenly over the file."""
+_BETTER = 3.0
+"""A slip is worth a sentence when it makes the misfit smaller by this factor."""
+_LENGTHS = {1000.0: "a factor of 1000 too small (m taken for mm?)", 0.001: "a factor of 1000 too large (mm taken for m?)"}
+_ANGLES = {180 / math.pi: "radians taken for degrees", math.pi / 180: "degrees taken for radians"}
+_SPREAD = (3e-3, 1.0)
+"""Usual standard deviation of a joint's readings over the size (angles: radians), and the most that its mean may be: 5 times
+the upper one."""
+
+
+def suspicions(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
+    """Sentences, at most three; none where nothing explains the readings better than they are."""
+    rows = np.unique(np.linspace(0, len(measurements) - 1, _ROWS).astype(int))
+    groups = measurements.groups
+    if groups is not None and len(measurements) > _ROWS:
+        rows = np.flatnonzero(np.isin(groups, np.unique(groups[rows])))[: 4 * _ROWS]
+    bare = _bare(measurements.subset(rows))
+    found = list(_units(mechanism, bare))
+    if not found:
+        as_read, unit = misfit(mechanism, bare), mechanism.length_unit
+        slips = sorted((misfit(mechanism, changed), text) for text, changed in _slips(mechanism, bare))
+        found = [
+            f"{text}: the misfit at the nominal geometry would fall from {as_read:.3g} to {value:.3g} {unit} (angles times the size)"
+            for value, text in slips
+            if value * _BETTER < as_read
+        ]
+    return tuple(found[:3])
+
+
+def _units(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
+    """Joint readings whose spread or mean is out of all proportion, by a decade or more, and would not be in other units."""
+    for angular, factors in ((False, _LENGTHS), (True, _ANGLES)):
+        columns = [k for k, c in enumerate(mechanism.actuated) if c.is_angular == angular]
+        if not columns or np.any(np.ptp(m.joints[:, columns], axis=0) == 0.0):
+            continue
+        values = m.joints[:, columns] / (1.0 if angular else mechanism.size)
+        for factor, text in factors.items():
+            if _out_of_proportion(values) - _out_of_proportion(values * factor) >= 1.0:
+                spread = float(np.median(np.std(values, axis=0)))
+                of = "rad" if angular else "of the mechanism's size"
+                yield f"the readings of {', '.join(mechanism.actuated[k].name for k in columns)} look {text}: they spread by {spread:.2g} {of}"
+
+
+def _out_of_proportion(values: np.ndarray) -> float:
+    """Decades by which the spread lies outside its usual range, or the mean above it."""
+    spread, mean = float(np.median(np.std(values, axis=0))), float(np.median(np.abs(np.mean(values, axis=0))))
+    low, high = _SPREAD
+    return max(0.0, math.log10(low / spread), math.log10(spread / high), math.log10(max(mean, 1e-300) / (5 * high)))
+
+
+def misfit(mechanism: Mechanism, measurements: Measurements) -> float:
+    """Root mean square of readings less those of the nominal geometry, angles times the size (length unit), over the better
+    four fifths of the postures, so that single bad rows do not count; a posture that does not close counts as one size."""
+    try:
+        problem = build_calibration(mechanism, _bare(measurements))
+    except SymkinError:
+        return math.inf
+    model, m = problem.model, problem.measurements
+    with np.errstate(all="ignore"):
+        z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)
+        e = model.evaluate(np.nan_to_num(z), m.joints, model.nominal, problem.quaternions)
+        fit = linearise("means", problem.readings, np.nan_to_num(e.readings), np.zeros((*e.readings.shape, 1)))
+        squares = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
+    size = model.closure.size
+    squares = np.where(solved, squares, problem.readings.values.shape[1] * size**2)
+    better = np.sort(squares)[: max(1, math.ceil(0.8 * len(squares)))]
+    return float(np.sqrt(np.mean(better)))
+
+
+def _bare(m: Measurements) -> Measurements:
+    """Without standard deviations: residuals are then in the length unit."""
+    return replace(m, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
+
+
+def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measurements]]:
+    actuated = mechanism.actuated
+    for a, b in combinations(range(len(actuated)), 2):
+        if actuated[a].is_angular == actuated[b].is_angular:
+            joints = np.array(m.joints)
+            joints[:, [a, b]] = joints[:, [b, a]]
+            if _possible(actuated, joints):
+                yield f"the columns {actuated[a].name} and {actuated[b].name} look exchanged", replace(m, joints=joints)
+    for k, c in enumerate(actuated):
+        if c.is_angular:
+            joints = np.array(m.joints)
+            joints[:, k] *= -1
+            yield f"the sign of {c.name} looks reversed", replace(m, joints=joints)
+    if m.position is not None:
+        for factor, text in _LENGTHS.items():
+            yield f"the positions look {text}", replace(m, position=m.position * factor)
+    if m.inclination is not None:
+        yield "the columns alpha and beta look exchanged", replace(m, inclination=m.inclination[:, ::-1])
+
+
+def _possible(actuated: tuple[Coordinate, ...], joints: np.ndarray) -> bool:
+    return all(c.least is None or bool(np.all(joints[:, k] > c.least)) for k, c in enumerate(actuated))

@@ -1,0 +1,168 @@
+"""Closed configurations drawn at random in a workspace, within joint limits and on home's side of singularities.
+
+A posture is drawn as a pose: the middle of the platform's joint points within `half` of its place at home, and the
+orientation R = Rz(gamma) Ry(beta) Rx(alpha) R_home with |alpha|, |beta| <= `tilt` and |gamma| <= `spin`. Home is the
+reference pose, or that of the worked example where the reference is much nearer to a singularity. Postures that share
+(alpha, beta) have the same inclination R^T e_z. Platforms that cannot take the pose take the nearest one with that
+inclination; serial arms are drawn by their joints.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.closing import Closing, Configurations, home_pose, placed
+from symkin.errors import InputError
+from symkin.model.closure import build_closure
+from symkin.model.joint import Coordinate
+from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
+
+REACH = 0.15
+"""Half width of the default workspace, over the size."""
+TILT = math.radians(20)
+"""Default range of each inclination and of the turn about z."""
+_ARM_SWING = math.radians(60)
+"""Half range of an arm's angle that has no limits."""
+_BLOCK, _PATIENCE = 64, 1000
+"""Least number of postures drawn at once, and the draws without a new posture after which no more are made."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """Half widths (3,) about home in the length unit; tilt and spin in radians; `margin` is the share of each joint's
+    range that is kept free at both its limits. `start` is another home."""
+
+    mechanism: Mechanism
+    half: np.ndarray
+    tilt: float = TILT
+    spin: float = TILT
+    margin: float = 0.0
+    start: Pose | None = None
+
+    def __post_init__(self) -> None:
+        half = np.asarray(self.half, dtype=float)
+        if half.shape != (3,) or not np.all(np.isfinite(half)) or np.any(half < 0) or min(self.tilt, self.spin) < 0:
+            raise InputError(f"workspace: half widths {half.tolist()} and angles must be three numbers and not negative")
+        if self.tilt >= 0.5 * math.pi:
+            raise InputError(f"workspace: a tilt of {math.degrees(self.tilt):g} deg is too large; allowed: below 90 deg")
+        object.__setattr__(self, "half", half)
+
+    @staticmethod
+    def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
+        """The default workspace: 0.15 of the size and 20 deg about home."""
+        return Workspace(mechanism, np.array(half if half is not None else [REACH * mechanism.size] * 3), **options)
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """Middle of the platform's joint points, in the platform frame."""
+        return np.asarray(np.mean(platform_points(self.mechanism), axis=0))
+
+    @cached_property
+    def home(self) -> Pose:
+        return home_pose(self.mechanism) if self.start is None else self.start
+
+    @cached_property
+    def closing(self) -> Closing:
+        return Closing(self.mechanism, self.home, self.margin)
+
+    def inclinations(self, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Random (alpha, beta), (count, 2)."""
+        return rng.uniform(-self.tilt, self.tilt, (count, 2))
+
+    def draw(self, inclinations: np.ndarray, rng: np.random.Generator, *, held: bool = True, edge: float = 1.0) -> Configurations:
+        """One posture for each (alpha, beta); with `held` every posture has exactly its inclination. With `edge` above 1
+        positions and turns are drawn from so many times the workspace and brought back to its border.
+
+        Raises InputError where too few draws close within the limits."""
+        found: list[Configurations | None] = [None] * len(inclinations)
+        drawn, idle = 0, 0
+        while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _PATIENCE:
+            chosen = np.array((missing * (1 + _BLOCK // len(missing)))[: max(_BLOCK, len(missing))])
+            drawn, idle = drawn + len(chosen), idle + len(chosen)
+            wanted = inclinations[chosen]
+            made, good = self.closing.close(self._starts(wanted, rng, edge), wanted if held else None)
+            for row in np.flatnonzero(good):
+                if found[chosen[row]] is None:
+                    found[chosen[row]], idle = made.take(np.array([row])), 0
+        if missing:
+            text = ", ".join(f"{math.degrees(a):g}" for a in inclinations[missing[0]])
+            raise InputError(
+                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of {len(inclinations)} postures were found in "
+                f"{drawn} draws within joint limits and away from singularities (none for alpha, beta = {text} deg); use a smaller "
+                "workspace or inclinations that the platform can take"
+            )
+        return Configurations.joined([c for c in found if c is not None])
+
+    def near(
+        self, around: Configurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
+    ) -> tuple[Configurations, np.ndarray]:
+        """Closed configurations near given ones, moved by `scale` of the workspace, and the numbers of those they are near
+        to; moves end at the workspace's borders."""
+        at_home, moved = self.home.apply(self.centre), np.array(around.values)
+        for k, row in enumerate(around.poses):
+            pose = Pose(row[:3], row[3:])
+            alpha, beta, gamma = euler_from_quaternion(multiply(pose.quaternion, conjugate(self.home.quaternion)), "xyz")
+            gamma = np.clip(gamma + scale * self.spin * rng.uniform(-1, 1), -self.spin, self.spin)
+            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), self.home.quaternion)
+            away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
+            middle = at_home + np.clip(away, -self.half, self.half)
+            moved[k] = placed(self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+        made, good = self.closing.close(moved, inclinations)
+        kept = np.flatnonzero(good & self.holds(made))
+        return made.take(kept), kept
+
+    def at(self, poses: np.ndarray, inclinations: np.ndarray | None) -> tuple[Configurations, np.ndarray]:
+        """Closed configurations at poses (n, 7), turned to inclinations where they are given, and which of them are good;
+        limits do not count."""
+        reference = build_closure(self.mechanism).reference
+        starts = np.array([placed(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
+        return self.closing.close(starts, inclinations, limits=False)
+
+    def holds(self, made: Configurations) -> np.ndarray:
+        """Which postures of a platform have their middle within the box (n,); an arm's workspace is its joints' range."""
+        if self.mechanism.serial:
+            return np.ones(len(made), dtype=bool)
+        at_home = self.home.apply(self.centre)
+        middles = np.array([Pose(row[:3], row[3:]).apply(self.centre) for row in made.poses])
+        return np.asarray(np.all(np.abs(middles - at_home) <= self.half * (1 + 1e-9), axis=1))
+
+    def _starts(self, inclinations: np.ndarray, rng: np.random.Generator, edge: float) -> np.ndarray:
+        closure = build_closure(self.mechanism)
+        starts = np.tile(closure.reference, (len(inclinations), 1))
+        if self.mechanism.serial:
+            for c in closure.role("actuated"):
+                low, high = c.limits or _range(c, self.mechanism.size)
+                starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
+            return self.closing.with_tool(starts)
+        at_home = self.home
+        for k, (alpha, beta) in enumerate(inclinations):
+            share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)
+            gamma = self.spin * share[3]
+            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), at_home.quaternion)
+            middle = at_home.apply(self.centre) + self.half * share[:3]
+            starts[k] = placed(self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+        return starts
+
+
+def _range(c: Coordinate, size: float) -> tuple[float, float]:
+    reach = _ARM_SWING if c.is_angular else REACH * size
+    return c.reference[0] - reach, c.reference[0] + reach
+
+
+def platform_points(mechanism: Mechanism) -> np.ndarray:
+    """Joint points of the platform in its frame (n, 3): ends of rods, and the last joint of each other limb."""
+    points = [np.array(limb.platform) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    inverse = mechanism.reference_pose.inverse()  # points of joints are given at the reference
+    for limb in mechanism.limbs:
+        if not isinstance(limb, RodLimb):
+            points += [np.array(rod.platform) for rod in limb.rods] or [inverse.apply(np.array(limb.joints[-1].point))]
+    return np.array(points)

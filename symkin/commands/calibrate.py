@@ -1,0 +1,303 @@
+"""`symkin calibrate fit`, `plan` and `simulate`."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symkin.commands.calibrate_folder import check_folder, write_fit, write_unfitted
+from symkin.commands.options import MechArgument, SeedOption, whole_number
+from symkin.commands.quantities import angle_pairs, joint_quantities, quantity
+from symkin.errors import InputError
+
+if TYPE_CHECKING:
+    from symkin.calibration.simulate import Noise
+    from symkin.calibration.workspace import Workspace
+    from symkin.model.mechanism import Mechanism
+
+calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.", no_args_is_help=True, rich_markup_mode=None)
+
+
+_MARGIN = 0.02
+"""Share of each joint's range that a plan keeps free at its limits: the true geometry is not the nominal one."""
+
+
+class Method(StrEnum):
+    nested = "nested"
+    lifted = "lifted"
+    ipopt = "ipopt"
+
+
+class Residual(StrEnum):
+    means = "means"
+    differences = "differences"
+    likelihood = "maximum-likelihood"
+
+
+class Outliers(StrEnum):
+    remove = "remove"
+    report = "report"
+    ignore = "ignore"
+
+
+class CriterionName(StrEnum):
+    D = "D"
+    A = "A"
+    I = "I"  # noqa: E741 - the name of the criterion
+
+
+class Shape(StrEnum):
+    normal = "normal"
+    uniform = "uniform"
+
+
+DataArgument = Annotated[Path, typer.Argument(metavar="DATA.csv", help="Measurements, one row a posture.")]
+CsvOption = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="File to write.")]
+PosturesOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of postures.")]
+GroupsOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Groups of equal inclination; 0: none.")]
+ReadingsOption = Annotated[
+    str, typer.Option(metavar="A,B,...", help="What is read beside joints: inclination, position, orientation, pose.")
+]
+BoxOption = Annotated[
+    str | None,
+    typer.Option(metavar="DX,DY,DZ", help="Half widths of the workspace about the reference. Default: 0.15 of the size."),
+]
+TiltOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of alpha and beta about the reference.")]
+SpinOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of the turn about z.")]
+NoiseJoints = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SIGMA",
+        help="Standard deviation of joint readings, as in 2um or 2um,0.001deg. Default: 1e-6 of the size, 0.001deg.",
+    ),
+]
+NoiseGroup = Annotated[
+    str, typer.Option(metavar="SIGMA", help="Standard deviation of equality in a group (inclinometer's repeatability).")
+]
+NoiseInclination = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of inclination readings.")]
+NoisePosition = Annotated[
+    str | None, typer.Option(metavar="SIGMA", help="Standard deviation of positions. Default: 1e-5 of the size.")
+]
+NoiseOrientation = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of orientations.")]
+SigmaOption = Annotated[
+    str | None, typer.Option(metavar="SIGMA", help="Standard deviation where the file has no sigma_ columns.")
+]
+HoldOption = Annotated[
+    str | None, typer.Option(metavar="A,B,...", help="Parameters that keep their nominal values: names or patterns.")
+]
+PatternOption = Annotated[
+    str | None,
+    typer.Option(metavar="A,B,...", help="Names or patterns such as 'leg*.base.*'; all: every parameter of the closure."),
+]
+
+
+@calibrate.command()
+def fit(
+    mech: MechArgument,
+    data: DataArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the mechanism file and the report.")],
+    parameters: PatternOption = None,
+    hold: HoldOption = None,
+    frames: Annotated[
+        str,
+        typer.Option(metavar="least|joints:...", help="Frames that no reading tells: least change, or joints:P1,P2,P3/B1,B2."),
+    ] = "least",
+    method: Annotated[Method, typer.Option(help="Poses solved inside, or as unknowns, or by IPOPT.")] = Method.nested,
+    residual: Annotated[Residual, typer.Option(help="How groups and joint noise enter.")] = Residual.means,
+    outliers: Annotated[Outliers, typer.Option(help="What to do with readings that do not belong.")] = Outliers.remove,
+    sigma_joints: SigmaOption = None,
+    sigma_group: SigmaOption = None,
+    sigma_inclination: SigmaOption = None,
+    sigma_position: SigmaOption = None,
+    sigma_orientation: SigmaOption = None,
+    seed: SeedOption = 0,
+) -> None:
+    """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
+    from symkin.calibration.files import read_measurements
+    from symkin.calibration.run import NotFittedError, fit_file
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    check_folder(output, mech, mechanism)
+    given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
+    sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}
+    if sigma_position is not None:
+        sigmas["position"] = quantity(sigma_position, "length", mechanism, "sigma-position")
+    if sigma_joints is not None:
+        sigmas["joint"] = joint_quantities(sigma_joints, mechanism, "sigma-joints")  # type: ignore[assignment]
+    try:
+        report = fit_file(
+            mechanism, read_measurements(data, mechanism), parameters=parameters, hold=hold, frames=frames, sigmas=sigmas,
+            command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
+            outliers=outliers.value,
+        )  # fmt: skip
+    except NotFittedError as error:
+        write_unfitted(mechanism, data, error, output)
+        print(f"{mechanism.name}: {error}")
+        raise typer.Exit(3) from None
+    written = write_fit(report, output)
+    print(report.summary())
+    print("written: " + ", ".join(str(path) for path in written))
+    if not report.usable:
+        print(f"no mechanism file was written: {report.verdict}")
+    raise typer.Exit(0 if report.usable else 3)
+
+
+@calibrate.command()
+def simulate(
+    mech: MechArgument,
+    output: CsvOption,
+    postures: PosturesOption = 40,
+    groups: GroupsOption = 0,
+    readings: ReadingsOption = "",
+    truth: Annotated[
+        str | None, typer.Option(metavar="TRUTH", help="Mechanism that is measured, name or file. Default: MECH itself.")
+    ] = None,
+    plan: Annotated[Path | None, typer.Option(metavar="PLAN.csv", help="Take the postures and groups of a plan.")] = None,
+    noise_joints: NoiseJoints = None,
+    noise_group: NoiseGroup = "0.001deg",
+    noise_inclination: NoiseInclination = "0.001deg",
+    noise_position: NoisePosition = None,
+    noise_orientation: NoiseOrientation = "0.001deg",
+    noise_shape: Annotated[
+        Shape, typer.Option(help="Distribution of the noise, of the standard deviations given.")
+    ] = Shape.normal,
+    euler: Annotated[str | None, typer.Option(metavar="ZYX", help="Write orientations as Euler angles of this sequence.")] = None,
+    hide_sequence: Annotated[bool, typer.Option("--hide-sequence", help="Leave the sequence out of the header.")] = False,
+    box: BoxOption = None,
+    tilt: TiltOption = "20deg",
+    spin: SpinOption = "20deg",
+    seed: SeedOption = 0,
+) -> None:
+    """Write measurements as a measuring system would take them, of random postures or those of a plan."""
+    import numpy as np
+
+    from symkin.calibration.files import read_measurements, write_measurements
+    from symkin.calibration.simulate import group_numbers, planned_postures, random_postures, read
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    true = mechanism if truth is None else load(truth)
+    _check_same_joints(mechanism, true)
+    noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, noise_shape)
+    rng = np.random.default_rng(_seed(seed))
+    workspace = _workspace(true, box, tilt, spin)
+    if plan is not None:
+        planned = read_measurements(plan, mechanism)
+        numbers, made = planned_postures(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
+    else:
+        numbers = group_numbers(postures, groups)
+        made = random_postures(workspace, numbers, noise, rng)
+    kinds = [part.strip() for part in readings.split(",") if part.strip()]
+    measured = read(mechanism, made, numbers, kinds, noise, rng)
+    write_measurements(output, mechanism, measured, sequence=euler, hidden=hide_sequence)
+    print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
+
+
+@calibrate.command()
+def plan(
+    mech: MechArgument,
+    output: CsvOption,
+    postures: PosturesOption = 40,
+    groups: GroupsOption = 5,
+    criterion: Annotated[
+        CriterionName, typer.Option(help="I: pose variance over the workspace; A: parameters; D: their determinant.")
+    ] = CriterionName.I,
+    wedges: Annotated[
+        str | None,
+        typer.Option(metavar="A:B,...", help="Inclinations alpha:beta that groups may have. Default: level, and +-tilt."),
+    ] = None,
+    readings: ReadingsOption = "",
+    parameters: PatternOption = None,
+    raw: Annotated[
+        bool, typer.Option("--raw", help="Judge poses in their own frames, not after the best base and tool alignment.")
+    ] = False,
+    noise_joints: NoiseJoints = None,
+    noise_group: NoiseGroup = "0.001deg",
+    noise_inclination: NoiseInclination = "0.001deg",
+    noise_position: NoisePosition = None,
+    noise_orientation: NoiseOrientation = "0.001deg",
+    box: BoxOption = None,
+    tilt: TiltOption = "20deg",
+    spin: SpinOption = "20deg",
+    seed: SeedOption = 0,
+) -> None:
+    """Choose postures and wedges that identify the geometry best, and say what they will reach."""
+    from symkin.calibration.files import accuracy_text, write_plan
+    from symkin.calibration.planning import plan_measurements
+    from symkin.calibration.run import matching
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
+    made = plan_measurements(
+        _workspace(mechanism, box, tilt, spin, _MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_seed(seed),
+        wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
+        readings=[part.strip() for part in readings.split(",") if part.strip()],
+        parameters=None if parameters is None else matching(mechanism, parameters), aligned=not raw,
+    )  # fmt: skip
+    write_plan(output, made)
+    for k, (alpha, beta) in enumerate(made.wedges):
+        held = int((made.groups == k).sum())
+        print(
+            f"group {k + 1}: {held} postures at alpha {mechanism.angle_out(alpha):g}, beta {mechanism.angle_out(beta):g} {mechanism.angle_unit}"
+        )
+    print(f"rank {made.accuracy.rank} of {made.accuracy.parameters} parameters")
+    if made.accuracy.rank < made.observable:
+        print(f"note: too few postures; these readings can tell {made.observable} combinations of parameters")
+    print(f"expected pose error: {accuracy_text(mechanism, made.accuracy)}")
+    print(f"the same of random postures: {accuracy_text(mechanism, made.random)}")
+    print(f"written: {output}, {len(made.groups)} postures, {criterion.value}-optimal, seed {seed}")
+
+
+# --- helpers -------------------------------------------------------------------------------------------------------
+
+
+def _noise(
+    m: Mechanism, joints: str | None, group: str, inclination: str, position: str | None, orientation: str, shape: Shape
+) -> Noise:
+    from symkin.calibration.simulate import Noise
+
+    lengths, angles = 1e-6 * m.size, quantity("0.001deg", "angle", m, "noise-joints")
+    if joints is not None:
+        values = joint_quantities(joints, m, "noise-joints")
+        for value, c in zip(values, m.actuated, strict=True):
+            lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
+    return Noise(
+        lengths, angles, quantity(group, "angle", m, "noise-group"), quantity(inclination, "angle", m, "noise-inclination"),
+        1e-5 * m.size if position is None else quantity(position, "length", m, "noise-position"),
+        quantity(orientation, "angle", m, "noise-orientation"), uniform=shape is Shape.uniform,
+    )  # fmt: skip
+
+
+def _workspace(mechanism: Mechanism, box: str | None, tilt: str, spin: str, margin: float = 0.0) -> Workspace:
+    from symkin.calibration.workspace import Workspace
+
+    half = None if box is None else [quantity(part, "length", mechanism, "box") for part in box.split(",")]
+    return Workspace.about(
+        mechanism,
+        half,
+        tilt=quantity(tilt, "angle", mechanism, "tilt"),
+        spin=quantity(spin, "angle", mechanism, "spin"),
+        margin=margin,
+    )
+
+
+def _seed(seed: int) -> int:
+    if seed < 0:
+        raise InputError(f"--seed {seed} is negative; whole numbers from 0 are allowed")
+    return seed
+
+
+def _check_same_joints(mechanism: Mechanism, true: Mechanism) -> None:
+    ours, theirs = ([(c.name, c.kind) for c in m.actuated] for m in (mechanism, true))
+    if ours != theirs or mechanism.length_unit != true.length_unit or mechanism.angle_unit != true.angle_unit:
+        raise InputError(
+            f"--truth {true.name}: its actuated joints ({', '.join(n for n, _ in theirs)}; {true.length_unit}, {true.angle_unit}) are not those "
+            f"of {mechanism.name} ({', '.join(n for n, _ in ours)}; {mechanism.length_unit}, {mechanism.angle_unit})"
+        )

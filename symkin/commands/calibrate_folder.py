@@ -1,0 +1,81 @@
+"""The folder that `symkin calibrate fit` writes: mechanism, report and pictures, every file whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from symkin.errors import InputError
+
+if TYPE_CHECKING:
+    from symkin.calibration.report import FitReport
+    from symkin.calibration.run import NotFittedError
+    from symkin.model.mechanism import Mechanism
+
+
+def check_folder(folder: Path, mech: str, mechanism: Mechanism) -> None:
+    """Refuse a folder that cannot be written before anything is computed, and one where the file given would be lost."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; the name of a folder is needed")
+    target = folder / f"{mechanism.name}.toml"
+    if Path(mech).is_file() and target.exists() and target.samefile(mech):
+        raise InputError(f"{target} is the mechanism that was given and would be lost; name another folder")
+    there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{folder}: the folder cannot be written (permission denied)")
+
+
+def write_fit(report: FitReport, folder: Path) -> list[Path]:
+    """Every file whole or not at all; the mechanism only if it can be used."""
+    from symkin.calibration.run import calibrated_mechanism
+    from symkin.view.calibration_plot import parameter_figure, png, pose_sigma_figure, residual_figure
+
+    pictures = {
+        "residuals.png": png(residual_figure(report.fit)),
+        "parameters.png": png(parameter_figure(report.fit)),
+        "pose_sigma.png": png(pose_sigma_figure(report.fit, report.sigma)),
+    }
+    contents = {
+        **pictures,
+        "report.json": (json.dumps(report.to_json(), indent=1, allow_nan=False) + "\n").encode(),
+        "report.md": report.to_markdown([Path(name) for name in pictures]).encode(),
+    }
+    if report.usable:
+        made = calibrated_mechanism(report)
+        contents[f"{made.name}.toml"] = made.to_toml().encode()
+    return _write_contents(folder, contents)
+
+
+def write_unfitted(mechanism: Mechanism, data: Path, error: NotFittedError, folder: Path) -> list[Path]:
+    """The report of a file that nothing can be fitted to."""
+    content = {
+        "mechanism": mechanism.name, "data": str(data), "verdict": str(error), "believable": False, "usable": False,
+        "suspicions": list(error.suspicions),
+    }  # fmt: skip
+    text = f"# Calibration of {mechanism.name}\n\n{error}\n\n" + "".join(f"- {line}\n" for line in error.suspicions)
+    return _write_contents(folder, {"report.json": (json.dumps(content, indent=1) + "\n").encode(), "report.md": text.encode()})
+
+
+def _write_contents(folder: Path, contents: dict[str, bytes]) -> list[Path]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            _replace(folder / name, content)
+    except OSError as error:
+        raise InputError(f"{folder}: the report cannot be written ({error.strerror})") from None
+    return [folder / name for name in contents]
+
+
+def _replace(target: Path, content: bytes) -> None:
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise

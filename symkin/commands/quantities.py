@@ -1,0 +1,73 @@
+"""Options that are quantities: numbers with a unit of their own, or in the mechanism's."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+from symkin.csv_table import UNITS
+from symkin.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from symkin.model.mechanism import Mechanism
+
+_QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
+
+
+def quantity(text: str, kind: str, mechanism: Mechanism, option: str, *, least: float = 0.0) -> float:
+    """A length in the mechanism's unit or an angle in radians, from `2um`, `0.001deg` or a plain number in the mechanism's unit."""
+    match = _QUANTITY.fullmatch(text)
+    try:
+        number = float(match[1]) if match else math.nan
+    except ValueError:
+        number = math.nan
+    allowed = [name for name, (measured, _) in UNITS.items() if measured == kind]
+    own = mechanism.length_unit if kind == "length" else mechanism.angle_unit
+    unit = (match[2] or own) if match else own
+    if not math.isfinite(number) or number < least or unit not in allowed:
+        raise InputError(
+            f"--{option} {text.strip()!r}: a number from {least:g} with a unit of {kind} is needed ({', '.join(allowed)}; without "
+            f"one {own} is meant)"
+        )
+    return number * UNITS[unit][1] / (UNITS[mechanism.length_unit][1] if kind == "length" else 1.0)
+
+
+def joint_quantities(text: str, mechanism: Mechanism, option: str) -> np.ndarray:
+    """One value for each actuated joint (a,): a length, an angle or both (`2um,0.001deg`), each for the joints of its kind."""
+    values: dict[str, float] = {}
+    kinds = {"angle" if c.is_angular else "length" for c in mechanism.actuated}
+    for part in text.split(","):
+        match = _QUANTITY.fullmatch(part)
+        unit = match[2] if match else None
+        if unit is None and len(kinds) > 1:
+            raise InputError(
+                f"--{option} {part.strip()!r}: {mechanism.name} has lengths and angles; give a unit, as in 2um,0.001deg"
+            )
+        kind = UNITS[unit][0] if unit in UNITS else next(iter(kinds))
+        values[kind] = quantity(part, kind, mechanism, option)
+    missing = kinds - set(values)
+    if missing or set(values) - kinds:
+        raise InputError(
+            f"--{option} {text!r}: {mechanism.name} has actuated joints that are {' and '.join(sorted(kinds))}s; one value for each is needed"
+        )
+    import numpy as np
+
+    return np.array([values["angle" if c.is_angular else "length"] for c in mechanism.actuated])
+
+
+def angle_pairs(text: str, mechanism: Mechanism, option: str) -> np.ndarray:
+    """Pairs of angles (n, 2) in radians, from `20:20,-20:20`."""
+    pairs = []
+    for part in text.split(","):
+        ends = part.split(":")
+        if len(ends) != 2:
+            raise InputError(
+                f"--{option}: {part.strip()!r} is no pair; alpha:beta pairs separated by commas are needed, as in 0:0,20:-20"
+            )
+        pairs.append([quantity(end, "angle", mechanism, option, least=-math.inf) for end in ends])
+    import numpy as np
+
+    return np.array(pairs)

@@ -1,0 +1,219 @@
+"""Measurement files: what is written is read back, every mistake is named by line and column, slips are found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin import InputError
+from symkin.calibration.columns import SEQUENCES
+from symkin.calibration.files import read_measurements, write_measurements
+from symkin.calibration.run import fit_file, matching
+from symkin.calibration.sequence import find_sequence
+from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
+from symkin.calibration.suspicions import suspicions
+from symkin.calibration.workspace import Workspace
+
+NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
+QUIET = Noise(lengths=1e-6, group=1e-5, inclination=1e-5, position=1e-5, orientation=1e-5)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    rng = np.random.default_rng(4)
+    groups = group_numbers(24, 6)
+    made = random_postures(Workspace.about(TRUE), groups, QUIET, rng)
+    return read(TRUE, made, groups, ("inclination", "pose"), QUIET, rng)
+
+
+def rewritten(path, change):
+    """The file with its cells changed: `change(header, rows)`."""
+    header, *rows = [line.split(",") for line in path.read_text().splitlines()]
+    change(header, rows)
+    path.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("sequence", [None, "ZYX", "xyz", "YZY"])
+def test_files_hold_what_is_written(tmp_path, measured, sequence):
+    """Reading back gives the same numbers to rounding: joints, groups, readings, standard deviations."""
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured, sequence=sequence)
+    back = read_measurements(path, NOMINAL).measurements
+    assert np.array_equal(back.groups, measured.groups)
+    for key in ("joints", "inclination", "position"):
+        np.testing.assert_allclose(getattr(back, key), getattr(measured, key), rtol=1e-14, atol=1e-15)
+    same = np.abs(np.sum(back.orientation * measured.orientation, axis=1))
+    np.testing.assert_allclose(same, 1.0, atol=1e-13)
+    for key in ("joint", "group", "inclination", "position", "orientation"):
+        np.testing.assert_allclose(back.sigma(key), measured.sigma(key), rtol=1e-12)
+
+
+def test_units_of_the_header_count(tmp_path, measured):
+    """Lengths in mm and angles in arcsec are the same readings."""
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured)
+
+    def other_units(header, rows):
+        for k, name in enumerate(header):
+            factor, unit = (1e3, "mm") if name.endswith("[m]") else (3600, "arcsec") if name.endswith("[deg]") else (None, "")
+            if factor:
+                header[k] = name.split("[")[0] + f"[{unit}]"
+                for row in rows:
+                    row[k] = repr(float(row[k]) * factor)
+
+    back = read_measurements(rewritten(path, other_units), NOMINAL).measurements
+    np.testing.assert_allclose(back.joints, measured.joints, rtol=1e-13)
+    np.testing.assert_allclose(back.inclination, measured.inclination, rtol=1e-12, atol=1e-15)
+
+
+def set_cell(row, column, value):
+    def change(header, rows):
+        rows[row][next(k for k, name in enumerate(header) if name.split("[")[0] == column)] = value
+
+    return change
+
+
+def rename(old, new):
+    def change(header, rows):
+        header[header.index(old)] = new
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "fragments"),
+    [
+        (set_cell(3, "leg2", ""), ("line 5", "leg2[m]")),
+        (set_cell(0, "leg6", "abc"), ("line 2", "leg6[m]", "abc")),
+        (set_cell(2, "leg1", "-2"), ("line 4", "leg1[m]", "negative length")),
+        (set_cell(4, "qw", "9"), ("line 6", "qw", "norm")),
+        (set_cell(4, "qx", ""), ("line 6", "qx", "all or none")),
+        (set_cell(1, "sigma_alpha", "0"), ("line 3", "sigma_alpha", "positive")),
+        (rename("leg3[m]", "leg3[deg]"), ("leg3[deg]", "unit of length")),
+        (rename("leg3[m]", "leg7[m]"), ("leg7", "leg1, leg2")),
+        (rename("sigma_leg4[m]", "sigma_alpha2[m]"), ("sigma_alpha2",)),
+        (rename("beta[deg]", "euler_XXY_1[deg]"), ("XXY", "neighbours different")),
+    ],
+)
+def test_mistakes_are_named_by_line_and_column(tmp_path, measured, change, fragments):
+    """Every mistake is refused in one sentence with the file, the line and the column."""
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured)
+    with pytest.raises(InputError) as refused:
+        read_measurements(rewritten(path, change), NOMINAL)
+    for fragment in ("data.csv", *fragments):
+        assert fragment in str(refused.value)
+
+
+def test_empty_cells_and_columns_are_readings_not_taken(tmp_path, measured):
+    """An empty cell is no reading; a column of empty cells is no column; a group of one is noted and says nothing."""
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured)
+
+    def change(header, rows):
+        for row in rows:
+            row[header.index("z[m]")] = ""
+        rows[2][header.index("x[m]")] = ""
+        rows[0][0] = "alone"
+
+    data = read_measurements(rewritten(path, change), NOMINAL)
+    assert np.all(np.isnan(data.measurements.position[:, 2]))
+    assert np.isnan(data.measurements.position[2, 0])
+    assert np.isfinite(data.measurements.position[:, 1]).all()
+    assert data.measurements.groups[0] == -1
+    assert any("line 2" in note and "alone" in note for note in data.notes)
+
+
+def test_names_of_joints_come_before_names_of_readings(tmp_path):
+    """Where joints are called x, y, z the platform's position is platform.x, platform.y, platform.z."""
+    axes = np.eye(3)
+    joints = [symkin.Joint(n, "P", axis=tuple(a), actuated=True) for n, a in zip("xyz", axes, strict=True)]
+    gantry = symkin.Mechanism("gantry", [symkin.Limb("gantry", joints)], serial=True, platform_position=(0, 0, 50.0))
+    rng = np.random.default_rng(0)
+    workspace = Workspace.about(gantry)
+    made = workspace.draw(workspace.inclinations(5, rng), rng, held=False)
+    taken = read(gantry, made, np.full(5, -1), ("position",), Noise(position=0.1), rng)
+    path = tmp_path / "data.csv"
+    write_measurements(path, gantry, taken)
+    header = path.read_text().splitlines()[0]
+    assert header.startswith("x[mm],y[mm],z[mm],platform.x[mm]")
+    back = read_measurements(path, gantry).measurements
+    np.testing.assert_allclose(back.position, taken.position, rtol=1e-14)
+    np.testing.assert_allclose(back.joints, taken.joints, rtol=1e-14)
+
+
+def test_every_sequence_is_named_and_different():
+    """Twelve sequences about moving and twelve about fixed axes, neighbours different."""
+    assert len(set(SEQUENCES)) == len(SEQUENCES) == 24
+    assert sum(s.isupper() for s in SEQUENCES) == 12
+    assert all(s[0] != s[1] != s[2] for s in SEQUENCES)
+
+
+@pytest.mark.parametrize(("sequence", "rows"), [("YXZ", 600), ("zyz", 60)])
+def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
+    """600 or 60 rows of joints and poses, truth and sequence hidden: the whole geometry of a platform from joint centres a tenth
+    of the size wrong, and the sequence, clear of the runner-up."""
+    true = symkin.load("zhang2009")
+    rng = np.random.default_rng(21)
+    workspace = Workspace.about(true)
+    noise = Noise(lengths=0.01, position=0.02, orientation=math.radians(0.005))
+    made = workspace.draw(workspace.inclinations(rows, rng), rng, held=False)
+    path = tmp_path / "data.csv"
+    write_measurements(
+        path, true, read(true, made, group_numbers(rows, 0), ("pose",), noise, rng), sequence=sequence, hidden=True
+    )
+    assert sequence not in path.read_text()
+
+    def away(point):
+        return tuple(np.array(point) + 0.1 * true.size * rng.uniform(-1, 1, 3))
+
+    wrong = replace(true, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in true.limbs])
+    data = read_measurements(path, wrong)
+    choice = find_sequence(wrong, data)
+    assert choice.sequence == sequence
+    assert choice.clear
+    assert choice.runner_up_chi_square > 100 * choice.chi_square
+    report = fit_file(wrong, data)
+    assert report.believable, report.verdict
+    assert report.fit.rank == 42
+    closure = symkin.model.closure.build_closure(true)
+    truth = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
+    for p in report.fit.parameters:
+        assert abs(p.value - truth[p.name]) < 5 * p.sigma, p.name
+
+
+@pytest.mark.parametrize(
+    ("slip", "word"),
+    [
+        (lambda q: q * 1e-3, "too small"),
+        (lambda q: q * 1e3, "too large"),
+        (lambda q: q[:, [0, 4, 2, 3, 1, 5]], "leg2 and leg5 look exchanged"),
+    ],
+)
+def test_slips_are_suspected(measured, slip, word):
+    """Units wrong by 1000 and exchanged columns are named; right readings are not suspected."""
+    grouped = replace(
+        measured,
+        inclination=None,
+        position=None,
+        orientation=None,
+        inclination_sigma=None,
+        position_sigma=None,
+        orientation_sigma=None,
+    )
+    assert suspicions(NOMINAL, grouped) == ()
+    assert word in suspicions(NOMINAL, replace(grouped, joints=slip(grouped.joints)))[0]
+
+
+def test_patterns_name_parameters():
+    """Patterns match names of parameters; `all` is the closure's; what matches nothing is refused with examples."""
+    assert len(matching(NOMINAL, "all")) == 42
+    assert matching(NOMINAL, "leg2.base.*, leg1.offset") == ("leg1.offset", "leg2.base.x", "leg2.base.y", "leg2.base.z")
+    assert len(matching(NOMINAL, "all,leg*.scale")) == 48
+    with pytest.raises(InputError, match=r"leg\*\.bse.*leg1\.base\.x"):
+        matching(NOMINAL, "leg*.bse")

@@ -1,0 +1,173 @@
+"""Identifiability: the known ranks, null spaces named in parameter terms, and advice that cures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symkin
+from inclinometer import (
+    BASE_LIMBS,
+    PLATFORM_LIMBS,
+    geometry,
+    groups_of_postures,
+    measured,
+    random_geometry,
+)
+from samples import five_bar
+from symkin import InputError
+from symkin.calibration.direct import solve_postures
+from symkin.calibration.estimator import evaluate
+from symkin.calibration.gauge import joint_frames
+from symkin.calibration.identifiability import identifiability
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.model import nominal_parameters
+from symkin.calibration.motions import named_motions
+from symkin.calibration.problem import build_calibration, default_parameters
+from symkin.model.closure import build_closure
+from symkin.position.problem import build_problem
+
+NOMINAL = symkin.load("ren2008")
+HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
+TEN = {
+    *(f"base frame translation {k}" for k in "xyz"), "base frame yaw (about z)",
+    *(f"platform frame translation {k}" for k in "xyz"), *(f"platform frame rotation about {k}" for k in "xyz"),
+}  # fmt: skip
+
+
+def grouped(rng, **options) -> Measurements:
+    joints, groups = groups_of_postures(geometry(NOMINAL), rng, **options)
+    return Measurements(joints, groups=groups, group_sigma=1e-5)
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.005])
+def test_inclinations_leave_exactly_the_frames(spread):
+    """42 parameters have rank 32; what is left is the platform frame (6), base translation (3) and yaw (1), at exact data and
+    where the nominal geometry does not fit them."""
+    rng = np.random.default_rng(1)
+    truth = random_geometry(geometry(NOMINAL), (), spread, rng) if spread else geometry(NOMINAL)
+    found = identifiability(NOMINAL, measured(truth, rng))
+    assert found.rank == 32
+    assert set(found.unobservable) == TEN
+    assert len(found.unobservable) == 10
+    assert found.is_clear
+
+
+def test_joint_frames_hold_what_is_free():
+    """With the paper's ten entries held, all 32 parameters are told."""
+    found = identifiability(NOMINAL, grouped(np.random.default_rng(2)), fixed=HELD)
+    assert (found.rank, found.unobservable, found.advice) == (32, (), ())
+
+
+def test_one_level_group():
+    """One level group has rank 27 of 32, and the advice is other inclinations."""
+    joints, _ = groups_of_postures(geometry(NOMINAL), np.random.default_rng(3), 10, 4, tilt=0.0)
+    data = Measurements(joints, groups=np.zeros(40, dtype=int), group_sigma=1e-5)
+    found = identifiability(NOMINAL, data, fixed=HELD)
+    assert found.rank == 27
+    assert len(found.unobservable) == 5
+    assert any("other inclinations" in text for text in found.advice)
+    for leg in (3, 4, 5):
+        assert any(f"leg{leg}.platform.z" in text and f"leg{leg}.base.z" in text for text in found.unobservable)
+
+
+def test_no_yaw():
+    """With gamma always 0 the rank is 30 of 32: roll and pitch of the base frame are lost, and the advice is to vary yaw."""
+    found = identifiability(NOMINAL, grouped(np.random.default_rng(4), yaw=0.0), fixed=HELD)
+    assert found.rank == 30
+    assert set(found.unobservable) == {"base frame roll (about x)", "base frame pitch (about y)"}
+    assert any("vary the yaw" in text for text in found.advice)
+
+
+def test_scale_factors():
+    """Six factors of the rods' readings make 38 parameters of rank 37: the size with all factors is free."""
+    names = [*default_parameters(NOMINAL), *(f"leg{k}.scale" for k in range(1, 7))]
+    data = grouped(np.random.default_rng(5))
+    found = identifiability(NOMINAL, data, parameters=names, fixed=HELD)
+    assert found.rank == 37
+    assert found.unobservable == ("size of the whole mechanism with the factors of all length readings",)
+    assert any("distance" in text for text in found.advice)
+    cured = identifiability(NOMINAL, data, parameters=names, fixed=[*HELD, "leg1.scale"])
+    assert (cured.rank, cured.unobservable) == (37, ())
+
+
+def test_named_directions_span_the_null_space():
+    """The named motions of the frames, as vectors, and the null space are the same space."""
+    data = grouped(np.random.default_rng(6))
+    found = identifiability(NOMINAL, data)
+    problem = build_calibration(NOMINAL, data)
+    named = np.array([v for name, v in named_motions(problem.model, problem.model.nominal) if name in TEN]).T
+    overlap = np.linalg.svd(np.linalg.qr(named)[0].T @ found.null_space, compute_uv=False)
+    np.testing.assert_allclose(overlap, 1.0, atol=1e-6)
+
+
+def test_parallel_axes_of_an_arm():
+    """Three parallel axes in a row: only the sum of their offsets d is told, so that two differences are not."""
+    arm = symkin.load("gluon_6l3")
+    forward = build_problem(arm, "direct").forward
+    joints = np.random.default_rng(7).uniform(-2, 2, (30, 6))
+    poses = np.array([forward(q) for q in joints])
+    found = identifiability(
+        arm, Measurements(joints, position=poses[:, :3], orientation=poses[:, 3:], position_sigma=0.01, orientation_sigma=1e-4)
+    )
+    assert found.rank == 22
+    assert len(found.unobservable) == 2
+    mentioned = {name for text in found.unobservable for name in text.replace("- ", "").split()}
+    assert mentioned == {"dh.2.d", "dh.3.d", "dh.4.d"}
+
+
+def test_measuring_frames_are_named_with_what_they_mix():
+    """A world frame beside full freedom of a platform's base: six combinations, each naming both."""
+    rng = np.random.default_rng(8)
+    joints, _ = groups_of_postures(geometry(NOMINAL), rng)
+    poses = [symkin.solve(NOMINAL, joints=q).solution for q in joints]
+    data = Measurements(
+        joints, position=np.array([s.position for s in poses]), orientation=np.array([s.quaternion for s in poses]),
+        position_sigma=1e-5, orientation_sigma=1e-5,
+    )  # fmt: skip
+    world = [f"world.{what}.{k}" for what in ("position", "rotation") for k in "xyz"]
+    found = identifiability(NOMINAL, data, parameters=[*default_parameters(NOMINAL), *world])
+    assert found.rank == 42
+    assert sorted(found.unobservable) == sorted(f"world frame {w[6:].replace('.', ' ')} with the base frame" for w in world)
+
+
+def test_local_freedoms_of_joints():
+    """How a joint is written down is never told: its point along the axis, the length of the axis."""
+    bar = five_bar()
+    names = [n for n in build_closure(bar).parameter_names if n.startswith("left.q1")]
+    joints = np.pi / 2 + np.random.default_rng(9).uniform(-0.5, 0.5, (20, 2))
+    data = Measurements(joints, position=np.zeros((20, 3)), position_sigma=1e-3)
+    found = identifiability(bar, data, parameters=names)
+    assert {"point of left.q1 along its axis", "length of the vector left.q1.axis"} <= set(found.unobservable)
+
+
+def test_null_space_changes_nothing():
+    """Moving along a null direction changes the residuals by the square of the step only."""
+    data = grouped(np.random.default_rng(10))
+    found, problem = identifiability(NOMINAL, data), build_calibration(NOMINAL, data)
+    model = problem.model
+    z = solve_postures(model, data, model.nominal).z
+    before = evaluate(problem, model.nominal, z, "means").fit.vector
+    direction = model.scales * (found.null_space @ np.random.default_rng(11).normal(size=10))
+    changes = []
+    for step in (1e-3, 1e-4):
+        p = model.nominal + step * direction
+        changes.append(np.linalg.norm(evaluate(problem, p, solve_postures(model, data, p, z=z).z, "means").fit.vector - before))
+    assert changes[1] < 0.02 * changes[0]
+
+
+def test_joint_frames_refuse_what_is_not_zero():
+    """Frames in joints need the entries that they hold to be zero already."""
+    with pytest.raises(InputError, match=r"leg3\.platform\.x"):
+        joint_frames(NOMINAL, ("leg3", "leg2", "leg6"), BASE_LIMBS)
+    with pytest.raises(InputError, match="leg9"):
+        joint_frames(NOMINAL, ("leg9", "leg2", "leg6"), BASE_LIMBS)
+
+
+def test_every_parameter_has_a_kind():
+    """Angles and directions are scaled by the size, lengths are not."""
+    kinds = {n: kind for n, (_, kind) in nominal_parameters(symkin.load("zhao2000")).items()}
+    assert kinds["trt1.theta1.zero"] == "angle"
+    assert kinds["trt1.radial1.zero"] == "length"
+    assert kinds["trt1.theta1.axis.x"] == "number"
+    assert kinds["op.base.x"] == "length"
