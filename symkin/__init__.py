@@ -5,6 +5,9 @@ platform = symkin.load("platform.toml")
 print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from symkin._version import __version__
 from symkin.enumeration.modes import modes
 from symkin.errors import InputError, MechanismError, SolveError, SymkinError
@@ -18,6 +21,14 @@ from symkin.position.newton import Newton
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 
+if TYPE_CHECKING:
+    from symkin.calibration.calibrate import calibrate
+    from symkin.calibration.measurements import Measurements
+    from symkin.motion.jacobian import jacobian
+    from symkin.motion.track import track
+    from symkin.singularities.singularity import singularity
+    from symkin.sweeps.run import sweep
+
 __all__ = [
     "DHRow",
     "DHTable",
@@ -26,6 +37,7 @@ __all__ = [
     "Joint",
     "LeastSquares",
     "Limb",
+    "Measurements",
     "Mechanism",
     "MechanismError",
     "Newton",
@@ -35,9 +47,34 @@ __all__ = [
     "SolveError",
     "SymkinError",
     "__version__",
+    "calibrate",
+    "jacobian",
     "load",
     "modes",
     "serial_arm_from_dh",
     "shipped_names",
+    "singularity",
     "solve",
+    "sweep",
+    "track",
 ]
+
+_LATER = {
+    "Measurements": "symkin.calibration.measurements",
+    "calibrate": "symkin.calibration.calibrate",
+    "jacobian": "symkin.motion.jacobian",
+    "singularity": "symkin.singularities.singularity",
+    "sweep": "symkin.sweeps.run",
+    "track": "symkin.motion.track",
+}
+"""Names whose modules are imported at their first use, since most runs do not need them."""
+
+
+def __getattr__(name: str) -> object:
+    if name in _LATER:
+        return getattr(import_module(_LATER[name]), name)
+    raise AttributeError(f"module 'symkin' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(set(globals()) | set(__all__))

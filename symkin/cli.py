@@ -8,9 +8,14 @@ from typing import Annotated
 
 import typer
 
+from symkin.commands.calibrate import calibrate
 from symkin.commands.describe import list_, show
 from symkin.commands.firmware import firmware
+from symkin.commands.jacobian import jacobian
 from symkin.commands.position import modes, solve
+from symkin.commands.singularities import singularities
+from symkin.commands.sweep import sweep
+from symkin.commands.track import track
 from symkin.errors import SymkinError
 
 app = typer.Typer(
@@ -43,7 +48,12 @@ app.command(name="list")(list_)
 app.command()(show)
 app.command()(modes)
 app.command()(solve)
+app.command()(singularities)
 app.command()(firmware)
+app.command()(jacobian)
+app.add_typer(calibrate, name="calibrate")
+app.command()(sweep)
+app.command()(track)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -1,0 +1,84 @@
+"""`symkin track`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from symkin.commands.options import (
+    JsonOption,
+    MechArgument,
+    StartOption,
+    numbers_from,
+    print_result,
+    progress_bar,
+    whole_number,
+)
+from symkin.errors import InputError
+
+
+def track(
+    mech: MechArgument,
+    begin: Annotated[
+        str | None, typer.Option("--from", metavar="V1,V2,...", help="All actuated joints at the beginning.")
+    ] = None,
+    end: Annotated[str | None, typer.Option("--to", metavar="V1,V2,...", help="All actuated joints at the end.")] = None,
+    poses: Annotated[bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.")] = False,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.")
+    ] = None,
+    start: StartOption = None,
+    samples: Annotated[
+        int | None, typer.Option(metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.")
+    ] = None,
+    ignore_limits: Annotated[bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", metavar="FILE.csv", help="Write the configurations into a file.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Follow one mode along a path of joints or poses, with a proof, up to the first singularity or limit."""
+    from symkin.model.file import load
+    from symkin.motion.track import track as follow_mode
+    from symkin.motion.track_csv import read_trajectory, write_track
+
+    mechanism = load(mech)
+    _check_files(output, plot)
+    if csv is not None:
+        if begin is not None or end is not None:
+            raise InputError("both --csv and --from or --to are given; give one of them")
+        path = read_trajectory(mechanism, csv, poses=poses)
+    else:
+        path = _straight(begin, end, poses)
+        samples = 101 if samples is None else samples
+    with progress_bar("samples") as progress:
+        found = follow_mode(
+            mechanism, **path, start=numbers_from(start, "start"), samples=samples, limits=not ignore_limits, progress=progress
+        )
+    if output is not None:
+        write_track(found, output)
+    if plot is not None and found.samples:
+        from symkin.view.track_plot import draw_track
+
+        draw_track(found, plot)
+    files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", plot)) if name is not None)
+    print_result(as_json, found.to_json, lambda: str(found) + files)
+    raise typer.Exit(0 if found.reached else 3)
+
+
+def _straight(begin: str | None, end: str | None, poses: bool) -> dict[str, Any]:
+    if begin is None or end is None:
+        missing = "--from" if begin is None else "--to"
+        raise InputError(f"{missing} is missing; a path is --from and --to, or --csv FILE")
+    return {"poses" if poses else "joints": [numbers_from(begin, "from"), numbers_from(end, "to")]}
+
+
+def _check_files(output: Path | None, plot: Path | None) -> None:
+    """Refuse files that cannot be written before a long computation."""
+    if output is not None and (output.is_dir() or not output.resolve().parent.is_dir()):
+        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
+    if plot is not None:
+        from symkin.view.plot import check_picture_path
+
+        check_picture_path(plot)

@@ -1,0 +1,214 @@
+"""What a track is: its samples, why it ended, and on what ground it is one mode."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from symkin.motion.follow import Limit
+from symkin.motion.meeting_modes import Meeting
+from symkin.motion.path_system import PathSystem
+from symkin.motion.trajectory import Trajectory
+from symkin.position.problem import Problem
+from symkin.position.solution import Solution, make_solution
+from symkin.spatial.pose import Pose
+
+_LAST_STEP = ", and a last one in which it shows one regular curve up to the turning point"
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """One configuration of the path. `values` are all variables of the closure, angles and quaternions continuing those
+    before; `parameter` runs from 0 to 1; `smallest` is the smallest singular value of the unknowns' Jacobian (angles times the
+    size), zero at a singularity; `radius` (length unit) is proved to hold the one exact solution, None where it is not."""
+
+    problem: Problem
+    parameter: float
+    time: float | None
+    values: np.ndarray
+    pose: Pose
+    residual: float
+    condition: float
+    smallest: float
+    radius: float | None
+
+    @cached_property
+    def joints(self) -> dict[str, Any]:
+        """Joint coordinates in the mechanism's units, passive ones included."""
+        mechanism, closure = self.problem.mechanism, self.problem.closure
+        out: dict[str, Any] = {}
+        for c in closure.role("actuated", "passive"):
+            part = self.values[closure.slices[c.name]]
+            scalar = mechanism.angle_out(float(part[0])) if c.is_angular else float(part[0])
+            out[c.name] = scalar if c.width == 1 else [float(v) for v in part]
+        return out
+
+    @property
+    def solution(self) -> Solution:
+        """The same configuration as `solve` gives it: angles within half a turn, no certificate."""
+        return make_solution(self.problem, self.values)
+
+    @property
+    def actuated(self) -> list[float]:
+        """Actuated joint values in file order and the mechanism's units."""
+        return [self.joints[c.name] for c in self.problem.mechanism.actuated]
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "parameter": self.parameter,
+            "time": self.time,
+            "pose": {
+                "position": np.asarray(self.pose.position).tolist(),
+                "quaternion": np.asarray(self.pose.quaternion).tolist(),
+                "matrix": np.asarray(self.pose.rotation).tolist(),
+            },
+            "joints": self.joints,
+            "residual": self.residual,
+            "condition": self.condition if math.isfinite(self.condition) else None,
+            "smallest_singular_value": self.smallest,
+            "radius": self.radius,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Stop:
+    """Where and why a track ended before the path. `kind`: turning point, bifurcation, degenerate, limit, open loops,
+    unproved, singular start, no start. `error` bounds the place on its interval (share of it) where that is proved."""
+
+    kind: str
+    row: int
+    u: float
+    place: Sample | None
+    text: str
+    type: str | None = None
+    meeting: Meeting | None = None
+    error: float | None = None
+    limit: Limit | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind,
+            "type": self.type,
+            "row": self.row + 1,
+            "share": self.u,
+            "place": None if self.place is None else self.place.to_json(),
+            "error": self.error,
+            "limit": None if self.limit is None else self.limit.name,
+            "meeting": None if self.meeting is None else self.meeting.to_json(),
+            "text": self.text or stop_text(self),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """One mode along a path. `stop` is None where the end was reached. `certified`: ball arithmetic has proved that all samples
+    lie on one branch of solutions, without a singularity up to `followed_to`; a turning point is joined to it by a regular
+    curve, along which the path parameter is seen to grow in double precision only. `followed_to` is the
+    parameter up to which steps lead, `steps` their count, of whose tubes images fill at most `tightest`."""
+
+    trajectory: Trajectory
+    system: PathSystem
+    samples: tuple[Sample, ...]
+    stop: Stop | None
+    certified: bool
+    followed_to: float | None
+    steps: int
+    tightest: float
+    residual: float
+    elapsed_s: float
+
+    @property
+    def problem(self) -> Problem:
+        return self.system.problem
+
+    @property
+    def reached(self) -> bool:
+        return self.stop is None
+
+    @property
+    def end(self) -> Sample:
+        """The last configuration of the track."""
+        return self.samples[-1]
+
+    @property
+    def ground(self) -> str:
+        """On what ground the samples are said to be one mode."""
+        if not self.samples:
+            return "nothing was followed"
+        steps = f"{self.steps} step{'s' if self.steps != 1 else ''}"
+        if self.certified and not self.steps:
+            return "proved: ball arithmetic shows exactly one solution at the start"
+        if self.certified:
+            last = "" if self.stop is None or self.stop.limit is not None else _LAST_STEP
+            return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{last}"
+        if self.system.is_square:
+            return (
+                f"proved up to parameter {self.followed_to:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
+                "solution for every input; beyond, checked in double precision only"
+            )
+        rows, unknowns = self.system.rows.shape[0], self.system.width
+        return (
+            f"checked: rows are redundant ({rows} for {unknowns} unknowns); in each of {steps} ball arithmetic shows at most one "
+            f"solution for every input (margin {1 - self.tightest:.2g}), and the residual, at most {self.residual:.1e} "
+            f"{self.trajectory.mechanism.length_unit}, that there is one"
+        )
+
+    @property
+    def statement(self) -> str:
+        if self.stop is None:
+            return "reached the end of the path on one mode"
+        return f"stopped: {self.stop.text or stop_text(self.stop)}"
+
+    def to_json(self) -> dict[str, Any]:
+        trajectory = self.trajectory
+        return {
+            "mechanism": trajectory.mechanism.name,
+            "problem": trajectory.kind,
+            "given": {"from": list(trajectory.given[0]), "to": list(trajectory.given[1]), "rows": len(trajectory)},
+            "length_unit": trajectory.mechanism.length_unit,
+            "angle_unit": trajectory.mechanism.angle_unit,
+            "reached": self.reached,
+            "statement": self.statement,
+            "stop": None if self.stop is None else self.stop.to_json(),
+            "certified": self.certified,
+            "ground": self.ground,
+            "followed_to": self.followed_to,
+            "steps": self.steps,
+            "samples": [sample.to_json() for sample in self.samples],
+            "elapsed_s": self.elapsed_s,
+            "notes": list(trajectory.notes),
+        }
+
+    def __str__(self) -> str:
+        from symkin.view.track_text import track_text
+
+        return track_text(self)
+
+
+def stop_text(stop: Stop) -> str:
+    """A singular stop in words."""
+    place = "" if stop.place is None else f" at {stop.place.parameter:.12g} of the path"
+    named = f"{stop.kind} ({stop.type})" if stop.type else stop.kind
+    match stop.kind:
+        case "turning point":
+            text = f"{named}{place}: the mode ends there"
+        case "bifurcation":
+            text = f"{named}{place}: branches meet there, and which one goes on is not defined"
+        case _:
+            text = f"{named}{place}: the Jacobian loses rank and the branch is flat there"
+    if stop.meeting is None:
+        return text
+    return f"{text}; {_meeting_text(stop.meeting)}"
+
+
+def _meeting_text(meeting: Meeting) -> str:
+    own = "the mode followed" if meeting.own is None else f"mode {meeting.own}"
+    listed = f"of the {meeting.count} that `modes` lists at {meeting.parameter:.9g} of the path ({meeting.completeness})"
+    if not meeting.others:
+        return f"{own} {listed} was followed, and no other one is listed near it"
+    others = " and ".join(str(k) for k in meeting.others)
+    return f"{own} {listed} meets mode{'s' if len(meeting.others) > 1 else ''} {others}"

@@ -1,0 +1,203 @@
+"""`symkin track`: its JSON, its files, its exit status, and that every mistake is one line that leaves files alone."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from test_cli import run, run_json
+
+import symkin
+from laws import closes
+from symkin.csv_table import read_table
+from symkin.motion.track import track
+from symkin.motion.track_csv import read_trajectory, write_track
+
+EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
+NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"
+BEYOND = "204.6,425.0,206.3,292.6,409.6,419.4"
+KEYS = {
+    "mechanism", "problem", "given", "length_unit", "angle_unit", "reached", "statement", "stop", "certified", "ground",
+    "followed_to", "steps", "samples", "elapsed_s", "notes",
+}  # fmt: skip
+
+
+def test_reached_path_has_all_its_samples(capsys):
+    """Status 0; the first and the last sample have the given joint values, each is proved within its radius."""
+    status, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "5")
+    assert (status, set(found), len(found["samples"])) == (0, KEYS, 5)
+    assert found["reached"]
+    assert found["certified"]
+    assert list(found["samples"][0]["joints"].values()) == [float(v) for v in EXAMPLE.split(",")]
+    assert list(found["samples"][-1]["joints"].values()) == pytest.approx([float(v) for v in NEAR.split(",")])
+    assert all(0 < sample["radius"] < 1e-9 for sample in found["samples"])
+
+
+def test_stopped_path_has_status_3_and_says_where(capsys):
+    """A fold on the way: status 3, the JSON is written, the last sample is the place, the modes that meet are numbered."""
+    status, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", BEYOND, "--samples", "3")
+    assert status == 3
+    assert not found["reached"]
+    assert found["stop"]["kind"] == "turning point"
+    assert found["stop"]["place"] == found["samples"][-1]
+    meeting = found["stop"]["meeting"]
+    listed = symkin.modes(symkin.load("zhang2009"), **meeting["given"])
+    assert len(listed) == meeting["modes"]
+    own, other = (listed[k - 1] for k in (meeting["own"], meeting["others"][0]))
+    place = found["samples"][-1]["pose"]["position"]
+    furthest = max(math.dist(mode.position, place) for mode in listed)
+    assert max(math.dist(own.position, place), math.dist(other.position, place)) < 0.05 * furthest
+
+
+def test_start_chooses_the_mode(capsys):
+    """Two starts, two modes: mirror images in the base's plane."""
+    ends = []
+    for z in ("100", "-100"):
+        start = f"0,0,{z},1,0,0,0"
+        _, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--start", start)
+        ends.append(found["samples"][-1]["pose"]["position"])
+    assert ends[0] == pytest.approx([ends[1][0], ends[1][1], -ends[1][2]])
+
+
+def test_poses_make_the_inverse_problem(capsys):
+    """With --poses the end is a pose, and its joints close the loops there."""
+    poses = ("0,0,100,1,0,0,0", "20,10,120,0.98,0.1,0.1,0.1")
+    status, found = run_json(capsys, "track", "zhang2009", "--poses", "--from", poses[0], "--to", poses[1], "--samples", "4")
+    assert (status, found["problem"], len(found["samples"])) == (0, "inverse", 4)
+    assert found["samples"][-1]["pose"]["position"] == pytest.approx([20, 10, 120])
+    assert found["samples"][-1]["residual"] < 1e-9
+
+
+def test_written_track_can_be_read_again(tmp_path, capsys):
+    """-o writes the rows that --csv reads; joints and poses of the second track are those of the first, times are kept."""
+    times = "\n".join(f"{k * 250},{144.6 + k},347,110.3,178.6,277.6,269.4" for k in range(4))
+    source, one, two = tmp_path / "in.csv", tmp_path / "one.csv", tmp_path / "two.csv"
+    legs = ",".join(f"leg{k}[mm]" for k in range(1, 7))
+    source.write_text(f"# a trajectory\nt[ms],{legs}\n{times}\n")
+    assert run(capsys, "track", "zhang2009", "--csv", str(source), "-o", str(one))[0] == 0
+    assert run(capsys, "track", "zhang2009", "--csv", str(one), "--poses", "-o", str(two))[0] == 0
+    first, second = read_table(one), read_table(two)
+    assert first.numbers("t", "time", "s") == second.numbers("t", "time", "s") == [0.0, 0.25, 0.5, 0.75]
+    for name in [f"leg{k}" for k in range(1, 7)]:
+        assert first.numbers(name, "length", "mm") == pytest.approx(second.numbers(name, "length", "mm"), abs=1e-9)
+
+
+def test_passive_joints_of_every_kind_are_written(tmp_path):
+    """A closure with quaternions and angles: each written row, read back, is the sample."""
+    mechanism = symkin.load("zhao2000_links")
+    q = symkin.solve(mechanism).solution.actuated
+    found = track(mechanism, joints=[q, [q[0] + 1, *q[1:]]])
+    assert all(closes(mechanism, sample.solution) for sample in found.samples)
+    write_track(found, tmp_path / "t.csv")
+    table = read_table(tmp_path / "t.csv")
+    unit = {"deg": "angle", "mm": "length"}
+    for name, value in found.end.joints.items():
+        if isinstance(value, list):
+            assert [table.numbers(f"{name}.{part}")[-1] for part in ("qw", "qx", "qy", "qz")] == value
+        else:
+            column = table.columns[name]
+            assert table.numbers(name, unit[column.unit], column.unit)[-1] == value
+    again = read_trajectory(mechanism, tmp_path / "t.csv")
+    assert again["joints"] == [sample.actuated for sample in found.samples]
+
+
+def test_repeated_rows_stand_still(tmp_path, capsys):
+    """Rows that repeat give samples that repeat."""
+    legs = ",".join(f"leg{k}[mm]" for k in range(1, 7))
+    (tmp_path / "in.csv").write_text(f"{legs}\n{EXAMPLE}\n{EXAMPLE}\n{NEAR}\n{NEAR}\n")
+    status, found = run_json(capsys, "track", "zhang2009", "--csv", str(tmp_path / "in.csv"))
+    poses = [sample["pose"] for sample in found["samples"]]
+    assert status == 0
+    assert (poses[0], poses[2]) == (poses[1], poses[3])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--from", "1,2", "--to", "3,4"], "sample 1: 2 values given"),
+        (["--from", EXAMPLE], "--to is missing"),
+        (["--to", EXAMPLE], "--from is missing"),
+        (["--from", EXAMPLE, "--to", EXAMPLE.replace("347.0", "nan")], "sample 2: value 2"),
+        (["--from", EXAMPLE, "--to", EXAMPLE.replace("347.0", "-3")], "leg2 = -3"),
+        (["--from", EXAMPLE, "--to", EXAMPLE, "--poses"], "6 values given, 7"),
+        (["--from", EXAMPLE, "--to", NEAR, "--samples", "1"], "samples = 1"),
+        (["--from", EXAMPLE, "--to", NEAR, "--start", "1,2"], "start: 2 values"),
+        (["--from", EXAMPLE, "--to", NEAR, "--plot", "nowhere.xyz"], "nowhere.xyz"),
+        (["--csv", "missing.csv", "--from", EXAMPLE], "give one of them"),
+        (["--csv", "missing.csv"], "cannot be read"),
+        (["--from", EXAMPLE, "--to", NEAR, "-o", "/no/such/folder/t.csv"], "folder"),
+    ],
+)
+def test_mistakes_are_one_line(capsys, arguments, words):
+    """Status 2 and one line that names what is wrong."""
+    status, out, err = run(capsys, "track", "zhang2009", *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert words in err
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("leg1[mm],leg2\n1,2\n", "leg2' needs a unit"),
+        ("leg1[mm],foo[mm]\n1,2\n", "'foo' is unknown"),
+        ("leg1[mm],leg2[mm]\n1,2\n", "'leg3' is missing"),
+        ("leg1[mm],leg2[deg]\n1,2\n", "leg2[deg]"),
+        ("x[mm],y[mm],z[mm],qw,qx,qy\n1,2,3,1,0,0\n", "'qz' is missing"),
+        (",".join(f"leg{k}[mm]" for k in range(1, 7)) + "\n", "no rows"),
+        (",".join(f"leg{k}[mm]" for k in range(1, 7)) + "\n1,2,3,4,5,nan\n", "line 2"),
+    ],
+)
+def test_wrong_tables_leave_the_output_alone(tmp_path, capsys, text, words):
+    """A table that does not fit is refused in one line, and the file named by -o stays as it is."""
+    source, output = tmp_path / "in.csv", tmp_path / "out.csv"
+    source.write_text(text)
+    output.write_text("kept")
+    status, _, err = run(capsys, "track", "zhang2009", "--csv", str(source), "-o", str(output))
+    assert (status, err.count("\n"), output.read_text()) == (2, 1, "kept")
+    assert words in err
+
+
+def test_no_start_has_status_3(capsys):
+    """Inputs that no pose takes: status 3, no samples, and the reason."""
+    status, found = run_json(capsys, "track", "zhang2009", "--from", "1,1,1,1,1,1", "--to", "2,2,2,2,2,2")
+    assert (status, found["samples"], found["stop"]["kind"]) == (3, [], "no start")
+
+
+@pytest.mark.parametrize("problem", ["direct", "inverse"])
+def test_picture_is_written(tmp_path, problem):
+    """The picture of a track has a panel for each quantity and one for the smallest singular value; a stop is marked in all."""
+    from symkin.view.track_plot import draw_track, figure_of_track
+
+    mechanism = symkin.load("zhang2009")
+    if problem == "direct":
+        rows = [[float(v) for v in text.split(",")] for text in (EXAMPLE, BEYOND)]
+        found = track(mechanism, joints=rows, samples=5, name_modes=False)
+    else:
+        found = track(mechanism, poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
+    figure = figure_of_track(found)
+    marks = [sum(line.get_linestyle() == "--" for line in ax.get_lines()) for ax in figure.axes]
+    assert marks == [int(not found.reached)] * (3 if problem == "direct" else 2)
+    draw_track(found, tmp_path / "t.png")
+    assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_text_is_a_short_table(capsys):
+    """At most eleven rows, then the statement and its ground."""
+    status, out, _ = run(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "40")
+    lines = out.splitlines()
+    assert (status, len(lines)) == (0, 2 + 11 + 2)
+    assert lines[-2].startswith("reached")
+    assert json.dumps(lines[-1]).startswith('"ground: proved')
+
+
+def test_limits_may_be_ignored(tmp_path, capsys):
+    """--ignore-limits goes on where a limit would stop."""
+    text = symkin.load("zhang2009").to_toml().replace('name = "leg1"', 'name = "leg1"\nlimits = [100.0, 150.0]', 1)
+    path = Path(tmp_path) / "limited.toml"
+    path.write_text(text)
+    stopped = run_json(capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2")
+    assert (stopped[0], stopped[1]["stop"]["limit"]) == (3, "leg1")
+    assert stopped[1]["samples"][-1]["joints"]["leg1"] == pytest.approx(150.0, abs=1e-6)
+    assert run_json(capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--ignore-limits")[0] == 0
