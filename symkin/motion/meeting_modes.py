@@ -14,7 +14,8 @@ from symkin.model.joint import Coordinate
 from symkin.motion.path_system import PathSystem, coefficients
 from symkin.motion.trajectory import Trajectory
 from symkin.motion.turning_point import SingularPoint
-from symkin.position.solution import Completeness, Modes
+from symkin.position.problem import build_problem
+from symkin.position.solution import Completeness, Modes, pose_of
 from symkin.spatial.pose import Pose
 
 _BEFORE = 1e-4
@@ -85,16 +86,8 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
 
 def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     """The pose that the known coordinates of an inverse problem make."""
-    from symkin.position.problem import build_problem
-    from symkin.position.solution import pose_of
-
     problem = build_problem(trajectory.mechanism, "inverse")
     return pose_of(problem.closure, problem.assemble(problem.take(problem.closure.reference, problem.system.unknowns), known))
-
-
-def mode_number(system: PathSystem, found: Modes, z: np.ndarray) -> int | None:
-    """The number (from 1) of the mode with the scaled unknowns z, None where the list lacks it."""
-    return _number(system, found, z)
 
 
 def _number(system: PathSystem, found: Modes, z: np.ndarray) -> int | None:
