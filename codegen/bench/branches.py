@@ -1,7 +1,9 @@
 """Does NAME_OK mean the branch? Random goals about home, started from home, against a fine continuation.
 
 For each goal the joints are followed along the straight line from home in many small steps; a line is regular where det J
-keeps its sign and steps of 1/25600 of it converge; what is OK on others must be right as well. The generated C is then asked for the same joint values with home as the guess.
+keeps its sign and steps of 1/25600 of it converge; what is OK on others must be right as well. The generated C is then
+asked for the same joint values with home as the guess. Its answer is on the same pose when it differs by no more than
+rounding makes of the rows: 16 units in the last place times the condition there, and 2e-7 of the size.
 
     python codegen/bench/branches.py [NAME ...] [--count 5000] [--real double] [--seed 0] [--write]
 
@@ -23,6 +25,7 @@ from continuation import Walker
 from readme import written
 
 from cases import HOME
+from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
 from symkin.firmware.program import Kind, build_program
@@ -108,9 +111,9 @@ def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | Non
     ok = status == 0
     z, shortest = Walker(problem).reached(start, begin, goals)
     right = np.zeros(count, dtype=bool)
-    near = 2e-5 if options.real == "float" else 2e-7
     for k in np.flatnonzero(ok & (shortest > 0.0)):
         reached = pose_of(problem.closure, problem.assemble(z[k], goals[k]))
+        near = 2e-7 + 16 * Real(options.real).epsilon * problem.system.condition(z[k], goals[k])
         right[k] = _distance(poses[k], reached, mechanism.size) < near * mechanism.size
     within = (shortest >= REGULAR) & (status != 4)
     return Found(
