@@ -1,6 +1,6 @@
 """Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy.
 
-    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|outliers|time]
+    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|time]
 
 Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not. Time is processor time of the
 whole fit from nominal, direct problems included, building left out, against scipy's least_squares(method="lm") with finite
@@ -35,10 +35,11 @@ from symkin.calibration.calibrate import calibrate
 from symkin.calibration.direct import ROUGH, solve_postures
 from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.gauge import joint_frames
+from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outliers import screen
 from symkin.calibration.problem import CalibrationProblem, build_calibration
-from symkin.calibration.statistics import covariance, linear_model
+from symkin.calibration.statistics import covariance
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -113,6 +114,25 @@ def report_noise(lines: Lines, seed: int, trials: int) -> None:
         worse > 1.15,
     )
     lines.add("median variance of a parameter, differences over means", f"{np.mean(variances):.3f}", "about 1.31")
+
+
+def report_designs(lines: Lines, seed: int) -> None:
+    """Neighbour differences over group means, by the covariances at the truth, means over designs: in the metric of the Cramer-Rao
+    bound (chi^2 / 32), and by the trace over the 32 parameters."""
+    truth = geometry(TRUE)
+    for groups, each in ((10, 4), (15, 4), (20, 4), (8, 5)):
+        found = []
+        for k in range(20):
+            data = measured(truth, np.random.default_rng([seed, 3, k]), groups, each=each)
+            best = build_calibration(TRUE, data, fixed=HELD, residual="maximum likelihood")
+            state = fit(replace(best, form="means")).state
+            bound, means, worse = (
+                covariance(replace(best, form=f), state) for f in ("maximum likelihood", "means", "differences")
+            )
+            found.append([np.trace(np.linalg.solve(bound, worse)) / len(worse), np.trace(worse) / np.trace(means)])
+        metric, trace = np.mean(found, axis=0)
+        text = f"{groups} groups of {each}: neighbour differences over group means, chi^2 / 32 and trace"
+        lines.add(text, f"{metric:.3f}, {trace:.3f}", "about 1.31")
 
 
 # --- outliers ------------------------------------------------------------------------------------------------------
@@ -269,13 +289,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--part", choices=["exact", "noise", "outliers", "time"])
+    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "time"])
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.trials} trials")
     lines = Lines()
     parts: dict[str, Callable[[], None]] = {
         "exact": lambda: report_exact(lines, options.seed),
         "noise": lambda: report_noise(lines, options.seed, options.trials),
+        "designs": lambda: report_designs(lines, options.seed),
         "outliers": lambda: report_outliers(lines, options.seed, options.trials),
         "time": lambda: report_time(lines, options.seed),
     }

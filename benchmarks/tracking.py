@@ -4,7 +4,8 @@
 
 Each path starts at a random regular pose and goes along a random smooth curve in joint space (two Fourier terms a joint),
 through `--samples` points. At both ends the complete enumeration must contain the followed mode, and an independent continuation,
-Newton at a fixed step of a twentieth of each interval, judged by nothing but closeness, must end at the same one. The line at the
+Newton at a fixed step of a twentieth of each interval (of a thousandth where that fails beside a fold), judged by nothing but
+closeness, must end at the same one. The line at the
 end counts the paths: those that reached the end or stopped at a singularity, those certified, and what is wrong (see FAULTS).
 """
 
@@ -30,8 +31,8 @@ FAULTS = ("lost", "astray", "unnoticed", "false stop")
 another mode; a stop at a configuration that is not singular."""
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are one."""
-_FINE = 20
-"""Steps of the independent continuation between two samples."""
+_FINE = (20, 1000)
+"""Steps of the independent continuation between two samples; the second number where it leaves the branch with the first."""
 
 
 def main() -> None:
@@ -126,10 +127,15 @@ def smooth_path(start: np.ndarray, samples: int, amplitude: float, rng: np.rando
 
 def fine(problem: Problem, start: Solution, path: np.ndarray) -> Solution | None:
     """The end of an independent continuation, None where it leaves the branch."""
+    return next((end for steps in _FINE if (end := newton(problem, start, path, steps)) is not None), None)
+
+
+def newton(problem: Problem, start: Solution, path: np.ndarray, steps: int) -> Solution | None:
+    """The same with a number of steps between two samples."""
     system = problem.system
     z = np.concatenate([np.atleast_1d(start.values[c.name]) for c in system.unknowns])
     for a, b in pairwise(path):
-        for share in np.linspace(0.0, 1.0, _FINE + 1)[1:]:
+        for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
             known = a + share * (b - a)
             before = z
             z = system.polish(z, known, steps=6)

@@ -81,10 +81,13 @@ def closure() -> ca.SX:
     return ca.vertcat(*rows)
 
 
-SCALE = ca.DM([1.0, 1.0, 1.0 / PLATFORM_RADIUS])
+UNITS = np.array([1.0, 1.0, 1.0 / PLATFORM_RADIUS])
+SCALE = ca.DM(UNITS)
 """Turns are measured at the platform's circle, so that v has one unit."""
 F = closure()
 A = ca.jacobian(F, X) @ ca.diag(SCALE)
+CONVERGED = 1e-10 * PLATFORM_RADIUS
+"""Newton's steps converge quadratically: after one below this the next would be rounding."""
 SECOND = ca.jacobian(A @ V, X) @ ca.diag(SCALE) @ V
 """d2F(v, v)."""
 EVALUATE = ca.Function("F_A", [X, Q], [F, A])
@@ -93,8 +96,11 @@ EVALUATE = ca.Function("F_A", [X, Q], [F, A])
 def newton_pose(pose: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The pose near another one that closes the loops at q."""
     for _ in range(8):
-        f, a = (np.asarray(v) for v in EVALUATE(pose, q))
-        pose = pose - (np.asarray(SCALE).ravel() * np.linalg.solve(a, f.ravel()))
+        f, a = (v.full() for v in EVALUATE(pose, q))
+        step = np.linalg.solve(a, f[:, 0])
+        pose = pose - UNITS * step
+        if np.max(np.abs(step)) < CONVERGED:
+            break
     return pose
 
 

@@ -211,12 +211,12 @@ def report_residuals(report: Report, nominal: symkin.Mechanism, true: symkin.Mec
     by_form = {}
     for form in ("means", "differences"):
         found = fit(nominal, measured, form)
-        by_form[form] = np.array([p.sigma for p in found.parameters if not p.held])
-    report.row(
-        "variance of parameters: neighbour differences over group means, mean",
-        None,
-        float(np.mean((by_form["differences"] / by_form["means"]) ** 2)),
-    )
+        free = [k for k, p in enumerate(found.parameters) if not p.held]
+        by_form[form] = found.covariance[np.ix_(free, free)]
+    means, differences = by_form["means"], by_form["differences"]
+    text = "neighbour differences over group means, 40 postures: chi^2 over the free parameters; trace of the covariances"
+    metric = np.trace(np.linalg.solve(means, differences)) / len(means)
+    report.row(text, None, [float(metric), float(np.trace(differences) / np.trace(means))])
 
 
 def main() -> None:

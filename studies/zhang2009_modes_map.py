@@ -31,15 +31,13 @@ from symkin.view.loci_plot import draw_curves
 SEED = 7
 WINDOW = ((30.0, 400.0), (120.0, 420.0))
 """Leg 1 and leg 2, mm."""
-BISECTED = 6
-"""Grid edges on which the change of the number is bisected."""
 
 
 # --- the slice ---------------------------------------------------------------------------------------------------
 
 
 def number_of_modes(platform: symkin.Mechanism, one: float, two: float) -> int:
-    found = symkin.modes(platform, joints=(one, two, *TABLE_1[2:]))
+    found = symkin.modes(platform, joints=(one, two, *TABLE_1[2:]), starts=50)
     if found.completeness == "incomplete":
         raise SystemExit(f"zhang2009_modes_map: {found.unresolved_paths} unresolved paths at legs {one:g}, {two:g}")
     return len(found)
@@ -102,7 +100,7 @@ def slice_loci(platform: symkin.Mechanism, starts: int) -> Loci:
     return singular_loci(solution, ("leg1", "leg2"), ranges=WINDOW, kinds=("type 2",), starts=starts, seed=SEED)
 
 
-def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: int) -> tuple[Loci, np.ndarray]:
+def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: int, edges: int) -> tuple[Loci, np.ndarray]:
     loci = slice_loci(platform, starts)
     one, two, counts = count_grid(platform, number)
     values, shares = np.unique(counts, return_counts=True)
@@ -124,7 +122,7 @@ def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: 
     report.row(
         "grid edges along leg 1 where change of number / 4 = crossings of the loci, but for pairs", number * (number - 1), agree
     )
-    chosen = changing[:: max(1, len(changing) // BISECTED)][:BISECTED]
+    chosen = changing[:: max(1, len(changing) // edges)][:edges]
     polyline, newton = [], []
     for low, high, row, (place, pose) in chosen:
         change = bisected(platform, low, high, row)
@@ -185,10 +183,13 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
     parser.add_argument("--grid", type=int, default=40, help="points per side of the grid (default: 40)")
     parser.add_argument("--starts", type=int, default=200, help="random starts of the loci (default: 200)")
+    parser.add_argument(
+        "--bisected", type=int, default=6, help="grid edges on which the number's change is bisected (default: 6)"
+    )
     options = parser.parse_args()
     platform = symkin.load("zhang2009")
     report = Report("zhang2009_modes_map", "6-SPS platform: real modes over a slice of leg lengths", SEED)
-    loci, counts = report_map(report, platform, options.grid, options.starts)
+    loci, counts = report_map(report, platform, options.grid, options.starts, options.bisected)
     report_right_angle(report, platform)
     report.finish(draw(platform, loci, counts), options.output)
 

@@ -78,18 +78,20 @@ def pole(pose) -> np.ndarray:
     return np.linalg.lstsq(directions, right, rcond=None)[0]
 
 
-def count(theta, length: float) -> int:
-    """Real poses of the inputs (degrees, mm): two a root of the equation in gamma that the sphere |P| = l_op reaches."""
-    A, B, C = coefficients(theta)
-    if not math.hypot(A, B) > abs(C):
-        return 0
-    roots = math.atan2(A, B) + math.acos(-C / math.hypot(A, B)) * np.array([-1.0, 1.0])
-    normals = np.column_stack([-np.sin(np.radians(theta)), np.cos(np.radians(theta))])
-    total = 0
-    for gamma in roots:
-        turned = math.cos(gamma) * PLATFORM + math.sin(gamma) * PLATFORM @ QUARTER.T
-        right = np.sum(normals * (BASE - turned), axis=1)
-        total += 2 if np.linalg.norm(np.linalg.lstsq(normals, right, rcond=None)[0]) < length else 0
+def counts(theta: np.ndarray, length: float) -> np.ndarray:
+    """Real poses (n,) of inputs theta (n, 3) in degrees and l_op in mm: two a root of the equation in gamma that the sphere
+    |P| = l_op reaches."""
+    n = np.stack([-np.sin(np.radians(theta)), np.cos(np.radians(theta))], axis=2)
+    weights = np.stack([np.linalg.det(n[:, rows]) for rows in ([1, 2], [2, 0], [0, 1])], axis=1)
+    A, B, C = (np.sum(weights * np.sum(n * v, axis=2), axis=1) for v in (PLATFORM @ QUARTER.T, PLATFORM, -BASE))
+    real = np.hypot(A, B) > np.abs(C)
+    spread = np.arccos(np.where(real, -C / np.hypot(A, B), 0.0))
+    total = np.zeros(len(theta), dtype=int)
+    for gamma in (np.arctan2(A, B) - spread, np.arctan2(A, B) + spread):
+        turned = np.cos(gamma)[:, None, None] * PLATFORM + np.sin(gamma)[:, None, None] * (PLATFORM @ QUARTER.T)
+        right = np.sum(n * (BASE - turned), axis=2)
+        place = np.linalg.pinv(n) @ right[:, :, None]
+        total += 2 * (real & (np.linalg.norm(place[:, :, 0], axis=1) < length))
     return total
 
 
@@ -197,22 +199,25 @@ def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: 
     equal = 0
     for one in coarse[0]:
         for two in coarse[1]:
-            modes = symkin.modes(platform, joints=(one, two, *INPUT[2:]))
-            equal += len(modes) == count((one, two, INPUT[2]), INPUT[3])
+            modes = symkin.modes(platform, joints=(one, two, *INPUT[2:]), starts=50)
+            equal += len(modes) == counts(np.array([[one, two, INPUT[2]]]), INPUT[3])[0]
     report.row(f"inputs of the slice where enumeration = closed form ({number} x {number})", number**2, equal)
     fine = [np.linspace(low, high, 241) for low, high in WINDOW]
-    counts = np.array([[count((one, two, INPUT[2]), INPUT[3]) for one in fine[0]] for two in fine[1]])
-    report.row("share of the slice with 0, 2, 4 real poses", None, [100.0 * float(np.mean(counts == k)) for k in (0, 2, 4)], "%")
+    inputs = np.array([(one, two, INPUT[2]) for two in fine[1] for one in fine[0]])
+    number_of_poses = counts(inputs, INPUT[3]).reshape(len(fine[1]), len(fine[0]))
+    shares = [100.0 * float(np.mean(number_of_poses == k)) for k in (0, 2, 4)]
+    report.row("share of the slice with 0, 2, 4 real poses", None, shares, "%")
     report.row("curves of type 2 over the slice, largest closure row over the size", None,
                [len(loci.of("type 2")), max(c.largest_row for c in loci.curves) / platform.size])  # fmt: skip
     report.row(
-        "places along theta_1 where the closed-form number changes, a traced locus within a cell", *_bounded(loci, fine, counts)
+        "places along theta_1 where the closed-form number changes, a traced locus within a cell",
+        *_bounded(loci, fine, number_of_poses),
     )
     curves = [c for c in loci.curves if not c.is_point]
     report.row(
         "smallest factor of det A, over its scale, on these curves: largest", 0.0, max(_smallest_factor(c) for c in curves)
     )
-    return loci, counts
+    return loci, number_of_poses
 
 
 def _bounded(loci: Loci, fine: list[np.ndarray], counts: np.ndarray) -> tuple[int, int]:

@@ -13,6 +13,10 @@ class InputError(SymkinError):
     """Joint values, a pose, a start or an option that does not fit the mechanism."""
 
 
+class TooManyModesError(InputError):
+    """A problem with more modes than can be listed."""
+
+
 class SolveError(SymkinError):
     """A solve that did not reach a solution; `result` holds the status and the last iterate."""
 

@@ -99,11 +99,11 @@ def groups_of_postures(
 
 
 def measured(
-    truth: Geometry, rng: np.random.Generator, groups: int = 10, *, noisy: bool = False, rods: bool = True
+    truth: Geometry, rng: np.random.Generator, groups: int = 10, *, noisy: bool = False, rods: bool = True, each: int = 4
 ) -> Measurements:
-    """10 groups of 4 with the standard deviations of uniform errors (of the nominal widths where there is no noise)."""
+    """Groups (10 of 4) with the standard deviations of uniform errors (of the nominal widths where there is no noise)."""
     errors = (ROD, INCLINOMETER) if noisy else (0.0, 0.0)
-    joints, numbers = groups_of_postures(truth, rng, groups, errors=errors)
+    joints, numbers = groups_of_postures(truth, rng, groups, each, errors=errors)
     return Measurements(
         joints, groups=numbers, group_sigma=INCLINOMETER / np.sqrt(12), joint_sigma=ROD / np.sqrt(12) if rods else None
     )

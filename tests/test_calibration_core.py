@@ -25,7 +25,8 @@ from symkin.calibration.estimator import evaluate
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.mapped import build_mapped
 from symkin.calibration.measurements import Distance, Measurements
-from symkin.calibration.model import build_model, nominal_parameters
+from symkin.calibration.model import build_model
+from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import build_calibration, default_parameters
 from symkin.calibration.residuals import FORMS
 from symkin.model.closure import build_closure

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from latex_reader import evaluated
 
 import jacobian_cases as cases
 import samples
@@ -19,6 +20,8 @@ import symkin
 from symkin import InputError
 from symkin.cli import main
 from symkin.export.jacobian_file import FORMATS, jacobian_text, write_jacobian
+from symkin.export.jacobian_latex import symbol_of
+from symkin.export.latex import distinct
 from symkin.motion.jacobian import jacobian
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
@@ -55,32 +58,64 @@ def _run_c(text, symbolic, inputs, folder):
     return matrix
 
 
+def _run_latex(symbolic, inputs):
+    """The document's equations, read back as arithmetic."""
+    text = jacobian_text(symbolic, "latex")
+    lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in text.splitlines() if " &= " in line]
+    read = (*symbolic.inputs, *symbolic.parameters)
+    symbols = distinct([symbol_of(v) for v in read], [v.name for v in read])
+    matrix, filled = np.zeros(symbolic.shape), [line for line in lines if line[0].startswith("J_{")]
+    defined = [(name, value) for name, value in lines if not name.startswith("J_{")]
+    values = evaluated(defined, [value for _, value in filled], dict(zip(symbols, inputs, strict=True)))
+    for (name, _), value in zip(filled, values, strict=True):
+        i, j = name[3:-1].split(",")
+        matrix[int(i) - 1, int(j) - 1] = value
+    return matrix
+
+
 _LOADER = """
 import json, sys
 import casadi
-function = casadi.Function.load(sys.argv[1])
-inputs = json.loads(sys.argv[2])
-assert "symkin" not in sys.modules
-print(json.dumps(casadi.DM(function(**dict(zip(function.name_in(), inputs)))["jacobian"]).full().tolist()))
+for line in sys.stdin:
+    path, inputs = json.loads(line)
+    function = casadi.Function.load(path)
+    matrix = casadi.DM(function(**dict(zip(function.name_in(), inputs)))["jacobian"]).full()
+    assert "symkin" not in sys.modules
+    print(json.dumps(matrix.tolist()), flush=True)
 """
 
 
-def _run_casadi(symbolic, inputs, folder):
-    write_jacobian(symbolic, "casadi", folder / "j.casadi")
-    command = [sys.executable, "-c", _LOADER, str(folder / "j.casadi"), json.dumps(inputs)]
-    return np.array(json.loads(subprocess.run(command, check=True, capture_output=True, cwd=folder).stdout))
+@pytest.fixture(scope="module")
+def run_casadi(tmp_path_factory):
+    """A process without symkin that loads what it is given the name of and evaluates it."""
+    folder = tmp_path_factory.mktemp("casadi")
+    process = subprocess.Popen(
+        [sys.executable, "-c", _LOADER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder
+    )
+
+    def run(symbolic, inputs):
+        write_jacobian(symbolic, "casadi", folder / "j.casadi")
+        process.stdin.write(json.dumps([str(folder / "j.casadi"), inputs]) + "\n")
+        process.stdin.flush()
+        return np.array(json.loads(process.stdout.readline())).reshape(symbolic.shape)
+
+    yield run
+    process.stdin.close()
+    process.stdout.close()
+    assert process.wait(timeout=60) == 0
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)
-def test_formats_agree_to_twelve_digits(name, kind, tmp_path):
-    """NumPy, SymPy, C and CasADi files give the expression's matrix to 1e-12 of the largest entry."""
+def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
+    """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest entry."""
     case = cases.case(name)
     symbolic = jacobian(case.mechanism, kind)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
     found = {"numpy": _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs)}
     if shutil.which("gcc"):
         found["c"] = _run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path)
-    found["casadi"] = _run_casadi(symbolic, inputs, tmp_path)
+    found["casadi"] = run_casadi(symbolic, inputs)
+    found["latex"] = _run_latex(symbolic, inputs)
     pytest.importorskip("sympy")
     found["sympy"] = _module(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs)
     for language, matrix in found.items():
@@ -89,12 +124,14 @@ def test_formats_agree_to_twelve_digits(name, kind, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "arm RRP"])
-def test_geometry_symbols_are_inputs_after_the_variables(name, tmp_path):
+def test_geometry_symbols_are_inputs_after_the_variables(name, tmp_path, run_casadi):
     """With the geometry as symbols every format takes it after the variables."""
     case = cases.case(name)
     symbolic = jacobian(case.mechanism, "inverse", parameters=True)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
-    found = [_module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs), _run_casadi(symbolic, inputs, tmp_path)]
+    found = [
+        _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs), run_casadi(symbolic, inputs), _run_latex(symbolic, inputs)
+    ]  # fmt: skip
     if shutil.which("gcc"):
         found.append(_run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path))
     for matrix in found:
@@ -193,10 +230,12 @@ def test_names_that_a_language_reserves_are_changed():
         matrix = np.array(run(_module(text))(*_inputs(symbolic, values)), dtype=float)
         np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
         assert "lambda_ is lambda" in text
+    matrix = _run_latex(symbolic, _inputs(symbolic, values))
+    np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
 
 
 @pytest.mark.parametrize("serial", [True, False])
-def test_constant_jacobians_and_odd_names_are_legal_everywhere(serial, tmp_path):
+def test_constant_jacobians_and_odd_names_are_legal_everywhere(serial, tmp_path, run_casadi):
     """A Cartesian robot's Jacobian reads nothing; names and titles that would end comments and strings do not."""
     x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     p1, p2 = symkin.Joint('jac*/"""\\', "P", axis=x, actuated=True), symkin.Joint("null", "P", axis=y, actuated=True)
@@ -209,7 +248,8 @@ def test_constant_jacobians_and_odd_names_are_legal_everywhere(serial, tmp_path)
     found = [
         _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs),
         _module(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs),
-        _run_casadi(symbolic, inputs, tmp_path),
+        run_casadi(symbolic, inputs),
+        _run_latex(symbolic, inputs),
     ]
     if shutil.which("gcc"):
         found.append(_run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path))

@@ -8,9 +8,10 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from latex_reader import evaluated
 
 import symkin
-from symkin.export.latex import document, equations, symbol_name, write
+from symkin.export.latex import distinct, document, equations, letter_of_values, symbol_name, write
 from symkin.model.closure import build_closure
 
 
@@ -51,23 +52,8 @@ def test_text_has_the_value_of_the_expression() -> None:
     ]
     definitions, results = write(ca.vertcat(*entries), x, ["a", "b", "c"])
     values = {"a": 1.3, "b": -0.7, "c": 2.1}
-    for name, text in definitions:
-        values[_plain(name)] = eval(_python(text), {}, values)
     expected = ca.Function("f", [x], [ca.vertcat(*entries)])([1.3, -0.7, 2.1])
-    np.testing.assert_allclose([eval(_python(t), {}, values) for t in results], np.asarray(expected).ravel(), rtol=1e-12)
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[_{}]", "", name)
-
-
-def _python(text: str) -> str:
-    text = re.sub(r"v_\{(\d+)\}", r"v\1", text)
-    while r"\frac" in text:
-        text = re.sub(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"((\1)/(\2))", text)
-    for old, new in ((r"\left(", "("), (r"\right)", ")"), (r"\,", "*"), (r"\cdot", "*"), ("^", "**")):
-        text = text.replace(old, new)
-    return text
+    np.testing.assert_allclose(evaluated(definitions, results, values), np.asarray(expected).ravel(), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -77,3 +63,13 @@ def _python(text: str) -> str:
 def test_symbol_names(name: str, symbol: str) -> None:
     """Greek names and trailing numbers become symbols and subscripts."""
     assert symbol_name(name) == symbol
+
+
+def test_names_that_look_alike_have_symbols_of_their_own() -> None:
+    """Symbols are told apart without their braces, and numbered values have a letter that no joint has."""
+    names = ["theta1", "theta_1", "v1", "e0"]
+    symbols = distinct([*(symbol_name(n) for n in names), symbol_name("pose.quaternion", 0)], [*names, "quaternion"])
+    assert symbols[:4] == [r"\theta_{1}", r"\mathrm{theta\_1}", "v_{1}", "e_{0}"]
+    assert len({s.replace("{", "").replace("}", "") for s in symbols}) == 5
+    assert letter_of_values(symbols) != "v"
+    assert letter_of_values(symbols[:2]) == "v"

@@ -244,6 +244,7 @@ def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
         (("q1", "q2"), {"ranges": ((0, 1), (2, 1))}, "range of q2"),
         (("q1", "q2"), {"kinds": ("type 3",)}, "type 3"),
         (("q1", "q2"), {"starts": 0}, "starts = 0"),
+        (("q1", "q2"), {"seed": -1}, "seed = -1"),
     ],
 )
 def test_what_does_not_fit_is_refused(plane: tuple[str, str], options: dict, message: str) -> None:
@@ -278,7 +279,8 @@ def test_command_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> No
     [
         (["zhang2009", "--plot", "a.png"], 2, "belong to --plane"),
         (["zhang2009", "--plane", "leg1"], 2, "two different coordinates"),
-        (["zhang2009", "--plane", "x,y", "--range", "1:2:3,4"], 2, "is no range"),
+        (["zhang2009", "--plane", "x,y", "--range", "1:2:3,4:5"], 2, "is no range"),
+        (["zhang2009", "--plane", "leg1,leg2", "--range=-50:-10,10:20"], 2, "range of leg1 ends at -10 mm"),
         (["zhang2009", "--joints", "1,1,1,1,1,1"], 3, "infeasible"),
         (["zhang2009", "--plane", "x,y", "--plot", "/nowhere/a.png"], 2, "does not exist"),
     ],

@@ -24,6 +24,7 @@ from symkin.calibration.calibrate import calibrate
 from symkin.calibration.direct import solve_postures
 from symkin.calibration.estimator import estimate
 from symkin.calibration.gauge import joint_frames
+from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outliers import screen
 from symkin.calibration.pose_noise import pose_sigma
@@ -32,7 +33,6 @@ from symkin.calibration.statistics import (
     chi_square_tail,
     covariance,
     f_tail,
-    linear_model,
 )
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")

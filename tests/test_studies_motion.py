@@ -48,7 +48,7 @@ def zhao(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
 
 @pytest.fixture(scope="module")
 def zhang(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    return study("zhang2009_modes_map", tmp_path_factory.mktemp("zhang"), "--grid", "7", "--starts", "30")
+    return study("zhang2009_modes_map", tmp_path_factory.mktemp("zhang"), "--grid", "5", "--starts", "30", "--bisected", "2")
 
 
 @pytest.fixture(scope="module")

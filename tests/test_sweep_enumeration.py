@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import Z, five_bar, hexapod, random_mechanism
+from samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
 from symkin.model.file import parse
 from symkin.spatial.pose import Pose
@@ -148,6 +148,18 @@ def test_poses_off_the_motion():
     )
     assert found.count.tolist() == [8, 0]
     assert [COMPLETENESS[c] for c in found.completeness] == ["probability one", "off the motion"]
+
+
+@pytest.mark.parametrize(("mechanism", "kind"), [(delta(), "inverse"), (three_rps(), "direct")])
+def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind):
+    """Such a point has the count -1 and says so, whether blocks or the branches of one block multiply; nothing is raised."""
+    for module in ("enumeration.modes", "paths.branches", "sweeps.enumerator"):
+        monkeypatch.setattr(f"symkin.{module}.MOST_MODES", 0)
+    points = joints_about(mechanism, 2, 1.0) if kind == "direct" else poses_about(mechanism, 2, 1.0, 0.0)
+    found = enumerated(mechanism, kind, points)
+    assert found.count.tolist() == [-1, -1]
+    assert {COMPLETENESS[c] for c in found.completeness} == {"too many to list"}
+    assert not len(found.values)
 
 
 def test_sets_that_are_not_isolated():

@@ -11,9 +11,9 @@ import symkin
 from laws import ball_turn
 from samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
+from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import read_ranges, read_values
 from symkin.sweeps.space import Blocks, make_space
-from symkin.sweeps.store import labels
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 200))

@@ -13,6 +13,7 @@ import pytest
 
 import symkin
 from symkin import InputError
+from symkin.singularities.singularity import classify
 from symkin.sweeps.found import COMPLETENESS
 from symkin.sweeps.run import sweep
 
@@ -169,13 +170,19 @@ def test_points_without_solution_and_off_the_motion(tmp_path):
 
 
 def test_conditioning_and_reach(tmp_path):
-    """The best and worst condition are those of the listed modes; an input is reached where some mode lies within limits."""
+    """Each mode's distances from singularities are those of its own configuration, the best and worst condition those of the
+    listed modes; an input is reached where some mode lies within limits."""
     grid = {"leg1": [120.0, 140.0, 1000.0]}
     whole = sweep(PLATFORM, grid, tmp_path / "m", workers=0).open().load()
     best = sweep(PLATFORM, grid, tmp_path / "c", quantity="conditioning", workers=0).open().load()
     assert np.array_equal(whole.condition.min("mode").values, best.least_condition.values, equal_nan=True)
     assert np.array_equal(whole.condition.max("mode").values, best.largest_condition.values, equal_nan=True)
     assert "position" not in best
+    for k in range(4):
+        alone = symkin.modes(PLATFORM, joints=[140.0, *PLATFORM.example.joints[1:]])[k]
+        for kind, expected in classify(alone).distances.items():
+            assert float(best[f"distance_{kind.replace(' ', '_')}"][1, k]) == pytest.approx(expected, abs=1e-9)
+    assert np.isnan(best.distance_type_2.values[2]).all()
     reach = sweep(PLATFORM, grid, tmp_path / "r", quantity="reach", workers=0).open().load()
     assert np.array_equal(reach.reached.values == 1, whole["count"].values > 0)
     assert np.array_equal(reach.count_within_limits.values, whole["count"].values)

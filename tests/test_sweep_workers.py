@@ -25,11 +25,14 @@ GRID = {"leg1": np.linspace(100, 160, 13), "leg2": np.linspace(330, 370, 10)}
 CHUNK = 10
 
 
-@pytest.fixture
-def whole(tmp_path, kept_starts):
-    """The folder of an uninterrupted sweep in one process."""
-    sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=CHUNK)
-    return tmp_path / "whole"
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The folder of an uninterrupted sweep in one process, with the starts of `kept_starts`."""
+    folder = tmp_path_factory.mktemp("sweep") / "whole"
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))
+        sweep(PLATFORM, GRID, folder, workers=0, chunk=CHUNK)
+    return folder
 
 
 def started(folder, *more):

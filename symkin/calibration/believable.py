@@ -26,6 +26,11 @@ def believe(fit: Calibration, *, removed: bool) -> Iterator[str]:
     yield from _rank(fit)
     for o in fit.outliers:
         yield ("left out: " if removed else "outlier: ") + o.reason
+    if fit.given_up:
+        yield (
+            f"so many readings do not belong, {len(fit.given_up)} and more, that none was left out: the readings or the model are "
+            f"wrong as a whole; the first was {fit.given_up[0].reason}"
+        )
     if fit.unchecked:
         yield f"nothing else checks {_listed([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
 

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from symkin.calibration.closing import started
 from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
 from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.gauge import least_change
 from symkin.calibration.lifted import estimate_by_ipopt
+from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outcome import Fitted, report
-from symkin.calibration.outliers import LEVEL, Outlier, Screening, screen
+from symkin.calibration.outliers import LEVEL, Outlier, Screening, most_outliers, screen
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.result import Calibration, Parameter, Residual
-from symkin.calibration.statistics import linear_model
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
@@ -28,6 +30,8 @@ METHODS = ("nested", "lifted", "ipopt")
 _OTHER = {"nested": "lifted", "lifted": "nested"}
 """The form that is tried where one does not converge: they cross curved valleys in different ways."""
 OUTLIER_RULES = ("remove", "report", "ignore")
+_GROSS = 0.1
+"""Outliers whose statistic is this share of the largest, or more, are taken out together."""
 
 
 def calibrate(
@@ -55,16 +59,37 @@ def calibrate(
     """
     _check_choices(method, outliers, level)
     begin = time.perf_counter()
+    measurements.check(mechanism)
+    measurements = started(mechanism, measurements)
     options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual}
     found = _fit(mechanism, measurements, options, method, max_iterations, seed)
     screening = Screening((), ())
     if outliers != "ignore" and found.result.status == "ok":
-        screening = screen(found.problem, linear_model(found.problem, found.result.state), level=level)
-        screening = _renumbered(screening, found.used)
-        if outliers == "remove" and screening.outliers:
-            cleaned = _without(measurements, screening.outliers)
-            found = _fit(mechanism, cleaned, options, method, max_iterations, seed)
+        fit = partial(_fit, mechanism, options=options, method=method, limit=max_iterations, seed=seed)
+        screening, cleaned = _screened(fit, measurements, found, level)
+        found = cleaned if outliers == "remove" else found
     return report(mechanism, measurements, found, screening, method, time.perf_counter() - begin, outliers == "remove")
+
+
+def _screened(
+    fit: Callable[[Measurements], Fitted], measurements: Measurements, found: Fitted, level: float
+) -> tuple[Screening, Fitted]:
+    """Outliers, and the fit without them. A gross error bends the fit beyond its linear range and makes others of the good:
+    in each round only those go that are within _GROSS of the largest statistic, and the rest is judged at a new fit."""
+    first, taken_out, allowed = found, list[Outlier](), None
+    unchecked: tuple[tuple[int, str], ...] = ()
+    while found.result.status == "ok":
+        model = linear_model(found.problem, found.result.state)
+        screening = _renumbered(screen(found.problem, model, level=level, share=_GROSS), found.used)
+        if allowed is None:
+            allowed, unchecked = most_outliers(found.problem), screening.unchecked
+        if not screening.outliers and not screening.given_up:
+            return Screening(tuple(taken_out), unchecked), found
+        taken_out += (*screening.outliers, *screening.given_up)
+        if screening.given_up or len(taken_out) > allowed:
+            return Screening((), unchecked, tuple(taken_out)), first
+        found = fit(_without(measurements, taken_out))
+    return Screening((), unchecked, tuple(taken_out)), first
 
 
 # --- fitting -------------------------------------------------------------------------------------------------------
@@ -140,6 +165,7 @@ def _renumbered(screening: Screening, used: np.ndarray) -> Screening:
     return Screening(
         tuple(replace(o, posture=int(used[o.posture])) for o in screening.outliers),
         tuple((int(used[k]), kind) for k, kind in screening.unchecked),
+        tuple(replace(o, posture=int(used[o.posture])) for o in screening.given_up),
     )
 
 

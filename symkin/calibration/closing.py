@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.direct import signs, solved_steps
+from symkin.calibration.direct import known_poses, signs, solved_steps
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
 from symkin.model.closure import Closure, build_closure
@@ -126,6 +126,18 @@ def home_pose(mechanism: Mechanism) -> Pose:
     values = _JointsOfPose(closure).solve(np.array([placed(mechanism, closure.reference, pose) for pose in (reference, shown)]))
     here, there = (_side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1] for row in values)
     return shown if here > _POORER * there else reference
+
+
+def started(mechanism: Mechanism, measurements: Measurements) -> Measurements:
+    """The measurements with home as the start of the postures that have none and whose pose was not measured, where home is not
+    the reference: direct problems from a reference near a singularity end in any assembly mode."""
+    home = home_pose(mechanism)
+    if home is mechanism.reference_pose or np.array_equal(home.matrix, mechanism.reference_pose.matrix):
+        return measurements
+    bare = np.array([pose is None for pose in known_poses(measurements)])
+    starts = np.full((len(measurements), 7), np.nan) if measurements.starts is None else measurements.starts.copy()
+    starts[bare] = [*home.position, *home.quaternion]
+    return replace(measurements, starts=starts)
 
 
 def _side_and_condition(model: PostureModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:

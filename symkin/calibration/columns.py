@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Sequence
 from itertools import product
 from typing import Literal
 
@@ -24,7 +26,11 @@ SEQUENCES = tuple(
 INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
 """Columns of a plan that a measurement file may keep; they say how the posture was meant, not what was read."""
+DISTANCE = "distance_"
+"""Beginning of the columns of distances."""
 _EULER = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
+_LISTED = 5
+"""Most groups of one posture that a message lists."""
 _SHOWN = 12
 """Most joint names that a message lists."""
 Measure = Literal["length", "angle"]
@@ -47,8 +53,8 @@ def measure_of(c: Coordinate) -> Measure:
 class ColumnReader:
     """One table read for one mechanism."""
 
-    def __init__(self, table: Table, mechanism: Mechanism) -> None:
-        self.table, self.mechanism = table, mechanism
+    def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
+        self.table, self.mechanism, self.distances = table, mechanism, [DISTANCE + name for name in distances]
         self.notes: list[str] = []
         self.known = {c.name for c in mechanism.actuated}
 
@@ -64,14 +70,19 @@ class ColumnReader:
                 )
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
-        sigmas = [f"sigma_{name}" for name in (*names, "group", *INCLINATION, *POSITION, "orientation")]
-        allowed = {*names, *placed, *sigmas, *sequenced, *WEDGE}
+        sigmas = [f"sigma_{name}" for name in (*names, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
+        allowed = {*names, *placed, *sigmas, *sequenced, *WEDGE, *self.distances}
         for name in self.table.columns:
             if name not in allowed:
+                if name.startswith(DISTANCE):
+                    raise InputError(
+                        f"{self.table.path}: column {name!r}: the points of this distance are not known; give them with "
+                        f"--distance {name.removeprefix(DISTANCE)}=X,Y,Z:BX,BY,BZ"
+                    )
                 joints = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
                 raise InputError(
                     f"{self.table.path}: column {name!r} is unknown; allowed: {joints} (the actuated joints), group, alpha, beta, "
-                    "x, y, z, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+                    "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
                 )
 
     def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
@@ -80,12 +91,18 @@ class ColumnReader:
             return (), None
         cells = [cell.strip() for cell in self.table.text(column)]
         labels = tuple(dict.fromkeys(cell for cell in cells if cell))
-        for label in (label for label in labels if cells.count(label) == 1):
-            line = self.table.lines[cells.index(label)]
-            self.notes.append(f"line {line}: group {label!r} has this posture only and says nothing of inclination")
-        if not any(cells.count(label) > 1 for label in labels):
+        counts, numbers = Counter(cells), {label: k for k, label in enumerate(labels)}
+        alone = [label for label in labels if counts[label] == 1]
+        if alone:
+            lines = [str(self.table.lines[cells.index(label)]) for label in alone[:_LISTED]]
+            more = f" and {len(alone) - _LISTED} more" if len(alone) > _LISTED else ""
+            self.notes.append(
+                f"a group of one posture says nothing of inclination: {', '.join(map(repr, alone[:_LISTED]))}{more} "
+                f"(line {', '.join(lines)}{', ...' if more else ''})"
+            )
+        if len(alone) == len(labels):
             return labels, None
-        return labels, np.array([labels.index(cell) if cell and cells.count(cell) > 1 else NO_GROUP for cell in cells])
+        return labels, np.array([numbers[cell] if cell and counts[cell] > 1 else NO_GROUP for cell in cells])
 
     def joints(self) -> np.ndarray:
         columns = [self._numbers(c.name, measure_of(c), empty=False) for c in self.mechanism.actuated]
@@ -176,6 +193,21 @@ class ColumnReader:
         sequence = next(iter(sequences))
         prefix = "euler_" if sequence is None else f"euler_{sequence}_"
         return sequence, self.together((f"{prefix}1", f"{prefix}2", f"{prefix}3"), "angle")
+
+    def distance(self, name: str) -> tuple[np.ndarray, np.ndarray | None]:
+        """Values (n,) of a distance and their standard deviations, None without a column."""
+        column = self._column(DISTANCE + name)
+        if column is None:
+            raise InputError(f"{self.table.path}: column {DISTANCE + name!r} is missing or empty; --distance {name} names it")
+        values = np.array(self._numbers(column, "length"))
+        if np.any(values <= 0.0):
+            row = int(np.argmax(values <= 0.0))
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {self.table.columns[column].header!r}: a distance of "
+                f"{self.table.text(column)[row].strip()}; a positive number is needed"
+            )
+        sigma = f"sigma_{DISTANCE}{name}"
+        return values, self._sigma(sigma, "length") if sigma in self.table.columns else None
 
     def joint_sigmas(self) -> np.ndarray | None:
         names = [f"sigma_{c.name}" for c in self.mechanism.actuated]

@@ -88,6 +88,11 @@ def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
 
 
+def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
+    """Closure and readings of a state, without the condensation."""
+    return problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions)
+
+
 def slopes(e: Evaluation) -> np.ndarray:
     """dh/dp (n, K, P) with the postures following."""
     return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]
@@ -117,7 +122,7 @@ def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     width = len(model.columns)
     if sigma is None:
         return np.zeros((len(joints), width, width))
-    e = model.evaluate(state.z, joints, state.p, problem.quaternions)
+    e = evaluate_readings(problem, state)
     by_joint = e.readings_z @ solved_steps(e.rows_z, model.rows_by_joint(state.z, joints, state.p)) * sigma[:, None, :]
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
@@ -229,13 +234,19 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
     return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
 
 
-def null_directions(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (P, k) along which no residual changes, to first order."""
+def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Singular values (P,) of a matrix with P columns, its right singular vectors as rows (P, P), and its rank."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     _, singular, right = np.linalg.svd(matrix, full_matrices=True)
-    kept = int(np.sum(singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300))) if len(singular) else 0
-    return np.asarray(right[kept:].T)
+    singular = np.concatenate([singular, np.zeros(matrix.shape[1] - len(singular))])
+    return singular, right, int(np.sum(singular > RANK_TOLERANCE * np.max(singular, initial=1e-300)))
+
+
+def null_directions(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (P, k) along which no residual changes, to first order."""
+    _, right, rank = spectrum(matrix)
+    return right[rank:].T
 
 
 def _step(state: State, null_space: np.ndarray, damping: float) -> np.ndarray:

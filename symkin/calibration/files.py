@@ -7,6 +7,8 @@ x[mm], y[mm], z[mm]                 position of the platform frame in the base f
 qw, qx, qy, qz                      its orientation, a unit quaternion; or
 euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
                                     fixed ones; euler_1[deg], ... where the sequence is not known
+distance_NAME[mm]                   distance between a point of the platform and one of the base, which are given beside the
+                                    file (`DistancePoints`)
 sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg], sigma_x[mm]; besides
                                     sigma_group[deg] and sigma_orientation[deg] (each component of a rotation vector)
 Where a joint has the name of a reading, the reading is written platform.NAME.
@@ -16,13 +18,14 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from symkin.calibration.columns import (
+    DISTANCE,
     INCLINATION,
     POSITION,
     QUATERNION,
@@ -34,12 +37,15 @@ from symkin.calibration.columns import (
     reading_name,
     unit_of,
 )
-from symkin.calibration.measurements import NO_GROUP, Measurements
+from symkin.calibration.measurements import NO_GROUP, Distance, Measurements
 from symkin.calibration.planning import Accuracy, Plan
 from symkin.csv_table import read_table, replace_text
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+
+DistancePoints = tuple[Sequence[float], Sequence[float]]
+"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base frame, length unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +70,12 @@ class DataFile:
         return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
 
 
-def read_measurements(path: str | Path, mechanism: Mechanism) -> DataFile:
-    """Read a CSV file. Raises InputError that names file, line and column."""
+def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None) -> DataFile:
+    """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError that names file, line and
+    column."""
+    points = distances or {}
     table = read_table(path)
-    reader = ColumnReader(table, mechanism)
+    reader = ColumnReader(table, mechanism, tuple(points))
     reader.refuse_unknown()
     if not len(table):
         raise InputError(f"{path}: the file has a header and no row; one row for each posture is needed")
@@ -84,6 +92,7 @@ def read_measurements(path: str | Path, mechanism: Mechanism) -> DataFile:
         inclination=reader.together(INCLINATION, "angle"),
         position=reader.some(POSITION, "length"),
         orientation=quaternions,
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
         joint_sigma=reader.joint_sigmas(),
         group_sigma=reader.sigma("group", "angle", ["group"]),
         inclination_sigma=reader.sigmas(INCLINATION, "angle"),
@@ -94,6 +103,11 @@ def read_measurements(path: str | Path, mechanism: Mechanism) -> DataFile:
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes))
+
+
+def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
+    values, sigma = reader.distance(name)
+    return Distance(platform, base, values, sigma, DISTANCE + name)
 
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
@@ -127,6 +141,8 @@ def write_measurements(
             table.number(reading_name(mechanism, name), values[:, k], measure)
     if measurements.orientation is not None:
         _write_orientation(table, measurements.orientation, sequence, hidden)
+    for d in measurements.distances:
+        table.number(d.name, d.values, "length")
     for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
@@ -137,6 +153,9 @@ def write_measurements(
         sigma = measurements.sigma(key)
         for k, name in enumerate(names if sigma is not None else ()):
             table.number(f"sigma_{name}", sigma[:, k], measure)  # type: ignore[index]
+    for d in measurements.distances:
+        if d.sigma is not None:
+            table.number(f"sigma_{d.name}", np.broadcast_to(d.sigma, d.values.shape), "length")
     replace_text(path, table.csv(comments))
 
 

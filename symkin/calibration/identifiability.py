@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import State, design, estimate, ideal_state
+from symkin.calibration.estimator import State, design, estimate, ideal_state, spectrum
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.motions import named_motions
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.rank import CLEAR_GAP, RANK_TOLERANCE
+from symkin.position.rank import CLEAR_GAP
 
 _LIES_IN = 1e-5
 """A unit direction belongs to the null space when less than this of it sticks out."""
@@ -79,11 +79,8 @@ def judge(problem: CalibrationProblem, state: State) -> Identifiability:
     """Identifiability at any state with closed postures."""
     state = ideal_state(problem, state)
     matrix = design(state)
-    width = matrix.shape[1]
-    _, singular, right = np.linalg.svd(matrix, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(width - len(singular))])
-    rank = int(np.sum(singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)))
-    dropped = float(singular[rank]) if rank < width else 0.0
+    singular, right, rank = spectrum(matrix)
+    dropped = float(singular[rank]) if rank < len(singular) else 0.0
     gap = float(singular[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf")
     null_space = right[rank:].T
     named = name_null_space(problem, state.p, null_space)

@@ -10,23 +10,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal
 
 import casadi as ca
 import numpy as np
 
 from symkin.calibration.mapped import Mapped, build_mapped
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.parameters import ParameterKind, nominal_parameters
 from symkin.errors import InputError
-from symkin.model.closure import Closure, build_closure, random_values
-from symkin.model.closure_rows import RowBuilder
+from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.position.system import System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
 
-ParameterKind = Literal["length", "angle", "number"]
 KINDS = ("group", "inclination", "position", "orientation")
 """Kinds of readings in the order of their columns; distances follow."""
 COMPONENTS = {
@@ -167,11 +165,6 @@ _VECTORS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "err
 # --- building ------------------------------------------------------------------------------------------------------
 
 
-def parameter_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """All that may be identified: the closure's parameters, factors of readings, world and target frame."""
-    return tuple(nominal_parameters(mechanism))
-
-
 def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> PostureModel:
     """The model of a posture with the readings that `measurements` has, over the named parameters; all others keep
     their nominal values."""
@@ -211,53 +204,6 @@ def _model(
         mechanism, closure, system, names, types, np.array([table[n][0] for n in names]), scales, readings_of_joints,
         parameters, quaternion, readings, columns, pose,
     )  # fmt: skip
-
-
-def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
-    """Nominal value and kind of each name that may be identified."""
-    closure = build_closure(mechanism)
-    turning = {f"{_path(mechanism, limb.name, j.name)}.zero" for limb, j in mechanism.joints if j.type in ("R", "H")}
-    table: dict[str, tuple[float, ParameterKind]] = {}
-    for name, value in zip(closure.parameter_names, closure.parameter_values, strict=True):
-        pieces = name.split(".")
-        directed = pieces[-2] in ("axis", "axis2", "quaternion")
-        angular = name in turning or (pieces[0] == "dh" and pieces[-1] in ("theta", "alpha"))
-        table[name] = (float(value), "number" if directed else "angle" if angular else "length")
-    for c in mechanism.actuated:
-        table[f"{c.name}.scale"] = (1.0, "number")
-    for frame in ("world", "target"):
-        for k in "xyz":
-            table[f"{frame}.position.{k}"] = (0.0, "length")
-        for k in "xyz":
-            table[f"{frame}.rotation.{k}"] = (0.0, "angle")
-    return table
-
-
-@lru_cache(maxsize=64)
-def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
-    """Parameters that a declared motion binds: moved alone, they let rows that the motion leaves out appear, and the limb
-    could no longer carry the platform through it."""
-    closure = build_closure(mechanism)
-    builder = RowBuilder(mechanism)
-    builder.build_rows()
-    if len(builder.rows) == int(closure.rows.shape[0]):
-        return frozenset()
-    coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
-    variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
-    both = ca.Function("left_out", [variables, table], [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)])
-    rng, size = np.random.default_rng(0), closure.size
-    largest, slopes = np.zeros(len(builder.rows)), np.zeros((len(builder.rows), len(builder.table.names)))
-    for _ in range(3):
-        rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
-        largest = np.maximum(largest, np.abs(np.asarray(rows)).ravel())
-        slopes = np.maximum(slopes, np.abs(np.asarray(by_p)))
-    left_out = largest <= 1e-11 * size
-    reach = np.max(slopes[left_out], axis=0, initial=0.0)
-    return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
-
-
-def _path(mechanism: Mechanism, limb: str, joint: str) -> str:
-    return joint if mechanism.serial else f"{limb}.{joint}"
 
 
 def _system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:

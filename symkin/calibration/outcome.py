@@ -10,12 +10,13 @@ from symkin.calibration.believable import believe
 from symkin.calibration.corrected import is_writable
 from symkin.calibration.estimator import Estimate, State, evaluate
 from symkin.calibration.identifiability import judge
+from symkin.calibration.linear import LinearModel, linear_model
 from symkin.calibration.measurements import Measurements
-from symkin.calibration.model import nominal_parameters
 from symkin.calibration.outliers import Screening
+from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.result import Calibration, Parameter, Residual
-from symkin.calibration.statistics import LinearModel, chi_square_tail, covariance, linear_model
+from symkin.calibration.statistics import chi_square_tail, covariance
 from symkin.model.mechanism import Mechanism
 
 
@@ -54,7 +55,7 @@ def report(
         chi_square_tail(model.chi_square, model.degrees) if known and model.degrees > 0 else None, identified,
         screening.outliers, screening.unchecked, tuple(found.used.tolist()), tuple(found.unsolved.tolist()),
         tuple(crossed.tolist()), problem.model.poses(state.z, state.p), method, found.result.status,
-        found.result.iterations, elapsed,
+        found.result.iterations, elapsed, given_up=screening.given_up,
     )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *believe(calibration, removed=removed)]
@@ -87,7 +88,7 @@ def _residuals(
 ) -> tuple[Residual, ...]:
     readings = problem.readings
     raw = state_residuals(problem, state)
-    left = np.sqrt(np.maximum(1.0 - np.sum(model.basis**2, axis=1), 0.0)).reshape(raw.shape)
+    left = np.sqrt(np.maximum(1.0 - model.absorbed, 0.0)).reshape(raw.shape)
     whitened = model.residuals.reshape(raw.shape)
     rows = []
     for i, k in np.argwhere(readings.taken):

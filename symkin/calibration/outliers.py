@@ -12,11 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.calibration.linear import LinearModel
 from symkin.calibration.problem import CalibrationProblem
-from symkin.calibration.statistics import LinearModel, chi_square_tail, f_tail
+from symkin.calibration.statistics import chi_square_tail, f_tail
 
 LEVEL = 0.02
 """Share of clean data sets in which a reading may be flagged."""
+_MOST, _NAMED = 0.2, 300
+"""The largest share and the largest number of readings that are judged one by one; beyond, the fit is wrong as a whole."""
 _HIDDEN = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""
 
@@ -38,72 +41,110 @@ class Outlier:
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """Outliers in the order in which they were taken out, and readings (posture, kind) that nothing else checks."""
+    """Outliers in the order in which they were taken out, and readings (posture, kind) that nothing else checks. `given_up`
+    holds those found where there were so many that none is to be left out: the fit is wrong as a whole."""
 
     outliers: tuple[Outlier, ...]
     unchecked: tuple[tuple[int, str], ...]
+    given_up: tuple[Outlier, ...] = ()
 
 
-def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LEVEL) -> Screening:
-    """Find outliers by deletion; at most a third of the degrees of freedom is spent."""
-    blocks = _blocks(problem)
-    unchecked = tuple(key for key, rows in blocks.items() if _judge(model, rows, known=True)[1] == 0)
-    found: list[Outlier] = []
-    least = 2 * model.degrees // 3
-    while model.degrees > least and len(found) < len(blocks):
-        judged = {key: _judge(model, rows, known=problem.readings.known) for key, rows in blocks.items()}
-        key = min(judged, key=lambda k: (judged[k][2], -judged[k][0]))
-        if judged[key][2] >= 1.0 - (1.0 - level) ** (1.0 / len(judged)):
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """Readings of one kind: postures (m,), rows of the linear model (m, w), statistics and degrees of freedom (m,), whitened
+    shifts (m, w)."""
+
+    kind: str
+    postures: np.ndarray
+    rows: np.ndarray
+    statistic: np.ndarray
+    degrees: np.ndarray
+    shift: np.ndarray
+
+
+def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LEVEL, share: float = 0.0) -> Screening:
+    """Find outliers by deletion, while their statistics are at least `share` of the largest. It is given up where more than the share `_MOST` of the readings, a third of the degrees of
+    freedom or `_NAMED` readings would go."""
+    kinds = _kinds(problem)
+    first = [_judge(model, *kind) for kind in kinds]
+    unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.postures[j.degrees == 0]))
+    count, least = sum(len(j.postures) for j in first), 2 * model.degrees // 3
+    most, found = most_outliers(problem), list[Outlier]()
+    while model.degrees > 0 and len(found) < count:
+        probability, judged, m = _least_likely(model, [_judge(model, *kind) for kind in kinds], problem.readings.known)
+        if judged is None or probability >= 1.0 - (1.0 - level) ** (1.0 / (count - len(found))):
             break
-        found.append(_outlier(problem, model, key, blocks[key], judged[key]))
-        model = model.without(blocks.pop(key))
+        if judged.statistic[m] < share * max((o.statistic for o in found), default=0.0):
+            break
+        if len(found) >= most or model.degrees <= least:
+            return Screening((), unchecked, tuple(found))
+        found.append(_outlier(problem, model, judged, m, probability))
+        model = model.without(_given(model, judged.rows[m]))
     return Screening(tuple(found), unchecked)
 
 
-def _blocks(problem: CalibrationProblem) -> dict[tuple[int, str], np.ndarray]:
-    """Rows of the linear model by posture and kind (a distance by its name)."""
-    columns = problem.model.columns
-    width = len(columns)
-    kinds: dict[str, list[int]] = {}
+def most_outliers(problem: CalibrationProblem) -> int:
+    """The number of readings that may be left out one by one."""
+    return min(_NAMED, int(_MOST * sum(len(postures) for _, postures, _ in _kinds(problem))))
+
+
+def _kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Kinds of readings (a distance by its name) with the postures (m,) that have any component of it and rows (m, w)."""
+    columns, taken = problem.model.columns, problem.readings.taken
+    members: dict[str, list[int]] = {}
     for k, (kind, component) in enumerate(columns):
-        kinds.setdefault(component if kind == "distance" else kind, []).append(k)
-    taken = problem.readings.taken
-    return {
-        (i, kind): np.array([i * width + k for k in members if taken[i, k]])
-        for i in range(len(taken))
-        for kind, members in kinds.items()
-        if taken[i, members].any()
-    }
+        members.setdefault(component if kind == "distance" else kind, []).append(k)
+    made = []
+    for kind, inside in members.items():
+        postures = np.flatnonzero(taken[:, inside].any(axis=1))
+        if len(postures):
+            made.append((kind, postures, postures[:, None] * len(columns) + np.array(inside)))
+    return made
 
 
-def _judge(model: LinearModel, rows: np.ndarray, *, known: bool) -> tuple[float, int, float, np.ndarray]:
-    """Statistic, degrees of freedom, probability, and the whitened shift; unknown noise is studentised without them."""
+def _given(model: LinearModel, rows: np.ndarray) -> np.ndarray:
+    return np.asarray(rows[model.taken[rows]])
+
+
+def _judge(model: LinearModel, kind: str, postures: np.ndarray, rows: np.ndarray) -> _Judged:
     values, vectors = np.linalg.eigh(model.freedom(rows))
     seen = values > _HIDDEN
-    part = vectors[:, seen].T @ model.residuals[rows]
-    statistic, degrees = float(np.sum(part**2 / values[seen])), int(np.sum(seen))
-    shift = vectors[:, seen] @ (part / values[seen])
+    part = np.where(seen, (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0], 0.0)
+    scaled = part / np.where(seen, values, 1.0)
+    shift = (vectors @ scaled[:, :, None])[:, :, 0]
+    return _Judged(kind, postures, rows, np.sum(part * scaled, axis=1), np.sum(seen, axis=1), shift)
+
+
+def _least_likely(model: LinearModel, kinds: list[_Judged], known: bool) -> tuple[float, _Judged | None, int]:
+    """Probability, kind and place of the least likely reading: one of those with the largest statistic of their degrees of
+    freedom; the larger statistic where several have probability 0."""
+    best: tuple[float, float, _Judged | None, int] = (1.0, 0.0, None, 0)
+    for judged in kinds:
+        for d in (int(d) for d in np.unique(judged.degrees) if d):
+            m = int(np.argmax(np.where(judged.degrees == d, judged.statistic, -1.0)))
+            statistic = float(judged.statistic[m])
+            probability = _tail(model, statistic, d, known=known)
+            if (probability, -statistic) < (best[0], -best[1]):
+                best = probability, statistic, judged, m
+    return best[0], best[2], best[3]
+
+
+def _tail(model: LinearModel, statistic: float, degrees: int, *, known: bool) -> float:
+    """Probability of a statistic; unknown noise is studentised without the reading that is judged."""
     if known:
-        return statistic, degrees, chi_square_tail(statistic, degrees), shift
+        return chi_square_tail(statistic, degrees)
     left = model.degrees - degrees
-    if left <= 0 or degrees == 0:
-        return statistic, degrees, 1.0, shift
-    rest = max((model.chi_square - statistic) / left, 1e-300)
-    return statistic, degrees, f_tail(statistic / degrees / rest, degrees, left), shift
+    if left <= 0:
+        return 1.0
+    return f_tail(statistic / degrees / max((model.chi_square - statistic) / left, 1e-300), degrees, left)
 
 
-def _outlier(
-    problem: CalibrationProblem,
-    model: LinearModel,
-    key: tuple[int, str],
-    rows: np.ndarray,
-    judged: tuple[float, int, float, np.ndarray],
-) -> Outlier:
-    posture, kind = key
-    statistic, degrees, probability, whitened = judged
-    width = len(problem.model.columns)
-    columns = rows - posture * width
-    shift = np.linalg.solve(model.whiten[posture][np.ix_(columns, columns)], whitened)
+def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _Judged, m: int, probability: float) -> Outlier:
+    posture, kind, rows = int(judged.postures[m]), judged.kind, judged.rows[m]
+    given = model.taken[rows]
+    columns = rows[given] - posture * len(problem.model.columns)
+    statistic, degrees = float(judged.statistic[m]), int(judged.degrees[m])
+    shift = np.linalg.solve(model.whiten[posture][np.ix_(columns, columns)], judged.shift[m][given])
     label = problem.measurements.labels[posture]
     names = [problem.model.columns[k][1] for k in columns]
     angular = kind in ("group", "inclination", "orientation")

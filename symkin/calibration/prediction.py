@@ -27,12 +27,13 @@ that matter are about 1, and null spaces are known to about 1e-6."""
 class PoseSigma:
     """Standard deviations (n, 6) of position (length unit) and rotation vector (radians) at poses (n, 7), constant base and
     tool frames taken away. `blind` says that a direction which no reading tells moves the pose: the geometry is then not
-    whole. `where` names the poses."""
+    whole. `where` names the poses; `outside` (n,) are those at which some joint is beyond all of its readings."""
 
     poses: np.ndarray
     sigma: np.ndarray
     blind: bool
     where: str
+    outside: np.ndarray
 
     @property
     def position(self) -> np.ndarray:
@@ -55,7 +56,9 @@ def pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
     blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > _BLIND)
     scaled = fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
     variance = np.einsum("nkp,pq,nkq->nk", slopes, scaled, slopes)
-    return PoseSigma(made.poses, np.sqrt(np.maximum(variance, 0.0)), blind, where)
+    read = fit.measurements.joints[list(fit.used)]
+    outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
+    return PoseSigma(made.poses, np.sqrt(np.maximum(variance, 0.0)), blind, where, outside)
 
 
 def _poses(workspace: Workspace, joints: np.ndarray, seed: int) -> tuple[Configurations, str]:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.calibration.measurements import Measurements
-from symkin.calibration.model import PostureModel, bound_by_motion, build_model
+from symkin.calibration.model import PostureModel, build_model
+from symkin.calibration.parameters import bound_by_motion
 from symkin.calibration.residuals import FORMS, Form, Readings, build_readings
 from symkin.errors import InputError
 from symkin.model.closure import build_closure

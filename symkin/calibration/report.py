@@ -16,6 +16,10 @@ from symkin.calibration.sequence import SequenceChoice
 
 _LARGEST = 6
 """Changes and outliers that the short text shows."""
+_UNLIKELY = 1e-3
+"""Tail probability of chi-square below which the stated noise does not explain the residuals."""
+_BEYOND = 0.2
+"""Share of the workspace's poses beyond the measured joint values that is worth a note."""
 _FRAME = "frame"
 """Unobservable combinations with this word are frames: they move no pose against another."""
 
@@ -65,8 +69,10 @@ class FitReport:
         fit = self.fit
         if fit.degrees <= 0:
             return "no degree of freedom is left to check it; add postures"
-        if fit.p_value is not None and fit.p_value <= 1e-3:
+        if fit.p_value is not None and fit.p_value <= _UNLIKELY:
             return f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise larger than stated, outliers, or a model that lacks something"
+        if fit.given_up:
+            return "too many readings do not belong; see the notes"
         if fit.unsolved:
             return f"{len(fit.unsolved)} of {len(fit.measurements)} postures do not close"
         if self.sequence is not None and not self.sequence.clear:
@@ -76,7 +82,20 @@ class FitReport:
     @property
     def all_notes(self) -> tuple[str, ...]:
         sequence = () if self.sequence is None else (str(self.sequence),)
-        return (*sequence, *self.suspicions, *self.notes, *self.fit.notes)
+        return (*sequence, *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
+
+    def _beyond(self) -> tuple[str, ...]:
+        """What is known of poses outside the measured postures, where they are many."""
+        sigma, m = self.sigma, self.fit.mechanism
+        if np.mean(sigma.outside) <= _BEYOND:
+            return ()
+        there, inside = (float(np.max(sigma.position[part], initial=0.0)) for part in (sigma.outside, ~sigma.outside))
+        elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {m.length_unit} elsewhere"
+        return (
+            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace need joint values beyond those measured: the "
+            f"largest standard deviation of the position is {there:.3g} {m.length_unit} there{elsewhere}; "
+            "no reading has tested the model there; measure as far as the mechanism is used",
+        )
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -110,7 +129,7 @@ class FitReport:
         if len(self.unobservable) > _LARGEST:
             lines.append(f"  and {len(self.unobservable) - _LARGEST} more combinations (report.md)")
         lines += [f"  to do: {text}" for text in found.advice]
-        lines.append("  " + self.sigma_text())
+        lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
         lines.append(f"  largest changes: {', '.join(changed)}")
         for o in fit.outliers[:_LARGEST]:
@@ -127,11 +146,28 @@ class FitReport:
         m = self.fit.mechanism
         if self.fit.degrees <= 0 and self.fit.p_value is None:
             return "standard deviation of poses: unknown, no degree of freedom is left"
+        stated = ""
+        if self.fit.p_value is not None and self.fit.p_value <= _UNLIKELY:
+            times = math.sqrt(self.fit.chi_square / self.fit.degrees)
+            stated = f"; with the noise as stated, while the residuals are {times:.3g} times as large"
         return (
             f"standard deviation of poses in aligned frames ({self.sigma.where}): rms {_rms(self.sigma.position):.3g} {m.length_unit} and "
             f"{m.angle_out(_rms(self.sigma.angle)):.3g} {m.angle_unit}, largest {self.sigma.position.max():.3g} {m.length_unit} and "
-            f"{m.angle_out(float(self.sigma.angle.max())):.3g} {m.angle_unit}"
+            f"{m.angle_out(float(self.sigma.angle.max())):.3g} {m.angle_unit}{stated}"
         )
+
+    def residual_text(self) -> str:
+        """Root mean square of the residuals of each kind."""
+        m, by_kind = self.fit.mechanism, dict[str, list[float]]()
+        for r in self.fit.residuals:
+            by_kind.setdefault(r.kind, []).append(r.value)
+        parts = []
+        for kind, values in by_kind.items():
+            rms = _rms(np.array(values))
+            parts.append(
+                f"{kind} {m.angle_out(rms):.3g} {m.angle_unit}" if _angular(kind) else f"{kind} {rms:.3g} {m.length_unit}"
+            )
+        return "residuals, rms: " + ", ".join(parts)
 
     def to_json(self) -> dict[str, Any]:
         """All of it; lengths in the mechanism's unit, angles in its angle unit."""

@@ -61,12 +61,25 @@ class Readings:
         return np.flatnonzero(self.group >= 0)
 
     @cached_property
-    def averaging(self) -> tuple[np.ndarray, np.ndarray]:
-        """Weights (n,) of each grouped column's mean, as matrices (groups, n) of alpha and of beta."""
-        member = self.group[None, :] == np.arange(self.groups)[:, None]
-        squares = self.weight[:, self.columns] ** 2
-        first, second = (member * squares[:, k] for k in (0, 1))
-        return first / first.sum(axis=1, keepdims=True), second / second.sum(axis=1, keepdims=True)
+    def order(self) -> np.ndarray:
+        """Postures that belong to a group, group after group."""
+        return self.inside[np.argsort(self.group[self.inside], kind="stable")]
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Number of the group of each posture in `order`."""
+        return np.asarray(self.group[self.order])
+
+    @cached_property
+    def begins(self) -> np.ndarray:
+        """Where each group begins in `order`."""
+        return np.searchsorted(self.places, np.arange(self.groups))
+
+    @cached_property
+    def shares(self) -> np.ndarray:
+        """Weights of the postures in `order` in the means of their groups' alpha and beta (2, members), each group's sum 1."""
+        squares = self.weight[self.order][:, self.columns] ** 2
+        return np.asarray((squares / np.add.reduceat(squares, self.begins, axis=0)[self.places]).T)
 
     @property
     def groups(self) -> int:
@@ -157,20 +170,19 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
     return np.where(readings.turning & (np.abs(gap) > np.pi), wrapped, gap)
 
 
-def _group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
-    """Sums over the postures of each group."""
-    total = np.zeros((readings.groups, *values.shape[1:]))
-    np.add.at(total, readings.group[readings.inside], values[readings.inside])
-    return total
+def group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
+    """Sums over the postures of each group: (n, ...) to (groups, ...)."""
+    return np.asarray(np.add.reduceat(values[readings.order], readings.begins, axis=0))
 
 
 def _means(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
     if readings.groups:
         h_p = h_p.copy()
-        inside, place = readings.inside, readings.group[readings.inside]
-        for column, mean in zip(readings.columns, readings.averaging, strict=True):
-            gap[inside, column] -= (mean @ gap[:, column])[place]
-            h_p[inside, column] -= (mean @ h_p[:, column])[place]
+        order, places, begins = readings.order, readings.places, readings.begins
+        for column, share in zip(readings.columns, readings.shares, strict=True):
+            values, slopes = gap[order, column], h_p[order, column]
+            gap[order, column] = values - np.add.reduceat(share * values, begins)[places]
+            h_p[order, column] = slopes - np.add.reduceat(share[:, None] * slopes, begins)[places]
     return Linearised(readings.weight * gap, readings.weight[:, :, None] * h_p)
 
 
@@ -211,8 +223,8 @@ def _whitened(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.n
     basis = group_basis(readings, whiten)
     both = np.concatenate([residuals[:, :, None], jacobian], axis=2)
     inside, place = readings.group >= 0, readings.group
-    information = _group_sum(readings, basis.transpose(0, 2, 1) @ basis)
-    means = np.linalg.solve(information, _group_sum(readings, basis.transpose(0, 2, 1) @ both))
+    information = group_sum(readings, basis.transpose(0, 2, 1) @ basis)
+    means = np.linalg.solve(information, group_sum(readings, basis.transpose(0, 2, 1) @ both))
     both -= np.where(inside[:, None, None], basis @ means[place], 0.0)
     return Linearised(both[:, :, 0], both[:, :, 1:])
 

@@ -11,8 +11,8 @@ from symkin.calibration.corrected import with_parameters
 from symkin.calibration.estimator import State
 from symkin.calibration.identifiability import Identifiability
 from symkin.calibration.measurements import Measurements
-from symkin.calibration.model import ParameterKind
 from symkin.calibration.outliers import Outlier
+from symkin.calibration.parameters import ParameterKind
 from symkin.calibration.problem import CalibrationProblem
 from symkin.model.mechanism import Mechanism
 
@@ -54,6 +54,7 @@ class Calibration:
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
     `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are postures whose
     direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped in silence.
+    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out.
     """
 
     mechanism: Mechanism
@@ -78,6 +79,7 @@ class Calibration:
     iterations: int
     elapsed_s: float
     notes: tuple[str, ...] = field(default=())
+    given_up: tuple[Outlier, ...] = ()
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -95,9 +97,11 @@ class Calibration:
 
     @property
     def believable(self) -> bool:
-        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains."""
+        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains, but for
+        some outliers."""
         fits = self.p_value is None or self.p_value > 1e-3
-        return self.status == "ok" and self.identifiability.is_clear and not self.unsolved and fits and self.degrees > 0
+        whole = not self.unsolved and not self.given_up
+        return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
 
     def __str__(self) -> str:
         p = "" if self.p_value is None else f", probability {self.p_value:.3g}"

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.calibrate import Calibration, calibrate
+from symkin.calibration.closing import started
 from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.model import parameter_names
+from symkin.calibration.measurements import Distance, Measurements
+from symkin.calibration.parameters import parameter_names
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.report import FitReport
 from symkin.calibration.sequence import find_sequence
@@ -49,7 +50,7 @@ def fit_file(
     names = matching(mechanism, parameters) if parameters else tuple(build_closure(mechanism).parameter_names)
     held = dict.fromkeys((*(matching(mechanism, hold) if hold else ()), *frame_names(mechanism, frames)))
     fixed = tuple(name for name in held if name in names)
-    data = replace(data, measurements=with_sigmas(data, sigmas or {}))
+    data = replace(data, measurements=started(mechanism, with_sigmas(data, sigmas or {})))
     options = {**options, "parameters": names, "fixed": fixed}
     choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
@@ -72,10 +73,19 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
     """The measurements with standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
+        if key == "distance":
+            m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
+            continue
         if m.sigma(key) is not None:
             raise InputError(f"{data.path}: the standard deviation of {key} readings stands in the file; leave the option out")
         m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
     return m
+
+
+def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
+    if d.sigma is not None:
+        raise InputError(f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option out")
+    return replace(d, sigma=value)
 
 
 def matching(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symkin.calibration.closing import Configurations
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.measurements import NO_GROUP, Measurements
+from symkin.calibration.measurements import NO_GROUP, Distance, Measurements
 from symkin.calibration.model import build_model
 from symkin.calibration.workspace import Workspace
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
 
 READINGS = ("inclination", "position", "orientation", "pose")
@@ -25,7 +26,7 @@ MOST_POSTURES = 100_000
 @dataclass(frozen=True)
 class Noise:
     """Standard deviations of independent errors: of joints by kind (length unit, radians), of the equality of inclination
-    in a group, of inclinations, positions (each component) and orientations (each component of a rotation vector).
+    in a group, of inclinations, positions (each component), orientations (each component of a rotation vector) and distances.
     `uniform`: uniform of the same standard deviation, half width sqrt(3) sigma, in place of normal."""
 
     lengths: float = 0.0
@@ -34,6 +35,7 @@ class Noise:
     inclination: float = 0.0
     position: float = 0.0
     orientation: float = 0.0
+    distance: float = 0.0
     uniform: bool = False
 
     def draw(self, sigma: float | np.ndarray, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
@@ -110,8 +112,10 @@ def read(
     readings: Sequence[str],
     noise: Noise,
     rng: np.random.Generator,
+    distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> Measurements:
-    """Readings of true configurations, with standard deviations where there is noise."""
+    """Readings of true configurations, with standard deviations where there is noise; `distances` are points of the platform
+    and of the base by the names of their columns."""
     check_readings(readings)
     kinds = {part for kind in readings for part in (("position", "orientation") if kind == "pose" else (kind,))}
     count, joint_sigma = len(true), noise.joints(mechanism)
@@ -133,4 +137,8 @@ def read(
         turn = quaternion_from_rotation_vector(noise.draw(noise.orientation, (3, count), rng))
         read_as = np.asarray(multiply(true.poses[:, 3:].T, turn)).T
         made = replace(made, orientation=read_as, orientation_sigma=noise.orientation or None)
+    for name, (platform, base) in (distances or {}).items():
+        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
+        values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(noise.distance, (count,), rng)
+        made = replace(made, distances=(*made.distances, Distance(platform, base, values, noise.distance or None, name)))
     return made

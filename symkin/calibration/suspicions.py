@@ -93,7 +93,8 @@ def misfit(mechanism: Mechanism, measurements: Measurements) -> float:
 
 def _bare(m: Measurements) -> Measurements:
     """Without standard deviations: residuals are then in the length unit."""
-    return replace(m, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
+    distances = tuple(replace(d, sigma=None) for d in m.distances)
+    return replace(m, distances=distances, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
 
 
 def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measurements]]:
@@ -112,6 +113,9 @@ def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measure
     if m.position is not None:
         for factor, text in _LENGTHS.items():
             yield f"the positions look {text}", replace(m, position=m.position * factor)
+    if m.distances:
+        for factor, text in _LENGTHS.items():
+            yield f"the distances look {text}", replace(m, distances=[replace(d, values=factor * d.values) for d in m.distances])
     if m.inclination is not None:
         yield "the columns alpha and beta look exchanged", replace(m, inclination=m.inclination[:, ::-1])
 

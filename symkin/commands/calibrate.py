@@ -4,15 +4,40 @@ from __future__ import annotations
 
 import shlex
 import sys
-from enum import StrEnum
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from symkin.commands.calibrate_folder import check_folder, write_fit, write_unfitted
-from symkin.commands.options import MechArgument, SeedOption, whole_number
-from symkin.commands.quantities import angle_pairs, joint_quantities, quantity
+from symkin.commands.calibrate_options import (
+    BoxOption,
+    CriterionName,
+    CsvOption,
+    DataArgument,
+    DistanceOption,
+    GroupsOption,
+    HoldOption,
+    Method,
+    NoiseDistance,
+    NoiseGroup,
+    NoiseInclination,
+    NoiseJoints,
+    NoiseOrientation,
+    NoisePosition,
+    Outliers,
+    PatternOption,
+    PosturesOption,
+    ReadingsOption,
+    Residual,
+    Shape,
+    SigmaOption,
+    SpinOption,
+    TiltOption,
+)
+from symkin.commands.options import MechArgument, SeedOption
+from symkin.commands.quantities import angle_pairs, distance_points, joint_quantities, quantity
 from symkin.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,75 +50,6 @@ calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.
 
 _MARGIN = 0.02
 """Share of each joint's range that a plan keeps free at its limits: the true geometry is not the nominal one."""
-
-
-class Method(StrEnum):
-    nested = "nested"
-    lifted = "lifted"
-    ipopt = "ipopt"
-
-
-class Residual(StrEnum):
-    means = "means"
-    differences = "differences"
-    likelihood = "maximum-likelihood"
-
-
-class Outliers(StrEnum):
-    remove = "remove"
-    report = "report"
-    ignore = "ignore"
-
-
-class CriterionName(StrEnum):
-    D = "D"
-    A = "A"
-    I = "I"  # noqa: E741 - the name of the criterion
-
-
-class Shape(StrEnum):
-    normal = "normal"
-    uniform = "uniform"
-
-
-DataArgument = Annotated[Path, typer.Argument(metavar="DATA.csv", help="Measurements, one row a posture.")]
-CsvOption = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="File to write.")]
-PosturesOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of postures.")]
-GroupsOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Groups of equal inclination; 0: none.")]
-ReadingsOption = Annotated[
-    str, typer.Option(metavar="A,B,...", help="What is read beside joints: inclination, position, orientation, pose.")
-]
-BoxOption = Annotated[
-    str | None,
-    typer.Option(metavar="DX,DY,DZ", help="Half widths of the workspace about the reference. Default: 0.15 of the size."),
-]
-TiltOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of alpha and beta about the reference.")]
-SpinOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of the turn about z.")]
-NoiseJoints = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation of joint readings, as in 2um or 2um,0.001deg. Default: 1e-6 of the size, 0.001deg.",
-    ),
-]
-NoiseGroup = Annotated[
-    str, typer.Option(metavar="SIGMA", help="Standard deviation of equality in a group (inclinometer's repeatability).")
-]
-NoiseInclination = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of inclination readings.")]
-NoisePosition = Annotated[
-    str | None, typer.Option(metavar="SIGMA", help="Standard deviation of positions. Default: 1e-5 of the size.")
-]
-NoiseOrientation = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of orientations.")]
-SigmaOption = Annotated[
-    str | None, typer.Option(metavar="SIGMA", help="Standard deviation where the file has no sigma_ columns.")
-]
-HoldOption = Annotated[
-    str | None, typer.Option(metavar="A,B,...", help="Parameters that keep their nominal values: names or patterns.")
-]
-PatternOption = Annotated[
-    str | None,
-    typer.Option(metavar="A,B,...", help="Names or patterns such as 'leg*.base.*'; all: every parameter of the closure."),
-]
 
 
 @calibrate.command()
@@ -115,6 +71,8 @@ def fit(
     sigma_inclination: SigmaOption = None,
     sigma_position: SigmaOption = None,
     sigma_orientation: SigmaOption = None,
+    distance: DistanceOption = None,
+    sigma_distance: SigmaOption = None,
     seed: SeedOption = 0,
 ) -> None:
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
@@ -126,14 +84,14 @@ def fit(
     check_folder(output, mech, mechanism)
     given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
     sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}
-    if sigma_position is not None:
-        sigmas["position"] = quantity(sigma_position, "length", mechanism, "sigma-position")
+    lengths = {"position": sigma_position, "distance": sigma_distance}
+    sigmas |= {k: quantity(v, "length", mechanism, f"sigma-{k}") for k, v in lengths.items() if v is not None}
     if sigma_joints is not None:
         sigmas["joint"] = joint_quantities(sigma_joints, mechanism, "sigma-joints")  # type: ignore[assignment]
     try:
         report = fit_file(
-            mechanism, read_measurements(data, mechanism), parameters=parameters, hold=hold, frames=frames, sigmas=sigmas,
-            command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
+            mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
+            frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
             outliers=outliers.value,
         )  # fmt: skip
     except NotFittedError as error:
@@ -164,6 +122,8 @@ def simulate(
     noise_inclination: NoiseInclination = "0.001deg",
     noise_position: NoisePosition = None,
     noise_orientation: NoiseOrientation = "0.001deg",
+    distance: DistanceOption = None,
+    noise_distance: NoiseDistance = None,
     noise_shape: Annotated[
         Shape, typer.Option(help="Distribution of the noise, of the standard deviations given.")
     ] = Shape.normal,
@@ -177,6 +137,7 @@ def simulate(
     """Write measurements as a measuring system would take them, of random postures or those of a plan."""
     import numpy as np
 
+    from symkin.calibration.columns import DISTANCE
     from symkin.calibration.files import read_measurements, write_measurements
     from symkin.calibration.simulate import group_numbers, planned_postures, random_postures, read
     from symkin.model.file import load
@@ -185,6 +146,8 @@ def simulate(
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, noise_shape)
+    if noise_distance is not None:
+        noise = replace(noise, distance=quantity(noise_distance, "length", mechanism, "noise-distance"))
     rng = np.random.default_rng(_seed(seed))
     workspace = _workspace(true, box, tilt, spin)
     if plan is not None:
@@ -194,8 +157,10 @@ def simulate(
         numbers = group_numbers(postures, groups)
         made = random_postures(workspace, numbers, noise, rng)
     kinds = [part.strip() for part in readings.split(",") if part.strip()]
-    measured = read(mechanism, made, numbers, kinds, noise, rng)
-    write_measurements(output, mechanism, measured, sequence=euler, hidden=hide_sequence)
+    ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
+    measured = read(mechanism, made, numbers, kinds, noise, rng, ends)
+    comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
+    write_measurements(output, mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments)
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
 
 
@@ -271,7 +236,7 @@ def _noise(
     return Noise(
         lengths, angles, quantity(group, "angle", m, "noise-group"), quantity(inclination, "angle", m, "noise-inclination"),
         1e-5 * m.size if position is None else quantity(position, "length", m, "noise-position"),
-        quantity(orientation, "angle", m, "noise-orientation"), uniform=shape is Shape.uniform,
+        quantity(orientation, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
     )  # fmt: skip
 
 

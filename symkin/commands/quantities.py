@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from symkin.model.mechanism import Mechanism
 
+DistancePoints = tuple[list[float], list[float]]
+"""Ends of a distance: a point of the platform frame and one of the base frame, length unit."""
 _QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
 
 
@@ -28,8 +30,9 @@ def quantity(text: str, kind: str, mechanism: Mechanism, option: str, *, least: 
     own = mechanism.length_unit if kind == "length" else mechanism.angle_unit
     unit = (match[2] or own) if match else own
     if not math.isfinite(number) or number < least or unit not in allowed:
+        bound = "" if least == -math.inf else f" from {least:g}"
         raise InputError(
-            f"--{option} {text.strip()!r}: a number from {least:g} with a unit of {kind} is needed ({', '.join(allowed)}; without "
+            f"--{option} {text.strip()!r}: a number{bound} with a unit of {kind} is needed ({', '.join(allowed)}; without "
             f"one {own} is meant)"
         )
     return number * UNITS[unit][1] / (UNITS[mechanism.length_unit][1] if kind == "length" else 1.0)
@@ -56,6 +59,25 @@ def joint_quantities(text: str, mechanism: Mechanism, option: str) -> np.ndarray
     import numpy as np
 
     return np.array([values["angle" if c.is_angular else "length"] for c in mechanism.actuated])
+
+
+def distance_points(texts: list[str] | None, mechanism: Mechanism) -> dict[str, DistancePoints]:
+    """Points of distances by name, from `bar=0,0,50:0,0,-20mm`: in the platform's or tool's frame, then in the base frame."""
+    found: dict[str, DistancePoints] = {}
+    for text in texts or ():
+        name, _, points = text.partition("=")
+        ends = [end.split(",") for end in points.split(":")]
+        name = name.strip()
+        if not re.fullmatch(r"[A-Za-z]\w*", name) or [len(end) for end in ends] != [3, 3]:
+            raise InputError(
+                f"--distance {text!r}: NAME=X,Y,Z:BX,BY,BZ is needed, a point in the platform frame and one in the base frame, as in "
+                "bar=0,0,50:0,0,-20"
+            )
+        if name in found:
+            raise InputError(f"--distance {text!r}: {name!r} is given twice")
+        platform, base = ([quantity(v, "length", mechanism, "distance", least=-math.inf) for v in end] for end in ends)
+        found[name] = platform, base
+    return found
 
 
 def angle_pairs(text: str, mechanism: Mechanism, option: str) -> np.ndarray:

@@ -87,9 +87,9 @@ def _window(text: str | None) -> list[tuple[float, float]] | None:
         return None
     pairs = []
     for part in text.split(","):
-        ends = part.split(":")
         try:
-            pairs.append((float(ends[0]), float(ends[1])))
-        except (ValueError, IndexError):
+            low, high = part.split(":")
+            pairs.append((float(low), float(high)))
+        except ValueError:
             raise InputError(f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as -100:100,-50:50") from None
     return pairs

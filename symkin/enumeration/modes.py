@@ -10,7 +10,7 @@ from math import prod
 
 import numpy as np
 
-from symkin.errors import InputError
+from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from, pose_from
 from symkin.position.least_squares import LeastSquares
@@ -200,7 +200,7 @@ def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Soluti
     """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its rarest part's."""
     count = prod(len(b.points) for b in blocks)
     if count > MOST_MODES:
-        raise InputError(
+        raise TooManyModesError(
             f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
             "listed; solve for one of them near a start"
         )

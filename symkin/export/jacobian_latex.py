@@ -6,7 +6,7 @@ import re
 
 from symkin.export.expression import write
 from symkin.export.jacobian_header import header
-from symkin.export.latex import Latex, document, symbol_name
+from symkin.export.latex import Latex, distinct, document, letter_of_values, symbol_name
 from symkin.motion.jacobian import Jacobian
 from symkin.motion.jacobian_names import Variable
 
@@ -17,9 +17,10 @@ _LINES = 30
 
 
 def latex_source(jacobian: Jacobian) -> str:
-    """A document that compiles on its own: definitions v_k in order, then the entries J_{ij} that are not zero."""
-    symbols = [_symbol(v) for v in (*jacobian.inputs, *jacobian.parameters)]
-    definitions, entries = write(jacobian.function, symbols, Latex(_LONGEST))
+    """A document that compiles on its own: numbered definitions in order, then the entries J_{ij} that are not zero."""
+    read = (*jacobian.inputs, *jacobian.parameters)
+    symbols = distinct([symbol_of(v) for v in read], [v.name for v in read])
+    definitions, entries = write(jacobian.function, symbols, Latex(_LONGEST, exact=True, letter=letter_of_values(symbols)))
     rows, columns = jacobian.shape
     lines = [rf"{name} &= {text} \\" for name, text in definitions]
     filled = [(i, j) for i in range(rows) for j in range(columns) if entries[i + rows * j] != "0"]
@@ -27,13 +28,13 @@ def latex_source(jacobian: Jacobian) -> str:
     blocks = []
     for begin in range(0, len(lines), _LINES):
         blocks += [r"\begin{align*}", *lines[begin : begin + _LINES], r"\end{align*}"]
-    names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
+    names = {v.name: v.name for v in read}
     head = header(jacobian, names)
     remark = f"Entries that are not listed are zero ({rows * columns - len(filled)} of {rows * columns})."
     return "\n".join([*(f"% {line}".rstrip() for line in head), document("\n".join([*_prose(jacobian), remark, *blocks])), ""])
 
 
-def _symbol(v: Variable) -> str:
+def symbol_of(v: Variable) -> str:
     """The symbol of a coordinate, of a quaternion's component, or of a parameter by its key path."""
     component = re.fullmatch(r"(.*)\.([wxyz])", v.source) if v.unit == "1" else re.fullmatch(r"(q)([wxyz])", v.source)
     if component is not None and v.unit == "1":

@@ -25,7 +25,8 @@ def equations(mechanism: Mechanism) -> str:
     """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
     closure = build_closure(mechanism)
     rows = _in_user_scale(closure)
-    names = [symbol_name(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    names = distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
     definitions, results = write(rows, closure.variables, names)
     norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
     lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
@@ -64,10 +65,31 @@ def symbol_name(name: str, component: int | None = None) -> str:
     return f"{head}_{{{index}}}" if index else head
 
 
+def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
+    """The symbols, but upright the `full` name of one that looks like one before it: `theta1` and `theta_1` have one symbol."""
+    found: dict[str, str] = {}
+    for symbol, name in zip(symbols, full, strict=True):
+        while _look(symbol) in found:
+            symbol = rf"\mathrm{{{_plain(re.sub(r'[^A-Za-z0-9_.]', '_', name))}}}"
+            name += "_"
+        found[_look(symbol)] = symbol
+    return list(found.values())
+
+
+def _look(symbol: str) -> str:
+    """What tells symbols apart on paper: braces are not seen."""
+    return re.sub(r"[{}]", "", symbol)
+
+
+def letter_of_values(symbols: Sequence[str]) -> str:
+    """The letter of numbered intermediate values, one that no symbol with an index has."""
+    return r"\nu" if any(symbol.startswith("v_") for symbol in symbols) else "v"
+
+
 def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
     """Named intermediate values, in order, and the text of each entry of a dense column of `variables`."""
     function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
-    return write_in(function, names, Latex())
+    return write_in(function, names, Latex(letter=letter_of_values(names)))
 
 
 def _in_user_scale(closure: Closure) -> ca.SX:
@@ -88,18 +110,20 @@ def _is_position_row(closure: Closure, k: int) -> bool:
 
 @dataclass(frozen=True)
 class Latex:
-    """LaTeX as a language of expressions."""
+    """LaTeX as a language of expressions; numbers to 12 decimals for reading, or with every digit where they are `exact`."""
 
     longest: int | None = None
+    exact: bool = False
+    letter: str = "v"
 
     def operation(self, op: int, values: Sequence[Text]) -> Text:
         return _operation(op, values)
 
     def constant(self, value: float) -> Text:
-        return _constant(value)
+        return _constant(value, exact=self.exact)
 
     def temporary(self, number: int) -> str:
-        return f"v_{{{number}}}"
+        return f"{self.letter}_{{{number}}}"
 
 
 def _at(value: Text, level: int) -> str:
@@ -153,10 +177,12 @@ def _is_negative_number(value: Text) -> bool:
     return re.fullmatch(r"-[\d.]+( \\cdot 10\^\{-?\d+\})?", value.text) is not None
 
 
-def _constant(value: float) -> Text:
-    """A number without trailing digits of rounding; negative ones bind like a sum."""
-    snapped = round(value, 12)
-    text = f"{snapped:.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
+def _constant(value: float, *, exact: bool) -> Text:
+    """A number with every digit, or without trailing digits of rounding; negative ones bind like a sum."""
+    if exact:
+        text = f"{value:.17g}" if float(f"{value:.15g}") != value else f"{value:.15g}"
+    else:
+        text = f"{round(value, 12):.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
     if "e" in text:
         mantissa, exponent = text.split("e")
         text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"

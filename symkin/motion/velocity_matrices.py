@@ -1,4 +1,8 @@
-"""The velocity equations at one configuration, as numbers, and the Jacobians that follow from them."""
+"""The velocity equations at one configuration, as numbers, and the Jacobians that follow from them.
+
+Ranks are those of generic configurations, and a configuration where one is lost is refused; `singularities.limb_equations`
+eliminates passive joints by the ranks at the configuration itself, for what holds at singular ones.
+"""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from math import prod
 
 import numpy as np
 
-from symkin.errors import InputError
+from symkin.errors import TooManyModesError
 from symkin.paths.algebraic import AlgebraicSystem, imaginary_part
 from symkin.position.roots import MOST_MODES, merge
 
@@ -83,7 +83,7 @@ def _combinations(system: AlgebraicSystem, z: np.ndarray) -> list[np.ndarray]:
         choices.append(z[list(limb)][:, first[real]].T)
     count = prod(len(c) for c in choices)
     if count > MOST_MODES:
-        raise InputError(
+        raise TooManyModesError(
             f"the limbs' branches combine to {count} modes at one pose, more than the {MOST_MODES} that are listed; "
             "solve for one of them near a start"
         )

@@ -8,6 +8,10 @@ y P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis 
 depends neither on how the closure is written nor on units. Twists are t = (velocity of the platform origin; size times
 angular velocity) on the coordinates of the platform's motion, rates of angles are times the size. The rows a_i are the
 wrenches that the limb can exert while its actuated joints are held; those with b_i = 0 are its constraints.
+
+This is not the elimination of `motion.velocity_matrices`, which takes every rank from generic configurations, so that
+Jacobians vary smoothly, and refuses a configuration where one is lost. Here ranks are counted at the configuration itself:
+where one is lost there is more to say, and rows of unit length make distances that do not depend on the closure's rows.
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.model.closure import Closure
+from symkin.motion.differential import motion_columns
 from symkin.position.mobility import whole_system
 from symkin.position.rank import RANK_TOLERANCE
 from symkin.position.system import System
@@ -82,9 +87,7 @@ def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float) -
 
 def motion_basis(closure: Closure) -> np.ndarray:
     """(6, r): the unit motions of the platform's coordinates as (velocity of its origin; size times angular velocity)."""
-    columns = {"pose.x": [0], "pose.y": [1], "pose.z": [2], "pose.gamma": [5], "pose.quaternion": [3, 4, 5]}
-    chosen = [k for c in closure.role("pose") for k in columns[c.name]]
-    return np.eye(6)[:, chosen]
+    return np.eye(6)[:, motion_columns(closure)]
 
 
 def small_null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:

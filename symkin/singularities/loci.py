@@ -76,7 +76,7 @@ class Loci:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        window = " x ".join(
+        window = " and ".join(
             f"{name} {low:g} to {high:g} {unit}"
             for name, (low, high), unit in zip(self.plane.names, self.ranges, self.units, strict=True)
         )
@@ -112,6 +112,8 @@ def singular_loci(
     are two pairs in the mechanism's units, by default half the size or half a turn to both sides. Raises InputError.
     """
     chosen = plane_of(solution, plane)
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
@@ -156,6 +158,11 @@ def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarra
     for k, c in enumerate(plane.coordinates):
         if c.least is not None:
             sides[k, 0] = max(sides[k, 0], c.least) + 0.0
+            if not sides[k, 0] < sides[k, 1]:
+                raise InputError(
+                    f"range of {plane.names[k]} ends at {sides[k, 1]:g} {plane.mechanism.length_unit}; allowed: above "
+                    f"{c.least + 0.0:g}, where the rod has no length"
+                )
     return sides
 
 

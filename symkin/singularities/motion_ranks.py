@@ -1,4 +1,4 @@
-"""Counts that tell a singular configuration from a regular one: feasible motions, and ranks of their parts."""
+"""What tells a singular configuration from a regular one: feasible motions, ranks of their parts, and distances."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from symkin.model.closure import build_closure
+from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations
 from symkin.position.rank import RANK_TOLERANCE
@@ -56,3 +56,23 @@ def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarr
 def rank_of(matrix: np.ndarray, tolerance: float) -> int:
     """Count of singular values above `tolerance` (absolute: rows have unit length)."""
     return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0
+
+
+def distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks) -> dict[str, float]:
+    """For each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere) of its
+    matrix."""
+    found = {"type 1": _singular_value(equations.rates, generic.rates)}
+    if not closure.mechanism.serial:
+        found["type 2"] = _singular_value(equations.twist, generic.twist)
+    if generic.constraints and closure.mechanism.motion == "spatial":
+        found["constraint"] = _singular_value(equations.constraints, generic.constraints)
+    passive = [float(ratio) for limb in equations.limbs for ratio in limb.passive]
+    if passive:
+        found["passive"] = sorted(passive)[min(generic.idle, len(passive) - 1)]
+    return found
+
+
+def _singular_value(matrix: np.ndarray, rank: int) -> float:
+    """Singular value number `rank` of a matrix; 0 where it has fewer."""
+    s = np.linalg.svd(matrix, compute_uv=False) if min(matrix.shape) else np.zeros(0)
+    return float(s[rank - 1]) if 0 < rank <= len(s) else 0.0

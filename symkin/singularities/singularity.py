@@ -30,7 +30,7 @@ from symkin.position.rank import RANK_TOLERANCE
 from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
-from symkin.singularities.motion_ranks import Ranks, feasible_motions, generic_ranks, rank_of
+from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks, rank_of
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
@@ -138,7 +138,7 @@ def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
     conditions = _conditions(ranks, generic)
     kinds = _kinds(closure, ranks, generic, conditions)
     return Singularity(
-        solution, equations, ranks, generic, conditions, kinds, _distances(closure, equations, generic),
+        solution, equations, ranks, generic, conditions, kinds, distances(closure, equations, generic),
         _direct_map(equations, generic, tolerance), *_shown(solution, equations, kinds, conditions, tolerance),
         _notes(closure, ranks, generic),
     )  # fmt: skip
@@ -168,24 +168,6 @@ def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str
         "passive": "RPM" in conditions,
     }
     return tuple(name for name, holds in tests.items() if holds)
-
-
-def _distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks) -> dict[str, float]:
-    found = {"type 1": _singular_value(equations.rates, generic.rates)}
-    if not closure.mechanism.serial:
-        found["type 2"] = _singular_value(equations.twist, generic.twist)
-    if generic.constraints and closure.mechanism.motion == "spatial":
-        found["constraint"] = _singular_value(equations.constraints, generic.constraints)
-    passive = [float(ratio) for limb in equations.limbs for ratio in limb.passive]
-    if passive:
-        found["passive"] = sorted(passive)[min(generic.idle, len(passive) - 1)]
-    return found
-
-
-def _singular_value(matrix: np.ndarray, rank: int) -> float:
-    """Singular value number `rank` of a matrix; 0 where it has fewer."""
-    s = np.linalg.svd(matrix, compute_uv=False) if min(matrix.shape) else np.zeros(0)
-    return float(s[rank - 1]) if 0 < rank <= len(s) else 0.0
 
 
 def _direct_map(equations: LimbwiseEquations, generic: Ranks, tolerance: float) -> np.ndarray:

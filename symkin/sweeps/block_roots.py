@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from symkin.errors import TooManyModesError
 from symkin.paths.algebraic import AlgebraicSystem, imaginary_part
 from symkin.paths.branches import real_candidates
 from symkin.paths.dyads import with_dyads
@@ -55,7 +56,12 @@ class BlockRoots:
         settled[settled] &= self._all_clear(ends[settled])
         points, owner = [np.zeros((0, self.block.width))], []
         for i in np.flatnonzero(settled):
-            for z in real_candidates(self.algebraic, ends[i]).T:
+            try:
+                candidates = real_candidates(self.algebraic, ends[i])
+            except TooManyModesError:
+                settled[i] = False
+                continue
+            for z in candidates.T:
                 root = real_values(self.problem, self.algebraic, z, k[:, i])
                 named = with_dyads(self.problem, known[i], root)
                 points += [np.concatenate([values[c.name] for c in self.block.unknowns])[None] for values in named]

@@ -19,7 +19,7 @@ import numpy as np
 
 from symkin.enumeration.continuation import unsuitable
 from symkin.enumeration.modes import modes
-from symkin.errors import InputError
+from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.branches import complex_count
@@ -138,9 +138,7 @@ class Enumerator:
             return nothing(self.problem.closure, "off the motion", 0)
         try:
             found = modes(self.problem.mechanism, **arguments, starts=self.starts, seed=self.seed)
-        except InputError as error:
-            if "more than the" not in str(error):
-                raise
+        except TooManyModesError:
             return nothing(self.problem.closure, "too many to list", -1)
         return from_modes(found)
 

@@ -58,6 +58,7 @@ class Finisher:
             self._within_limits(values),
             none,
             np.full(len(values), np.nan),
+            values,
         )
 
     def _poses(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

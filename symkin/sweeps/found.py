@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.model.closure import Closure
+from symkin.motion.velocity import variables_of
 from symkin.position.solution import Modes, Solution
 
 COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
@@ -18,7 +19,7 @@ class Found:
     """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a
     set of solutions that are not isolated was met. Of all m modes, in the order of points: positions (m, 3), quaternions
     (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1 none; `certified`
-    1, 0, or -1 where it was not tried; radius."""
+    1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
 
     count: np.ndarray
     completeness: np.ndarray
@@ -32,6 +33,7 @@ class Found:
     within_limits: np.ndarray
     certified: np.ndarray
     radius: np.ndarray
+    values: np.ndarray
 
 
 PER_POINT = ("count", "completeness", "unresolved", "continuum")
@@ -51,7 +53,8 @@ def joint_labels(closure: Closure) -> list[tuple[str, str]]:
 
 def from_modes(found: Modes, code: str | None = None) -> Found:
     """One point, from its modes; `code` in place of their completeness."""
-    width = len(joint_labels(found.problem.closure))
+    closure = found.problem.closure
+    width = len(joint_labels(closure))
     unresolved = -1 if found.unresolved_paths is None else found.unresolved_paths
     return Found(
         np.array([len(found)]), np.array([COMPLETENESS.index(code or found.completeness)]), np.array([unresolved]),
@@ -62,6 +65,7 @@ def from_modes(found: Modes, code: str | None = None) -> Found:
         np.array([_flag(s.within_limits) for s in found], dtype=int),
         np.array([_flag(s.certified) for s in found], dtype=int),
         np.array([np.nan if s.radius is None else s.radius for s in found]),
+        np.array([variables_of(closure, s) for s in found]).reshape(-1, closure.reference.size),
     )  # fmt: skip
 
 
@@ -72,6 +76,7 @@ def nothing(closure: Closure, code: str, count: int) -> Found:
     return Found(
         np.array([count]), np.array([COMPLETENESS.index(code)]), np.array([-1]), np.array([False]),
         np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, width)), empty, empty, flags, flags, empty,
+        np.zeros((0, closure.reference.size)),
     )  # fmt: skip
 
 

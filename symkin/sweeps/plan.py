@@ -20,7 +20,7 @@ from symkin.sweeps.enumerator import Enumerator, make_enumerator
 from symkin.sweeps.quantities import Variable, arrays_of, variables
 from symkin.sweeps.space import Blocks, Space
 
-FORMAT = 1
+FORMAT = 2
 """Number of this layout of a sweep's folder."""
 _LARGEST_CHUNK, _FEWEST_CHUNKS = 500, 32
 """A chunk has as many points as it may, unless a sweep would have less chunks than this."""
@@ -60,7 +60,7 @@ class Plan:
     def compute(self, enumerator: Enumerator, index: int) -> dict[str, np.ndarray]:
         """The arrays of one chunk."""
         found = enumerator.enumerate([self.space.given(point) for point in self.space.points(self.blocks[index])])
-        return arrays_of(found, self.quantity, self.certify, self.mechanism.length_unit)
+        return arrays_of(found, self.quantity, self.certify, self.mechanism)
 
     def pinned(self, enumerator: Enumerator) -> dict[str, Any]:
         """What another sweep must share for its arrays to be equal."""
@@ -86,9 +86,7 @@ class Plan:
     def _probe(self, enumerator: Enumerator) -> str:
         """Hash of the results at the first point: shows a machine that computes other last digits."""
         first = self.space.points(self.blocks[0])[0]
-        arrays = arrays_of(
-            enumerator.enumerate([self.space.given(first)]), self.quantity, self.certify, self.mechanism.length_unit
-        )
+        arrays = arrays_of(enumerator.enumerate([self.space.given(first)]), self.quantity, self.certify, self.mechanism)
         return hashlib.sha256(b"".join(arrays[name].tobytes() for name in sorted(arrays))).hexdigest()
 
 

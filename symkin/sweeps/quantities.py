@@ -1,7 +1,8 @@
 """What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
 
-`modes`: all of them; `conditioning`: their condition numbers and the least and largest at each point; `reach`: how many
-there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
+`modes`: all of them; `conditioning`: their distances from singularities of type 1 and type 2 (see
+`symkin.singularities.singularity`), their condition numbers, and the least and largest of these at each point; `reach`: how
+many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
 modes of any point, and filled up with its `fill`.
 """
 
@@ -13,6 +14,11 @@ from typing import Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.model.closure import build_closure
+from symkin.model.mechanism import Mechanism
+from symkin.singularities.limb_equations import limbwise_equations
+from symkin.singularities.motion_ranks import distances, generic_ranks
+from symkin.singularities.singularity import TOLERANCE
 from symkin.sweeps.found import COMPLETENESS, Found
 
 QUANTITIES = ("modes", "conditioning", "reach")
@@ -52,7 +58,13 @@ def _variable(name: str, dtype: str, fill: float, dimensions: str = "", **attrib
 
 
 _COMMON = (
-    _variable("count", "int32", -1, long_name="real modes", values="-1: not computed, or too many to list"),
+    _variable(
+        "count",
+        "int32",
+        -1,
+        long_name="real modes",
+        values="-1: not computed, or too many to list; 0: none, and the least closure error is what symkin modes says there",
+    ),
     _variable("completeness", "uint8", 0, flag_values=list(range(len(COMPLETENESS))), flag_meanings=list(COMPLETENESS)),
     _variable("unresolved", "int32", -1, long_name="unresolved paths", values="-1: no paths were tracked"),
     _variable("continuum", "int8", -1, long_name="solutions that are not isolated were met", values="1: yes, 0: no"),
@@ -60,6 +72,17 @@ _COMMON = (
 _CONDITION = _variable("condition", "float64", np.nan, "mode", long_name="condition of the unknowns' Jacobian", units="1")
 _WITHIN = _variable("within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits")
 _CONDITIONING = [
+    *(
+        _variable(
+            f"distance_type_{k}",
+            "float64",
+            np.nan,
+            "mode",
+            units="1",
+            long_name=f"distance from a singularity of type {k} (0: singular; rows of unit length, angles times the size)",
+        )
+        for k in (1, 2)
+    ),
     _CONDITION,
     _WITHIN,
     _variable("least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"),
@@ -89,10 +112,10 @@ def _certificates(length_unit: str) -> list[Variable]:
     ]
 
 
-def arrays_of(found: Found, quantity: str, certify: bool, length_unit: str) -> dict[str, np.ndarray]:
+def arrays_of(found: Found, quantity: str, certify: bool, mechanism: Mechanism) -> dict[str, np.ndarray]:
     """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
-    chosen = variables(quantity, certify, length_unit)
-    derived = _derived(found)
+    chosen = variables(quantity, certify, mechanism.length_unit)
+    derived = _derived(found) | (_distances(found, mechanism) if quantity == "conditioning" else {})
     arrays = {}
     for v in chosen:
         values = derived.get(v.name, getattr(found, v.name, None))
@@ -127,3 +150,10 @@ def _derived(found: Found) -> dict[str, np.ndarray]:
         "count_within_limits": np.where(found.count < 0, -1, inside),
         "reached": np.where(decided, inside > 0, -1),
     }
+
+
+def _distances(found: Found, mechanism: Mechanism) -> dict[str, np.ndarray]:
+    """Of each mode; NaN for a kind that the mechanism cannot have."""
+    closure, generic = build_closure(mechanism), generic_ranks(mechanism)
+    rows = [distances(closure, limbwise_equations(closure, values, TOLERANCE), generic) for values in found.values]
+    return {f"distance_type_{k}": np.array([row.get(f"type {k}", np.nan) for row in rows]) for k in (1, 2)}

@@ -14,7 +14,8 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.file import parse
-from symkin.sweeps.store import labels, read_attributes, require_zarr
+from symkin.sweeps.layout import labels
+from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, style
 from symkin.view.plot import check_picture_path
 

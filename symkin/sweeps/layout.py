@@ -1,0 +1,99 @@
+"""The empty arrays of a sweep's folder: names, dimensions, chunks, attributes, and the coordinates of the points."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symkin.model.closure import build_closure
+from symkin.sweeps.found import joint_labels
+from symkin.sweeps.plan import Plan
+from symkin.sweeps.quantities import QUANTITIES, variables
+
+_MODE_CHUNK = 8
+"""Modes in one chunk of an array; more modes of a point make more chunks."""
+_SAMPLE_DIMENSION = "point"
+_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "chunk", "done", _SAMPLE_DIMENSION)
+RESERVED = frozenset(_DIMENSIONS) | {v.name for quantity in QUANTITIES for v in variables(quantity, True, "")}
+"""Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
+
+
+def labels(names: Sequence[str]) -> list[str]:
+    """Names of arrays for swept names: those that collide or that no path can hold are changed."""
+    found: list[str] = []
+    for name in names:
+        clean = "".join(c if c.isalnum() or c in "._-" else "_" for c in name)
+        label = name if clean == name and name not in RESERVED and name[0].isalpha() else f"joint.{clean}"
+        while label in found:
+            label += "_"
+        found.append(label)
+    return found
+
+
+def consolidate(folder: Path) -> None:
+    """Gather the descriptions of all arrays in one place, which `xarray.open_zarr` reads at once."""
+    import zarr
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(folder)
+
+
+def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
+    """All arrays of a plan, without values but those of the coordinates; `bound` is the most modes that a point can have."""
+    import zarr
+
+    space, box = plan.space, plan.blocks.box
+    names = labels([axis.name for axis in space.axes])
+    group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
+    dimensions = (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(names)
+    joints = joint_labels(build_closure(plan.mechanism))
+    lengths = {"mode": 1, "axis": 3, "component": 4, "joint": len(joints)}
+    chunks = lengths | {"mode": max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))}
+    for v in plan.variables:
+        group.create_array(
+            v.name, shape=(*space.shape, *(lengths[d] for d in v.dimensions)), chunks=(*box, *(max(1, chunks[d]) for d in v.dimensions)),
+            dtype=v.dtype, fill_value=v.fill, dimension_names=(*dimensions, *v.dimensions), attributes=dict(v.attributes),
+        )  # fmt: skip
+    group.create_array(
+        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",),
+        attributes={"long_name": "chunks of points that are written"},
+    )  # fmt: skip
+    for text, name in (("x y z", "axis"), ("w x y z", "component")):
+        _strings(group, name, text.split(), name)
+    _strings(group, "joint", [name for name, _ in joints], "joint")
+    _strings(group, "joint_units", [unit for _, unit in joints], "joint")
+    _create_coordinates(group, plan, names, dimensions)
+    consolidate(folder)
+
+
+def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]) -> None:
+    """Values of the swept joints or pose coordinates, along their axes or for each random point."""
+    space = plan.space
+    for k, (axis, name) in enumerate(zip(space.axes, names, strict=True)):
+        own = dimensions if space.sample is not None else (dimensions[k],)
+        length = space.sample if space.sample is not None else len(axis.values)
+        attributes = {"units": axis.unit, "long_name": axis.name}
+        coordinate = group.create_array(
+            name, shape=(length,), chunks=(max(1, min(length, 100_000)),), dtype="float64", fill_value=np.nan,
+            dimension_names=own, attributes=attributes,
+        )  # fmt: skip
+        if space.sample is None:
+            coordinate[:] = axis.values
+    if space.sample is not None:
+        for begin in range(0, space.sample, 100_000):
+            block = slice(begin, min(begin + 100_000, space.sample))
+            points = space.points((block,))
+            for k, name in enumerate(names):
+                group[name][block] = points[:, k]
+
+
+def _strings(group: Any, name: str, values: Sequence[str], dimension: str) -> None:
+    array = group.create_array(
+        name, shape=(len(values),), chunks=(max(1, len(values)),), dtype="str", dimension_names=(dimension,)
+    )
+    array[:] = np.array(list(values), dtype=object)
