@@ -26,6 +26,7 @@ from symkin.calibration.estimator import estimate
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.nonlinearity import CURVED, curvature
 from symkin.calibration.outliers import screen
 from symkin.calibration.pose_noise import pose_sigma
 from symkin.calibration.problem import build_calibration
@@ -229,3 +230,14 @@ def test_residuals_are_listed_with_their_posture():
         for component in ("alpha", "beta"):
             inside = [r.value for r in fit.residuals if data.groups[r.posture] == group and r.component == component]
             assert abs(sum(inside)) < 1e-12
+
+
+def test_curvature_grows_with_the_noise():
+    """Twice the noise doubles each parameter's curvature (second order in the step, over the step); at the method's own noise no
+    standard deviation is doubtful, and where postures no longer close it is infinite."""
+    truth, rng = geometry(TRUE), np.random.default_rng(6)
+    problem, state = fitted(measured(truth, rng, noisy=True))
+    own, twice = curvature(problem, state), curvature(problem, state, spread=4.0)
+    assert 0.0 < own.max() < CURVED
+    np.testing.assert_allclose(twice / own, 2.0, rtol=0.1)
+    assert np.isinf(curvature(problem, state, spread=1e8)).any()

@@ -32,23 +32,23 @@ def believe(fit: Calibration, *, removed: bool) -> Iterator[str]:
             f"wrong as a whole; the first was {fit.given_up[0].reason}"
         )
     if fit.unchecked:
-        yield f"nothing else checks {_listed([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
+        yield f"nothing else checks {listed([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
 
 
 def _postures(fit: Calibration) -> Iterator[str]:
     labels = fit.measurements.labels
     if fit.unsolved:
         yield (
-            f"not used: the direct problem of posture {_listed([labels[k] for k in fit.unsolved])} was not solved, neither at "
+            f"not used: the direct problem of posture {listed([labels[k] for k in fit.unsolved])} was not solved, neither at "
             "the nominal nor at the identified geometry; check the joint readings or give starts"
         )
     if fit.changed_mode:
-        yield f"posture {_listed([labels[k] for k in fit.changed_mode])} crossed a singularity and changed its assembly mode"
+        yield f"posture {listed([labels[k] for k in fit.changed_mode])} crossed a singularity and changed its assembly mode"
     groups = fit.measurements.groups
     if groups is not None:
         numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
         if np.any(counts == 1):
-            yield f"group {_listed([str(g) for g in numbers[counts == 1]])} has one posture and says nothing"
+            yield f"group {listed([str(g) for g in numbers[counts == 1]])} has one posture and says nothing"
 
 
 def _fit(fit: Calibration) -> Iterator[str]:
@@ -69,7 +69,7 @@ def _fit(fit: Calibration) -> Iterator[str]:
     size = fit.mechanism.size
     far = [p.name for p in fit.parameters if not p.held and abs(p.change) > _FAR * (size if p.kind == "length" else 1.0)]
     if far:
-        yield f"{_listed(far)} moved by more than {100 * _FAR:.0f} % of the size (angles: {_FAR} rad); check units and nominal values"
+        yield f"{listed(far)} moved by more than {100 * _FAR:.0f} % of the size (angles: {_FAR} rad); check units and nominal values"
 
 
 def _rank(fit: Calibration) -> Iterator[str]:
@@ -83,6 +83,7 @@ def _rank(fit: Calibration) -> Iterator[str]:
     yield from found.advice
 
 
-def _listed(items: list[str]) -> str:
+def listed(items: list[str]) -> str:
+    """The first few of some names, and how many more there are."""
     more = len(items) - _NAMED
     return ", ".join(items[:_NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.believable import believe
+from symkin.calibration.believable import believe, listed
 from symkin.calibration.corrected import is_writable
 from symkin.calibration.estimator import Estimate, State, evaluate
 from symkin.calibration.identifiability import judge
 from symkin.calibration.linear import LinearModel, linear_model
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.nonlinearity import CURVED, curvature
 from symkin.calibration.outliers import Screening
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import CalibrationProblem
@@ -59,6 +60,12 @@ def report(
     )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *believe(calibration, removed=removed)]
+    curved = [n for n, share in zip(problem.names, curvature(problem, state, spread), strict=True) if not share < CURVED]
+    if curved:
+        notes.append(
+            f"standard deviations of {listed(curved)} are doubtful: the readings are not linear in the parameters within them; "
+            "choose postures that tell these parameters better, or hold some"
+        )
     if left_out:
         notes.append(f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings")
     return replace(calibration, notes=tuple(notes))
