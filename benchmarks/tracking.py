@@ -5,8 +5,8 @@
 Each path starts at a random regular pose and goes along a random smooth curve in joint space (two Fourier terms a joint),
 through `--samples` points. At both ends the complete enumeration must contain the followed mode, and an independent continuation,
 Newton at a fixed step of a twentieth of each interval (of a thousandth where that fails beside a fold), judged by nothing but
-closeness, must end at the same one. The line at the
-end counts the paths: those that reached the end or stopped at a singularity, those certified, and what is wrong (see FAULTS).
+closeness, must end at the same one. The line at the end counts the paths: those that reached the end or stopped at a singularity,
+those certified, and what is wrong (see FAULTS).
 """
 
 from __future__ import annotations

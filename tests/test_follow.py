@@ -13,8 +13,10 @@ import symkin
 from laws import closes, frame, same_angle, same_pose
 from samples import Z, circles, delta, five_bar, parallel_rrr, pieper, three_rps, three_rrr, turning
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.motion.path_system import coefficients, path_system
-from symkin.motion.step_certificate import Curve, Interval
+from symkin.motion.cubic import Curve
+from symkin.motion.last_tube import on_plane
+from symkin.motion.path_system import coefficients, path_systems
+from symkin.motion.step_certificate import Interval
 from symkin.motion.track import track
 from symkin.motion.trajectory import great_circle, make_trajectory
 from symkin.position.problem import build_problem
@@ -58,6 +60,8 @@ def test_four_bar_stops_at_its_toggle(motion):
     if found.certified:
         assert found.stop.error is not None
         assert found.stop.error < 1e-9
+        assert found.stop.meeting.opposite_signs
+        assert "first singularity" in found.ground
 
 
 def test_slider_crank_stops_at_its_dead_centre():
@@ -188,6 +192,7 @@ def test_flat_parallelogram_is_a_bifurcation(motion):
     found = track(bars(100.0, 40.0, 100.0, 40.0, motion), joints=[[1.0], [-1.0]])
     assert found.stop is not None
     assert found.stop.kind == "bifurcation"
+    assert found.stop.kinds == (("type 2",) if motion == "planar" else ("type 2", "constraint"))
     assert not found.certified
     assert abs(found.end.actuated[0]) < 1e-9
     assert found.stop.meeting is not None
@@ -224,6 +229,25 @@ def test_delta_stops_where_its_elbows_coincide():
     assert abs(found.end.actuated[0] - math.acos(-0.8)) < 1e-9
 
 
+def test_limbs_that_turn_together_end_the_workspace():
+    """A delta that goes straight away stretches all three arms at once, where arm and rod are in line: the end of the workspace,
+    at which the followed one of its eight working modes meets all others."""
+    found = track(delta(), poses=[[0, 0, -200, 1, 0, 0, 0], [0, 0, -600, 1, 0, 0, 0]])
+    assert found.stop is not None
+    assert (found.stop.kind, found.stop.kinds, found.stop.blocks) == ("turning point", ("type 1",), 3)
+    assert abs(found.end.pose.position[2] + math.sqrt((100 + 220) ** 2 - 80**2)) < 1e-6
+    assert found.stop.meeting is not None
+    assert {found.stop.meeting.own, *found.stop.meeting.others} == set(range(1, 9))
+
+
+def test_one_limb_stops_and_the_others_stand_beside():
+    """Where one limb of several ends, the others stand at the same place: all loops are closed there."""
+    found = track(delta(), poses=[[0, 0, -150, 1, 0, 0, 0], [90, 10, -350, 1, 0, 0, 0]], name_modes=False)
+    assert found.stop is not None
+    assert found.stop.blocks == 1
+    assert closes(delta(), found.end.solution)
+
+
 def test_delta_reaches_no_farther_than_arm_and_rod():
     """An inverse path that leaves the workspace stops where a rod is normal to the way of its arm's end."""
     found = track(delta(), poses=[[0, 0, -150, 1, 0, 0, 0], [90, 10, -350, 1, 0, 0, 0]])
@@ -244,7 +268,7 @@ def test_tube_holds_one_branch_and_not_the_other():
     """The closed form's branch lies in the proved tube at every crank angle of the step, the other branch outside."""
     mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
     problem = build_problem(mechanism, "direct")
-    system = path_system(problem)
+    system = path_systems(problem)[0]
     index = [c.name for c in problem.system.unknowns].index("d")
     trajectory = make_trajectory(mechanism, joints=[[1.0], [1.05]])
     interval = Interval(system, coefficients(problem, *trajectory.samples))
@@ -274,7 +298,7 @@ def test_no_tube_over_a_fold_or_off_the_branch():
     """No tube is proved over crank angles beyond the toggle, nor about a curve that is off the branch."""
     mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
     problem = build_problem(mechanism, "direct")
-    system = path_system(problem)
+    system = path_systems(problem)[0]
     mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-3])[0]
     z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
     for end, shift in ((TOGGLE + 1e-3, 0.0), (TOGGLE - 0.99e-3, 0.3)):
@@ -284,6 +308,27 @@ def test_no_tube_over_a_fold_or_off_the_branch():
         a = np.append(z + shift, 0.0)
         curve = Curve.hermite(a, slope, a + slope, slope, 1.0)
         assert interval.tube(curve, np.append(np.zeros(len(z)), 1.0)) is None
+
+
+@pytest.mark.parametrize(("path", "folds"), [((TOGGLE - 1e-2, TOGGLE), True), ((TOGGLE, TOGGLE - 1e-2), False)])
+def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
+    """Through the toggle the crank angle has a maximum over the arc of the branch: u curves down where it grows to the
+    toggle, and up where it grows away from it."""
+    mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
+    problem = build_problem(mechanism, "direct")
+    system = path_systems(problem)[0]
+    trajectory = make_trajectory(mechanism, joints=[[v] for v in path])
+    interval = Interval(system, coefficients(problem, *trajectory.samples))
+    mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-6])[0]
+    z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
+    y = np.append(z, (TOGGLE - 1e-6 - path[0]) / (path[1] - path[0]))
+    null = np.linalg.svd(interval.evaluate(y)[1][:, :-1])[2][-1]
+    direction = np.append(null, 0.0)
+    a, b = (on_plane(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
+    curve = Curve.hermite(*a, *b, float(direction @ (b[0] - a[0])))
+    tube = interval.tube(curve, direction)
+    assert tube is not None
+    assert interval.folds_once(curve, direction, tube) == folds
 
 
 @pytest.mark.parametrize(
@@ -346,6 +391,46 @@ def test_limit_is_met_at_its_value_and_may_be_touched():
     assert track(mechanism, joints=[[1.0], [1.2], [1.0]]).reached
     assert track(mechanism, joints=[[1.0], [1.3]], limits=False).reached
     assert track(mechanism, joints=[[1.25], [1.0]]).stop.kind == "limit"
+
+
+def test_limits_hold_whole_turns_apart():
+    """A crank within its limits but for a whole turn is within them, as in `solve`, and stops a turn beyond the limit."""
+    mechanism = bars(GROUND, CRANK, COUPLER, ROCKER, limits=(0.5, 1.2))
+    turn = 2 * math.pi
+    assert track(mechanism, joints=[[1.0 + turn], [1.1 + turn]]).reached
+    found = track(mechanism, joints=[[1.0 - turn], [1.3 - turn]])
+    assert found.stop is not None
+    assert found.stop.kind == "limit"
+    assert "whole turn" in found.statement
+    assert abs(found.end.actuated[0] - (1.2 - turn)) < 2e-9
+
+
+def test_joints_of_an_arm_need_no_steps():
+    """The pose of an arm is a formula of its joints: samples are those of `solve`, a limit stops them at its value."""
+    arm = pieper()
+    begin, end = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]), np.array([1.1, 0.2, -0.3, 0.4, 2.5, 0.6])
+    found = track(arm, joints=[begin, end], samples=5)
+    assert found.reached
+    assert (found.certified, found.steps) == (True, 0)
+    for share, sample in zip(np.linspace(0, 1, 5), found.samples, strict=True):
+        assert same_pose(sample.solution.pose, symkin.solve(arm, joints=begin + share * (end - begin)).solution.pose, arm.size)
+
+
+def test_wrist_that_is_nearly_straight_is_passed():
+    """A tool that turns past the fourth axis at 1e-4 rad is followed with a proof; joints 4 and 6 turn by half a turn less
+    twice the angle whose tangent is distance over way, and joint 5 is back at its value."""
+    arm, way, miss = pieper(), 0.1, 1e-4
+    # the wrist's deflection is the angle between axes 4 and 6: joint 5, joint 4 its azimuth
+    deflection, azimuth = math.hypot(way, miss), math.atan2(miss, way)
+    ends = []
+    for turn in (azimuth, math.pi - azimuth):
+        ends.append(symkin.solve(arm, joints=[0.1, 0.2, 0.3, turn, deflection, 0.6 - turn]).solution)
+    found = track(arm, poses=[e.pose for e in ends], start=ends[0], name_modes=False)
+    assert found.reached
+    assert found.certified
+    assert min(s.smallest for s in found.samples) > 0.0
+    for a, b in zip(found.end.actuated, ends[1].actuated, strict=True):
+        assert same_angle(a, b, 1e-6)
 
 
 def test_passive_limits_count_within_a_step():

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from test_cli import run, run_json
+from test_follow import bars
 
 import symkin
 from laws import closes
@@ -190,6 +191,23 @@ def test_text_is_a_short_table(capsys):
     assert (status, len(lines)) == (0, 2 + 11 + 2)
     assert lines[-2].startswith("reached")
     assert json.dumps(lines[-1]).startswith('"ground: proved')
+
+
+def test_nothing_is_printed_as_0():
+    """Coordinates that are zero but for rounding are printed as 0, without a sign, and columns are aligned."""
+    found = track(bars(100.0, 40.0, 100.0, 40.0, "spatial"), joints=[[1.0], [-1.0]], name_modes=False)
+    header, *rows = str(found).splitlines()[1:4]
+    assert all(len(row) == len(header) for row in rows)
+    assert rows[-1].split()[2:-1] == ["0", "0", "1.000000", "0.000000", "0.000000", "0.000000", "0"]
+
+
+def test_far_starts_are_noted(capsys):
+    """A start far from the mode that it led to is followed with a note; a near one without."""
+    arguments = ("track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--start")
+    _, far = run_json(capsys, *arguments, "500,500,500,1,0,0,0")
+    _, near = run_json(capsys, *arguments, ",".join(str(v) for v in far["samples"][0]["pose"]["position"]) + ",1,0,0,0.1")
+    assert any("the start lies" in note for note in far["notes"])
+    assert far["samples"][0]["pose"]["position"] == pytest.approx(near["samples"][0]["pose"]["position"])
 
 
 def test_limits_may_be_ignored(tmp_path, capsys):

@@ -1,16 +1,22 @@
-"""Where a followed branch first meets a joint limit."""
+"""Where a followed branch first meets a joint limit.
+
+As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits at the start, if any do, are
+subtracted along the whole path.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from symkin.model.joint import Coordinate
-from symkin.motion.follow import Limit, Station, settled
+from symkin.motion.cubic import Curve
 from symkin.motion.path_system import PathSystem
-from symkin.motion.step_certificate import Curve, Interval
+from symkin.motion.step_certificate import Interval
 from symkin.motion.trajectory import Trajectory
+from symkin.position.problem import Problem
 
 _SLACK = 1e-9
 """A value beyond its limit by less than this (of the size, or rad) keeps it: a path may touch a limit."""
@@ -19,52 +25,78 @@ _NEAR = 1e-4
 _HALVINGS = 60
 
 
+@dataclass(frozen=True)
+class Limit:
+    """A limit of a joint that the branch meets: the coordinate's name and the value; `turns` (rad) are the whole turns that are
+    subtracted from the coordinate."""
+
+    name: str
+    value: float
+    turns: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LimitWatch:
-    """Looks at each step for the first limit that it passes, given values and unknowns alike, extremes within the step
-    included."""
+    """Looks for the first limit that is passed, of given values and unknowns alike, extremes within a step included. `turns`
+    are what is subtracted from angles; `off` ignores all limits."""
 
-    system: PathSystem
+    problem: Problem
     trajectory: Trajectory
+    off: bool = False
+    turns: dict[str, float] = field(default_factory=dict)
 
-    def __call__(self, interval: Interval, station: Station, curve: Curve) -> tuple[Station, Limit] | None:
+    def start(self, values: np.ndarray) -> Limit | None:
+        """Take the turns of a start configuration; a limit that does not hold there."""
+        found = None
+        for c in self._limited(self.problem.closure.coordinates):
+            value = float(values[self.problem.closure.slices[c.name].start])
+            self.turns[c.name] = _turns(c, value)
+            if found is None and self._excess(c, value) > 0.0:
+                found = self._limit(c, value)
+        return found
+
+    def given(self, row: int) -> tuple[float, Limit] | None:
+        """The first share of an interval at which a given value, which moves straight, leaves its limits."""
+        found: tuple[float, Limit] | None = None
+        samples, start = self.trajectory.samples, 0
+        for c in self.problem.known_coordinates:
+            if c.limits is not None and not self.off:
+                a, b = float(samples[row][start]), float(samples[min(row + 1, len(samples) - 1)][start])
+                if self._excess(c, b) > 0.0:
+                    limit = self._limit(c, b)
+                    share = min(max((limit.value + limit.turns - a) / (b - a), 0.0), 1.0) if a != b else 0.0
+                    found = (share, limit) if found is None or share < found[0] else found
+            start += c.width
+        return found
+
+    def unknown(self, interval: Interval, curve: Curve) -> tuple[float, Limit] | None:
+        """The first share of a proved step at which an unknown of its block leaves its limits."""
         first: tuple[float, Limit] | None = None
-        for c in self._limited():
-            share = self._crossing(c, station.row, curve, interval)
+        for c, place in zip(interval.system.system.unknowns, interval.system.system.slices, strict=True):
+            if c.limits is None or self.off:
+                continue
+            share = self._crossing(c, place.start, curve, interval)
             if share is not None and (first is None or share < first[0]):
-                first = (share, Limit(c.name, _nearest(c, self._value(c, station.row, curve.at(share)))))
-        return None if first is None else (self._on_branch(interval, station.row, curve.at(first[0])), first[1])
+                first = (share, self._limit(c, _value(interval.system, place.start, curve.at(share))))
+        return first
 
-    def _on_branch(self, interval: Interval, row: int, y: np.ndarray) -> Station:
-        return settled(interval, row, y[:-1], float(np.clip(y[-1], 0.0, 1.0)))
+    def _limited(self, coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
+        return [c for c in coordinates if c.limits is not None and not self.off]
 
-    def violated(self, station: Station) -> Limit | None:
-        """A limit that does not hold at a station."""
-        for c in self._limited():
-            value = self._value(c, station.row, station.y)
-            if _excess(c, value, self._size) > 0.0:
-                return Limit(c.name, _nearest(c, value))
-        return None
-
-    @property
-    def _size(self) -> float:
-        return self.system.problem.closure.size
-
-    def _limited(self) -> list[Coordinate]:
-        return [c for c in self.system.problem.closure.coordinates if c.limits is not None]
-
-    def _crossing(self, c: Coordinate, row: int, curve: Curve, interval: Interval) -> float | None:
+    def _crossing(self, c: Coordinate, place: int, curve: Curve, interval: Interval) -> float | None:
         """The first share of the step at which the coordinate leaves its limits."""
+        system = interval.system
 
         def excess(share: float) -> float:
             y = curve.at(share)
-            beyond = _excess(c, self._value(c, row, y), self._size)
-            if beyond < -_NEAR * (1.0 if c.is_angular else self._size):
+            beyond = self._excess(c, _value(system, place, y))
+            if beyond < -_NEAR * self._unit(c):
                 return beyond
-            return _excess(c, self._value(c, row, self._on_branch(interval, row, y).y), self._size)
+            z = system.correct(y[:-1], float(y[-1]), interval.c)[0]
+            return self._excess(c, _value(system, place, z))
 
         before = 0.0
-        for share in (*self._extremes(c, curve), 1.0):
+        for share in (*_extremes(curve, place), 1.0):
             if excess(share) > 0.0:
                 low, high = before, share
                 for _ in range(_HALVINGS):
@@ -74,27 +106,38 @@ class LimitWatch:
             before = share
         return None
 
-    def _extremes(self, c: Coordinate, curve: Curve) -> list[float]:
-        """Shares of the step, in order, at which an unknown coordinate's cubic has an extreme."""
-        places = dict(zip(self.system.problem.system.unknowns, self.system.problem.system.slices, strict=True))
-        if c not in places:
-            return []
-        b = np.diff(curve.control[:, places[c].start])
-        roots = np.roots([b[0] - 2 * b[1] + b[2], 2 * (b[1] - b[0]), b[0]])
-        return sorted(float(r.real) for r in roots if abs(r.imag) < 1e-12 and 0.0 < r.real < 1.0)
+    def _excess(self, c: Coordinate, value: float) -> float:
+        """How far a value lies beyond its limits and their slack; negative inside."""
+        low, high = c.limits or (-np.inf, np.inf)
+        value -= self.turns.get(c.name, 0.0)
+        return max(low - value, value - high) - _SLACK * self._unit(c)
 
-    def _value(self, c: Coordinate, row: int, y: np.ndarray) -> float:
-        problem = self.system.problem
-        values = problem.assemble(y[:-1] * self.system.scale, self.trajectory.at(row, float(np.clip(y[-1], 0.0, 1.0))))
-        return float(values[problem.closure.slices[c.name].start])
+    def _limit(self, c: Coordinate, value: float) -> Limit:
+        """The limit that is nearest to a value."""
+        low, high = c.limits or (-np.inf, np.inf)
+        turns = self.turns.get(c.name, 0.0)
+        return Limit(c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns)
+
+    def _unit(self, c: Coordinate) -> float:
+        return 1.0 if c.is_angular else self.problem.closure.size
 
 
-def _excess(c: Coordinate, value: float, size: float) -> float:
-    """How far a value lies beyond its limits and their slack; negative inside."""
+def _turns(c: Coordinate, value: float) -> float:
+    """The whole turns (rad) that bring an angle within its limits; zero where none do or none are needed."""
     low, high = c.limits or (-np.inf, np.inf)
-    return max(low - value, value - high) - _SLACK * (1.0 if c.is_angular else size)
+    if not c.is_angular or low - _SLACK <= value <= high + _SLACK:
+        return 0.0
+    turns = 2 * math.pi * math.ceil((low - _SLACK - value) / (2 * math.pi))
+    return -turns if value + turns <= high + _SLACK else 0.0
 
 
-def _nearest(c: Coordinate, value: float) -> float:
-    low, high = c.limits or (-np.inf, np.inf)
-    return low if abs(value - low) < abs(value - high) else high
+def _value(system: PathSystem, place: int, y: np.ndarray) -> float:
+    """An unknown in radians or the length unit."""
+    return float(y[place] * system.scale[place])
+
+
+def _extremes(curve: Curve, place: int) -> list[float]:
+    """Shares of the step, in order, at which an unknown's cubic has an extreme."""
+    b = np.diff(curve.control[:, place])
+    roots = np.roots([b[0] - 2 * b[1] + b[2], 2 * (b[1] - b[0]), b[0]])
+    return sorted(float(r.real) for r in roots if abs(r.imag) < 1e-12 and 0.0 < r.real < 1.0)

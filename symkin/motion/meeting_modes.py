@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ import numpy as np
 from symkin.enumeration.modes import modes
 from symkin.errors import SymkinError
 from symkin.model.joint import Coordinate
-from symkin.motion.path_system import PathSystem, coefficients
+from symkin.motion.block_walk import Walk
+from symkin.motion.follow import Branch
+from symkin.motion.path_system import PathSystem
 from symkin.motion.trajectory import Trajectory
 from symkin.motion.turning_point import SingularPoint
-from symkin.position.problem import build_problem
+from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Completeness, Modes, pose_of
 from symkin.spatial.pose import Pose
 
@@ -24,13 +27,16 @@ _SAME = 1e-5
 """Two writings of one configuration differ by less than this (lengths over the size, rotations by their matrices)."""
 _FEW_TIMES = 20.0
 """At a bifurcation the modes nearer to the singular point than this times the followed one's distance are said to meet."""
+_MOST_TURNING = 8
+"""Blocks that turn together of which all combinations are looked for."""
 
 
 @dataclass(frozen=True)
 class Meeting:
     """Numbers (from 1) of modes in the list that `modes` gives at `given` (joints or pose in the mechanism's units, at
     `parameter` of the path): the followed one, None where the list lacks it, and those that meet it. `count` is the length
-    of the list and `completeness` what it is worth."""
+    of the list and `completeness` what it is worth. `opposite_signs`: whether the determinants of the followed rows (of each
+    block that turns) have opposite signs on the two sides of the turning point; None where rows are redundant, or elsewhere."""
 
     parameter: float
     given: dict[str, list[float]]
@@ -38,40 +44,46 @@ class Meeting:
     others: tuple[int, ...]
     count: int
     completeness: Completeness
+    opposite_signs: bool | None = None
 
     def to_json(self) -> dict[str, Any]:
         return {
             "parameter": self.parameter, "given": self.given, "own": self.own, "others": list(self.others),
-            "modes": self.count, "completeness": self.completeness,
+            "modes": self.count, "completeness": self.completeness, "opposite_signs": self.opposite_signs,
         }  # fmt: skip
 
 
-def meeting_modes(
-    system: PathSystem, trajectory: Trajectory, row: int, point: SingularPoint, along: np.ndarray, seed: int = 0
-) -> Meeting | None:
-    """The modes that meet at a singular point on interval `row`; `along` leads from it back to a point of the branch (w,).
-    None where nothing lies before it or the enumeration refuses."""
-    if point.u <= 0.0:
+def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0) -> Meeting | None:
+    """The modes that meet where a branch ends at a singular point. None where nothing lies before it or the enumeration
+    refuses."""
+    row, u = branch.last.row, branch.last.u
+    back = min(_BEFORE, 0.5 * u)
+    if back <= 0.0:
         return None
-    back = min(_BEFORE, 0.5 * point.u)
-    u = point.u - back
-    c = coefficients(system.problem, trajectory.samples[row], trajectory.samples[row + 1])
-    given = user_values(trajectory, trajectory.at(row, u))
+    given = user_values(trajectory, trajectory.at(row, u - back))
     try:
         found = modes(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
     except SymkinError:
         return None
-    if point.kind == "turning point":
-        reach = math.sqrt(2.0 * back / abs(point.curvature))
-        v = point.null[:, 0] * (1.0 if point.null[:, 0] @ along > 0 else -1.0)
-        own, mate = (_number(system, found, system.correct(point.y[:-1] + s * reach * v, u, c)[0]) for s in (1.0, -1.0))
-        others = tuple(k for k in (mate,) if k is not None and k != own)
+    turning = [w for w in branch.stopped if _turns(w)]
+    sides = {id(w): _sides(w, u - back) for w in turning}
+    signs = None
+    if len(turning) < len(branch.stopped) or len(turning) > _MOST_TURNING:
+        own_unknown = _together(problem, branch.walks, {id(w): w.at(u - back) for w in branch.walks})
+        reach = _FEW_TIMES * _apart(problem, own_unknown, branch.last.unknown) + _SAME
+        own = _number(problem, found, own_unknown)
+        near = [k for k, d in enumerate(_distances(problem, found, branch.last.unknown), start=1) if d < reach]
     else:
-        length = back * float(np.linalg.norm(along))
-        own = _number(system, found, system.correct(point.y[:-1] + back * along, u, c)[0])
-        near = [k for k, d in enumerate(_distances(system, found, point.y[:-1]), start=1) if d < _FEW_TIMES * length + _SAME]
-        others = tuple(k for k in near if k != own)
-    return Meeting(trajectory.parameter(row, u), given, own, others, len(found), found.completeness)
+        rest = {id(w): w.at(u - back) for w in branch.walks if w not in turning}
+        near, own = [], None
+        for sign in product((0, 1), repeat=len(turning)):
+            chosen = {id(w): sides[id(w)][k] for w, k in zip(turning, sign, strict=True)}
+            number = _number(problem, found, _together(problem, branch.walks, rest | chosen))
+            near += [] if number is None else [number]
+            own = own if any(sign) else number
+        signs = _opposite(turning, sides, u - back)
+    others = tuple(sorted({k for k in near if k != own}))
+    return Meeting(trajectory.parameter(row, u - back), given, own, others, len(found), found.completeness, signs)
 
 
 def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[float]]:
@@ -90,21 +102,56 @@ def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     return pose_of(problem.closure, problem.assemble(problem.take(problem.closure.reference, problem.system.unknowns), known))
 
 
-def _number(system: PathSystem, found: Modes, z: np.ndarray) -> int | None:
-    distances = _distances(system, found, z)
+def _turns(walk: Walk) -> bool:
+    return walk.stop is not None and walk.stop.singular is not None and walk.stop.singular.kind == "turning point"
+
+
+def _sides(walk: Walk, u: float) -> tuple[np.ndarray, np.ndarray]:
+    """z of a turning block at a u before its turning point: on the followed side, and on the other one."""
+    point: SingularPoint = walk.stop.singular  # type: ignore[assignment, union-attr]
+    reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
+    v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (walk.station.z - point.y[:-1]) > 0 else -1.0)
+    own, mate = (walk.system.correct(point.y[:-1] + s * reach * v, u, walk.interval.c)[0] for s in (1.0, -1.0))
+    return own, mate
+
+
+def _opposite(turning: list[Walk], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float) -> bool | None:
+    """Whether det dG/dz has opposite signs on the two sides, in each block that turns; None where rows are redundant."""
+    if not all(walk.system.is_square for walk in turning):
+        return None
+    return all(_sign(w.system, sides[id(w)][0], u, w) * _sign(w.system, sides[id(w)][1], u, w) < 0 for w in turning)
+
+
+def _sign(system: PathSystem, z: np.ndarray, u: float, walk: Walk) -> float:
+    return float(np.linalg.slogdet(system.evaluate(np.append(z, u), walk.interval.c)[1][:, :-1])[0])
+
+
+def _together(problem: Problem, walks: tuple[Walk, ...], z: dict[int, np.ndarray]) -> np.ndarray:
+    """The unknowns (in radians and the length unit) that the blocks' z make."""
+    unknown = np.empty(problem.system.width)
+    for walk in walks:
+        unknown[walk.system.places] = walk.system.unknown(z[id(walk)])
+    return unknown
+
+
+def _number(problem: Problem, found: Modes, unknown: np.ndarray) -> int | None:
+    distances = _distances(problem, found, unknown)
     if not len(distances) or not np.min(distances) < _SAME:
         return None
     return int(np.argmin(distances)) + 1
 
 
-def _distances(system: PathSystem, found: Modes, z: np.ndarray) -> np.ndarray:
-    """Largest difference of each mode from z in the features of its unknowns."""
-    unknowns, size = system.problem.system.unknowns, system.problem.closure.size
-    own = np.concatenate(
-        [_feature(c, (z * system.scale)[p], size) for c, p in zip(unknowns, system.problem.system.slices, strict=True)]
-    )
-    listed = [np.concatenate([_feature(c, np.atleast_1d(mode.values[c.name]), size) for c in unknowns]) for mode in found]
-    return np.array([float(np.max(np.abs(other - own))) for other in listed])
+def _distances(problem: Problem, found: Modes, unknown: np.ndarray) -> np.ndarray:
+    """Largest difference of each mode from a configuration in the features of its unknowns."""
+    unknowns = problem.system.unknowns
+    listed = [np.concatenate([np.atleast_1d(mode.values[c.name]) for c in unknowns]) for mode in found]
+    return np.array([_apart(problem, other, unknown) for other in listed])
+
+
+def _apart(problem: Problem, a: np.ndarray, b: np.ndarray) -> float:
+    pairs = list(zip(problem.system.unknowns, problem.system.slices, strict=True))
+    one, two = (np.concatenate([_feature(c, x[place], problem.closure.size) for c, place in pairs]) for x in (a, b))
+    return float(np.max(np.abs(one - two)))
 
 
 def _feature(c: Coordinate, value: np.ndarray, size: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A problem's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and the path parameter.
+"""A block's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and the path parameter.
 
 Lengths among the unknowns z are over the size, and so are the rows; angles and unit quaternions are as they are, and each
 quaternion has a row (q.q - 1) / 2 = 0 of its own. The coefficients c are the interval's ends (see `trajectory`), so that one
@@ -14,18 +14,22 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from symkin.model.graph import instructions
 from symkin.model.joint import Coordinate
 from symkin.motion.trajectory import great_circle
 from symkin.position.problem import Problem
+from symkin.position.system import System
 from symkin.proof.balls import BallFunction, raise_constants
 
 
 @dataclass(frozen=True, eq=False)
 class PathSystem:
     """Rows G (m,) in y (w + 1,) with coefficients c. `scale` (w,): an unknown is `scale` times its part of y.
+    `system` is the block, `places` (w,) where its unknowns stand among those of the problem.
     `is_square`: as many rows as unknowns, so that a regular root of some combinations of rows is one of all."""
 
     problem: Problem
+    system: System
     y: ca.SX
     c: ca.SX
     rows: ca.SX
@@ -35,9 +39,22 @@ class PathSystem:
     def width(self) -> int:
         return len(self.scale)
 
+    @cached_property
+    def places(self) -> np.ndarray:
+        whole = self.problem.system
+        starts = {c.name: place for c, place in zip(whole.unknowns, whole.slices, strict=True)}
+        parts = [np.arange(starts[c.name].start, starts[c.name].stop) for c in self.system.unknowns]
+        return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
+
     @property
     def is_square(self) -> bool:
         return self.count == self.width
+
+    @cached_property
+    def has_series(self) -> bool:
+        """Whether the rows can be evaluated along power series over balls."""
+        operations = {op for op, *_ in instructions(ca.Function("rows", [self.y, self.c], [ca.densify(self.rows)]))}
+        return not operations & {ca.OP_SQRT, ca.OP_ATAN2}
 
     @cached_property
     def balls(self) -> BallFunction:
@@ -96,7 +113,7 @@ class PathSystem:
 
     def unknown(self, z: np.ndarray) -> np.ndarray:
         """The unknowns in radians and the length unit, quaternions of unit length."""
-        return np.asarray(self.problem.system.unit(z * self.scale))
+        return np.asarray(self.system.unit(z * self.scale))
 
 
 def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -110,9 +127,13 @@ def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=128)
-def path_system(problem: Problem) -> PathSystem:
-    """The rows of a problem along an interval; built once for each problem."""
-    system, size = problem.system, problem.closure.size
+def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
+    """The rows of each independent block of a problem along an interval; built once for each problem."""
+    return tuple(_path_system(problem, block) for block in problem.blocks)
+
+
+def _path_system(problem: Problem, system: System) -> PathSystem:
+    size = problem.closure.size
     y = ca.SX.sym("y", system.width + 1)
     scale = np.concatenate([np.full(c.width, size if c.kind == "length" else 1.0) for c in system.unknowns] or [np.zeros(0)])
     known, coefficients = _known(problem.known_coordinates, y[system.width])
@@ -122,7 +143,7 @@ def path_system(problem: Problem) -> PathSystem:
     norms = [
         0.5 * (ca.sumsqr(y[place]) - 1) for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "quaternion"
     ]
-    return PathSystem(problem, y, coefficients, ca.vertcat(rows, *norms), scale)
+    return PathSystem(problem, system, y, coefficients, ca.vertcat(rows, *norms), scale)
 
 
 def _known(coordinates: tuple[Coordinate, ...], u: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
+from symkin.motion.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
+from symkin.motion.cubic import Curve
 from symkin.motion.path_system import PathSystem, coefficient_scales
 from symkin.proof.balls import REAL, UP, precision, upper
 
 _BITS = 64
 _SPREAD = 2.0**-49
 """Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision leaves out at the samples."""
-_ROUNDING = 2.0**-48
-"""Allowance for a cubic evaluated in double precision, relative to its control points."""
 _INSIDE = 0.99
 """The image must lie in the box shrunk by this factor."""
 _TRIALS = 3
@@ -39,68 +39,26 @@ _SLIM = 0.1
 """Half width of a first box over the extent of its curve."""
 _THINNER = 0.05
 """A second box is not thinner than this times the first: boxes take the shape of their images."""
-_STILL = 1e-15
+STILL = 1e-15
 """Half width of a box along the path parameter where the linear row holds it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A cubic over 0 <= t <= length by its control points (4, n): it lies in their hull, its derivative in the hull of their
-    scaled differences."""
-
-    control: np.ndarray
-    length: float
-
-    @staticmethod
-    def hermite(a: np.ndarray, slope_a: np.ndarray, b: np.ndarray, slope_b: np.ndarray, length: float) -> Curve:
-        third = length / 3
-        return Curve(np.array([a, a + third * slope_a, b - third * slope_b, b]), length)
-
-    def at(self, share: float) -> np.ndarray:
-        """The point at `share` of the length."""
-        s, r = share, 1 - share
-        return np.asarray(np.array([r**3, 3 * r * r * s, 3 * r * s * s, s**3]) @ self.control)
-
-    @property
-    def middle_velocity(self) -> np.ndarray:
-        """The derivative in the middle."""
-        return np.asarray(np.array([-0.75, -0.75, 0.75, 0.75]) @ self.control / self.length)
-
-    @property
-    def acceleration(self) -> tuple[np.ndarray, np.ndarray]:
-        """Centre and half width (n,) of a box that holds the second derivative."""
-        return _box(6.0 / self.length**2 * np.diff(self.control, 2, axis=0), 48.0 / self.length**2 * self.rounding)
-
-    @property
-    def rounding(self) -> float:
-        return _ROUNDING * float(np.max(np.abs(self.control)))
-
-    @property
-    def hull(self) -> tuple[np.ndarray, np.ndarray]:
-        """Centre and half width (n,) of a box that holds the curve."""
-        return _box(self.control, self.rounding)
-
-    @property
-    def velocity(self) -> tuple[np.ndarray, np.ndarray]:
-        """Centre and half width (n,) of a box that holds the derivative."""
-        return _box(3.0 / self.length * np.diff(self.control, axis=0), 12.0 / self.length * self.rounding)
-
-
-def _box(points: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
-    low, high = points.min(axis=0), points.max(axis=0)
-    return 0.5 * (low + high), 0.5 * (high - low) * UP + rounding
-
-
-@dataclass(frozen=True, eq=False)
 class Tube:
-    """A proof for one step: half widths (n,) of the box about the curve, and the largest share of it that the image fills."""
+    """A proof for one step: half widths (n,) of the box about the curve, and the largest share of it that the image fills.
+    `frame` (n, n): the box is spanned by its orthonormal columns, None: by the axes."""
 
     half: np.ndarray
     tightness: float
+    frame: np.ndarray | None = None
 
     def holds(self, half: np.ndarray | None) -> bool:
         """Whether a box of these half widths about a point of the curve lies in the tube there, the path parameter apart."""
-        return half is not None and bool((half[:-1] <= self.half[:-1]).all())
+        if half is None:
+            return False
+        # the frame's inverse is its transpose but for rounding
+        across = half if self.frame is None else (np.abs(self.frame.T) @ half + 1e-13 * float(np.max(half))) * UP
+        return bool((across[:-1] <= self.half[:-1]).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,18 +72,22 @@ class Interval:
     def _prepared(self) -> list[Any]:
         with precision(_BITS):
             spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
-            return self.system.balls.prepare(REAL, _balls(self.c, spread))
+            return self.system.balls.prepare(REAL, balls(self.c, spread))
 
     def evaluate(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """G and dG/dy in doubles."""
         return self.system.evaluate(y, self.c)
+
+    def series(self, part: int, y: list[Any]) -> list[Any]:
+        """G (part 0) or dG/dy (part 1) along power series over balls."""
+        return self.system.balls.evaluate(part, y, self._prepared)
 
     @cached_property
     def _prepared_second(self) -> list[Any]:
         function, constants = self.system.second
         with precision(_BITS):
             spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
-            return function.prepare(REAL, [*_balls(self.c, spread), *constants])
+            return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
     def tube(self, curve: Curve, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:
         """A tube about the curve, or None where no box of those tried holds its image. `direction` is e; `ends` are half widths
@@ -137,7 +99,7 @@ class Interval:
             return None
         _, extent = curve.hull
         with precision(_BITS):
-            m = _matrix(inverse)
+            m = matrix(inverse)
             start = self._value(m, curve.at(0.5), curve.rounding)
             least = _least_box([half for half in ends if half is not None], len(extent))
             half = np.maximum(_first_box(extent, direction), least)
@@ -158,7 +120,7 @@ class Interval:
         if inverse is None:
             return None
         with precision(_BITS):
-            m = _matrix(inverse)
+            m = matrix(inverse)
             start = self._value(m, y, 0.0)
             step = np.array([upper(v) for v in start.entries()])
             half = 2.5 * step + 0.01 * float(np.max(step)) + 1e-17
@@ -171,38 +133,79 @@ class Interval:
                 half = half * 8.0
         return None
 
+    def tangent(self, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Centre and half width (n,) of a box that holds the branch's tangent, e.dy/ds = 1, at every root in y + box; None
+        where none is proved. With M about the inverse of [dG/dy; e], m its last column, dy/ds = m + (1 - M [dG/dy; e]) dy/ds."""
+        inverse = inverse_with(self.evaluate(y)[1], direction)
+        if inverse is None:
+            return None
+        with precision(_BITS):
+            m = matrix(inverse)
+            slope = self.system.balls.evaluate(1, balls(y, half), self._prepared)
+            error = identity(len(y)) - m * arb_mat(m.ncols(), len(y), [*slope, *direction.tolist()])
+            away = fixed_point(error, (bounds(error) @ np.abs(inverse[:, -1])) * sum_rounding(len(y)))
+        return None if away is None else (inverse[:, -1], away)
+
+    def folds_once(self, curve: Curve, direction: np.ndarray, tube: Tube) -> bool:
+        """Whether d2u/ds2 < 0 is proved for the branch in a tube over s = e.y, so that u has at most one extreme there.
+        With T a box that holds all tangents, d2y/ds2 = -M [d2G/dy2 T T; 0] + (1 - M [dG/dy; e]) d2y/ds2."""
+        inverse = inverse_with(self.evaluate(curve.at(0.5))[1], direction)
+        if inverse is None:
+            return False
+        n = len(direction)
+        with precision(_BITS):
+            m = matrix(inverse)
+            there, bend = self._slopes(curve, tube.half)
+            slope = there + bend * arb(0, 0.5 * curve.length * UP)
+            error = identity(n) - m * arb_mat(m.ncols(), n, [*slope.entries(), *direction.tolist()])
+            away = fixed_point(error, (bounds(error) @ np.abs(inverse[:, -1])) * sum_rounding(n))
+            if away is None:
+                return False
+            tangents = balls(inverse[:, -1], away)
+            curved = _lifted(m, self._bend(curve, tube.half, tangents) * REAL.column(tangents))
+            size = np.array([upper(v) for v in curved.entries()])
+            away = fixed_point(error, (bounds(error) @ size) * sum_rounding(n))
+            return away is not None and bool(-curved[n - 1, 0] + arb(0, float(away[-1])) < 0)
+
     def _value(self, m: arb_mat, y: np.ndarray, rounding: float) -> arb_mat:
         """M G at a point; the linear row vanishes there."""
-        g = self.system.balls.evaluate(0, _balls(y, np.full(len(y), rounding)), self._prepared)
+        g = self.system.balls.evaluate(0, balls(y, np.full(len(y), rounding)), self._prepared)
         return m * arb_mat(m.ncols(), 1, [*g, arb(0)])
 
     def _image(self, m: arb_mat, start: arb_mat, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Upper bounds (n,) of |K| at a point."""
         n = len(half)
-        slope = self.system.balls.evaluate(1, _balls(y, half), self._prepared)
+        slope = self.system.balls.evaluate(1, balls(y, half), self._prepared)
         through = m * arb_mat(m.ncols(), n, [*slope, *direction.tolist()])
-        total = (_identity(n) - through) * REAL.column(_balls(np.zeros(n), half)) - start
+        total = (identity(n) - through) * REAL.column(balls(np.zeros(n), half)) - start
         return np.array([upper(v) for v in total.entries()])
 
     def _image_along(self, m: arb_mat, start: arb_mat, curve: Curve, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Upper bounds (n,) of |K| over a curve: G(p(t)) to second order and dG/dy to first about the middle, with remainders
         over the whole tube."""
         n, rows = len(half), m.ncols() - 1
-        centre, extent = curve.hull
-        middle, velocity = curve.at(0.5), REAL.column(_balls(*curve.velocity))
-        ball = REAL.column(_balls(np.zeros(n), half))
-        slope = self.system.balls.evaluate(1, _balls(middle, half + curve.rounding), self._prepared)
-        arguments = [*_balls(centre, extent + half), *velocity.entries()]
-        bend = arb_mat(rows, n, self.system.second[0].evaluate(0, arguments, self._prepared_second))
-        there = arb_mat(rows, n, slope)
-        through = m * arb_mat(rows + 1, n, [*slope, *direction.tolist()])
+        velocity = REAL.column(balls(*curve.velocity))
+        ball = REAL.column(balls(np.zeros(n), half))
+        there, bend = self._slopes(curve, half)
+        through = m * arb_mat(rows + 1, n, [*there.entries(), *direction.tolist()])
         late, square = arb(0, 0.5 * curve.length * UP), arb(0, 0.125 * curve.length**2 * UP)
-        total = (_identity(n) - through) * ball - start + _lifted(m, bend * ball) * late
-        at_middle = REAL.column(_balls(curve.middle_velocity, np.full(n, 12.0 / curve.length * curve.rounding)))
+        total = (identity(n) - through) * ball - start + _lifted(m, bend * ball) * late
+        at_middle = REAL.column(balls(curve.middle_velocity, np.full(n, 12.0 / curve.length * curve.rounding)))
         total = total + _lifted(m, there * at_middle) * late
-        rest = bend * velocity + (there + bend * late) * REAL.column(_balls(*curve.acceleration))
+        rest = bend * velocity + (there + bend * late) * REAL.column(balls(*curve.acceleration))
         total = total + _lifted(m, rest) * square
         return np.array([upper(v) for v in total.entries()])
+
+    def _slopes(self, curve: Curve, half: np.ndarray) -> tuple[arb_mat, arb_mat]:
+        """dG/dy about the middle of a tube, and its derivative along the curve over the whole tube."""
+        slope = self.system.balls.evaluate(1, balls(curve.at(0.5), half + curve.rounding), self._prepared)
+        return arb_mat(self.system.count, len(half), slope), self._bend(curve, half, balls(*curve.velocity))
+
+    def _bend(self, curve: Curve, half: np.ndarray, along: list[arb]) -> arb_mat:
+        """The derivative of dG/dy along a box of vectors over the whole tube."""
+        centre, extent = curve.hull
+        arguments = [*balls(centre, extent + half), *along]
+        return arb_mat(self.system.count, len(half), self.system.second[0].evaluate(0, arguments, self._prepared_second))
 
 
 def _lifted(m: arb_mat, column: arb_mat) -> arb_mat:
@@ -211,34 +214,12 @@ def _lifted(m: arb_mat, column: arb_mat) -> arb_mat:
     return lifted
 
 
-def inverse_with(jacobian: np.ndarray, direction: np.ndarray) -> np.ndarray | None:
-    """About the (pseudo-)inverse of [dG/dy; e], (n, m + 1); None where it is singular or not finite. Where e is the path
-    parameter's direction its last row is e exactly."""
-    if not np.isfinite(jacobian).all():
-        return None
-    try:
-        if direction[-1] == 1.0:
-            inverse = _inverse(jacobian[:, :-1])
-            top = np.hstack([inverse, -inverse @ jacobian[:, -1:]])
-            inverse = np.vstack([top, np.append(np.zeros(jacobian.shape[0]), 1.0)])
-        else:
-            inverse = _inverse(np.vstack([jacobian, direction]))
-    except np.linalg.LinAlgError:
-        return None
-    return inverse if np.isfinite(inverse).all() else None
-
-
-def _inverse(matrix: np.ndarray) -> np.ndarray:
-    square = matrix.shape[0] == matrix.shape[1]
-    return np.asarray(np.linalg.inv(matrix) if square else np.linalg.pinv(matrix, rcond=1e-13))
-
-
 def _first_box(extent: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """A part of the extent of the curve in each unknown, and a little of the largest; next to nothing along the path parameter
     where that is e."""
     half = _SLIM * extent + _THINNEST * float(np.max(extent[:-1], initial=0.0)) + 1e-13
     if direction[-1] == 1.0:
-        half[-1] = _STILL
+        half[-1] = STILL
     return half
 
 
@@ -249,15 +230,3 @@ def _least_box(ends: list[np.ndarray], n: int) -> np.ndarray:
         least = np.maximum(least, 2.0 * half)
     least[-1] = 0.0
     return least
-
-
-def _balls(centre: np.ndarray, half: np.ndarray) -> list[arb]:
-    return [arb(c, r) for c, r in zip(centre.tolist(), half.tolist(), strict=True)]
-
-
-def _matrix(a: np.ndarray) -> arb_mat:
-    return arb_mat(a.shape[0], a.shape[1], a.ravel().tolist())
-
-
-def _identity(n: int) -> arb_mat:
-    return arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])

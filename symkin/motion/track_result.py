@@ -9,15 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from symkin.motion.follow import Limit
+from symkin.motion.follow import Branch
+from symkin.motion.joint_limits import Limit
 from symkin.motion.meeting_modes import Meeting
-from symkin.motion.path_system import PathSystem
 from symkin.motion.trajectory import Trajectory
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, make_solution
 from symkin.spatial.pose import Pose
-
-_LAST_STEP = ", and a last one in which it shows one regular curve up to the turning point"
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +75,9 @@ class Sample:
 @dataclass(frozen=True, eq=False)
 class Stop:
     """Where and why a track ended before the path. `kind`: turning point, bifurcation, degenerate, limit, open loops,
-    unproved, singular start, no start. `error` bounds the place on its interval (share of it) where that is proved."""
+    unproved, singular start, no start. `type` is what the followed problem loses, `kinds` all that `singularity` names there;
+    `error` bounds the place on its interval (share of it) where that is proved; `blocks` counts the independent parts (limbs
+    whose platform pose is given) that stop there together."""
 
     kind: str
     row: int
@@ -85,14 +85,17 @@ class Stop:
     place: Sample | None
     text: str
     type: str | None = None
+    kinds: tuple[str, ...] = ()
     meeting: Meeting | None = None
     error: float | None = None
     limit: Limit | None = None
+    blocks: int = 1
 
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": self.kind,
             "type": self.type,
+            "kinds": list(self.kinds),
             "row": self.row + 1,
             "share": self.u,
             "place": None if self.place is None else self.place.to_json(),
@@ -106,12 +109,12 @@ class Stop:
 @dataclass(frozen=True, eq=False)
 class Track:
     """One mode along a path. `stop` is None where the end was reached. `certified`: ball arithmetic has proved that all samples
-    lie on one branch of solutions, without a singularity up to `followed_to`; a turning point is joined to it by a regular
-    curve, along which the path parameter is seen to grow in double precision only. `followed_to` is the
-    parameter up to which steps lead, `steps` their count, of whose tubes images fill at most `tightest`."""
+    lie on one branch of solutions without a singularity, up to the end or to the turning point that is its first
+    singularity, or the pose is a formula of the joints. `ground` says so in words. `followed_to` is the parameter up to which
+    steps lead, `steps` their count, of whose tubes images fill at most `tightest`."""
 
     trajectory: Trajectory
-    system: PathSystem
+    problem: Problem
     samples: tuple[Sample, ...]
     stop: Stop | None
     certified: bool
@@ -119,11 +122,8 @@ class Track:
     steps: int
     tightest: float
     residual: float
+    ground: str
     elapsed_s: float
-
-    @property
-    def problem(self) -> Problem:
-        return self.system.problem
 
     @property
     def reached(self) -> bool:
@@ -133,29 +133,6 @@ class Track:
     def end(self) -> Sample:
         """The last configuration of the track."""
         return self.samples[-1]
-
-    @property
-    def ground(self) -> str:
-        """On what ground the samples are said to be one mode."""
-        if not self.samples:
-            return "nothing was followed"
-        steps = f"{self.steps} step{'s' if self.steps != 1 else ''}"
-        if self.certified and not self.steps:
-            return "proved: ball arithmetic shows exactly one solution at the start"
-        if self.certified:
-            last = "" if self.stop is None or self.stop.limit is not None else _LAST_STEP
-            return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{last}"
-        if self.system.is_square:
-            return (
-                f"proved up to parameter {self.followed_to:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
-                "solution for every input; beyond, checked in double precision only"
-            )
-        rows, unknowns = self.system.rows.shape[0], self.system.width
-        return (
-            f"checked: rows are redundant ({rows} for {unknowns} unknowns); in each of {steps} ball arithmetic shows at most one "
-            f"solution for every input (margin {1 - self.tightest:.2g}), and the residual, at most {self.residual:.1e} "
-            f"{self.trajectory.mechanism.length_unit}, that there is one"
-        )
 
     @property
     def statement(self) -> str:
@@ -189,10 +166,44 @@ class Track:
         return track_text(self)
 
 
+def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
+    """On what ground the samples of a branch are said to be one mode."""
+    steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
+    if branch.formula:
+        return "proved: the pose is a formula of the joints, one for every input; no steps are needed"
+    if certified and not branch.steps:
+        return "proved: ball arithmetic shows exactly one solution at the start"
+    if certified:
+        return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{_arrived(branch)}"
+    if not branch.walks:
+        return "checked: nothing was followed"
+    if branch.is_square:
+        return (
+            f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
+            "solution for every input; beyond, checked in double precision only"
+        )
+    rows, unknowns = (sum(n) for n in zip(*((w.system.count, w.system.width) for w in branch.walks), strict=True))
+    return (
+        f"checked: rows are redundant ({rows} for {unknowns} unknowns); in each of {steps} ball arithmetic shows at most one "
+        f"solution for every input (margin {1 - branch.tightest:.2g}), and the residual, at most {residual:.1e} "
+        f"{length_unit}, that there is one"
+    )
+
+
+def _arrived(branch: Branch) -> str:
+    if branch.ending != "singular":
+        return ""
+    return (
+        ", and a last one in which it shows that the path parameter grows up to the turning point, which is the first singularity"
+    )
+
+
 def stop_text(stop: Stop) -> str:
     """A singular stop in words."""
     place = "" if stop.place is None else f" at {stop.place.parameter:.12g} of the path"
-    named = f"{stop.kind} ({stop.type})" if stop.type else stop.kind
+    kinds = ", ".join(stop.kinds or ([stop.type] if stop.type else []))
+    named = f"{stop.kind} ({kinds})" if kinds else stop.kind
+    named += f" of {stop.blocks} limbs at once" if stop.blocks > 1 else ""
     match stop.kind:
         case "turning point":
             text = f"{named}{place}: the mode ends there"
@@ -210,5 +221,8 @@ def _meeting_text(meeting: Meeting) -> str:
     listed = f"of the {meeting.count} that `modes` lists at {meeting.parameter:.9g} of the path ({meeting.completeness})"
     if not meeting.others:
         return f"{own} {listed} was followed, and no other one is listed near it"
-    others = " and ".join(str(k) for k in meeting.others)
-    return f"{own} {listed} meets mode{'s' if len(meeting.others) > 1 else ''} {others}"
+    *most, last = (str(k) for k in meeting.others)
+    others = f"{', '.join(most)} and {last}" if most else last
+    signs = {True: ", with determinants of opposite sign", False: ", with determinants of one sign", None: ""}
+    plural = len(meeting.others) > 1
+    return f"{own} {listed} meets mode{'s' if plural else ''} {others}{signs[None if plural else meeting.opposite_signs]}"

@@ -27,7 +27,7 @@ _CROSSING = 1e-13
 """The same for a bifurcation, whose equations are more than its unknowns: a larger rest is that of a near miss."""
 _STEPS = 25
 _NULL = 1e-7
-"""A singular value below this times the largest counts as zero at a located point."""
+"""A singular value below this times the largest of [dG/dz, dG/du] counts as zero at a located point."""
 _FOLLOWS_LAW = 0.3
 """The distance to a singular point may differ by this share from what the branch's slope says."""
 _FLAT = 1e-6
@@ -87,11 +87,11 @@ def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarr
     """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there."""
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
-    zeros = int(np.sum(singular[: system.width] < _NULL * singular[0]))
+    whole = np.linalg.svd(jacobian, compute_uv=False)
+    zeros = int(np.sum(singular[: system.width] < _NULL * whole[0]))
     if zeros == 0:
         return None
     basis = right[system.width - zeros : system.width].T
-    whole = np.linalg.svd(jacobian, compute_uv=False)
     if zeros > 1 or whole[system.width - 1] < _NULL * whole[0]:
         return SingularPoint("bifurcation", y, basis, 0.0)
     v = basis[:, 0] if null is None else null

@@ -13,20 +13,39 @@ _MOST_ROWS = 11
 """Rows of the table at most; the JSON and the CSV hold all samples."""
 
 
+_NOTHING = 1e-12
+"""Coordinates below this (lengths over the size) are printed as 0."""
+
+
 def track_text(track: Track) -> str:
     """Some samples with pose, smallest singular value and residual; then how it ended and on what ground."""
     mechanism = track.trajectory.mechanism
     lines = [f"{mechanism.name}, {track.trajectory.kind} problem, {len(track.samples)} samples"]
     if track.samples:
-        unit = mechanism.length_unit
-        lines.append(f"{'path':>10}  {'x, y, z [' + unit + ']':<36}{'qw, qx, qy, qz':<42}{'sigma':>9} {'residual':>9}")
         chosen = np.unique(np.linspace(0, len(track.samples) - 1, _MOST_ROWS).round().astype(int))
-        lines += [_row(track.samples[k]) for k in chosen]
+        unit = mechanism.length_unit
+        header = ["path", f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz", "sigma", "residual"]
+        lines += _aligned([header, *(_row(track.samples[k], mechanism.size) for k in chosen)])
     lines += [track.statement, f"ground: {track.ground}", *track.trajectory.notes]
     return "\n".join(lines)
 
 
-def _row(sample: Sample) -> str:
-    position = ", ".join(f"{v:.6g}" for v in np.asarray(sample.pose.position))
-    quaternion = ", ".join(f"{v:.6f}" for v in np.asarray(sample.pose.quaternion))
-    return f"{sample.parameter:>10.6f}  {position:<36}{quaternion:<42}{sample.smallest:>9.2e} {sample.residual:>9.1e}"
+def _aligned(rows: list[list[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in rows]
+
+
+def _row(sample: Sample, size: float) -> list[str]:
+    pose = sample.pose
+    return [
+        f"{sample.parameter:.6f}",
+        *(f"{_plain(float(v), size):.6g}" for v in np.asarray(pose.position)),
+        *(f"{_plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(pose.quaternion)),
+        f"{_plain(sample.smallest, 1.0):.2e}" if sample.smallest >= _NOTHING else "0",
+        f"{sample.residual:.1e}" if sample.residual >= 1e-8 * _NOTHING * size else "0",
+    ]
+
+
+def _plain(value: float, size: float, least: float = _NOTHING) -> float:
+    """The value, or 0 without a sign where it is nothing."""
+    return value if abs(value) >= least * size else 0.0
