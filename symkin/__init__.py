@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from symkin.calibration.calibrate import calibrate
     from symkin.calibration.measurements import Measurements
     from symkin.motion.jacobian import jacobian
-    from symkin.motion.track import track
     from symkin.singularities.singularity import singularity
     from symkin.sweeps.run import sweep
+    from symkin.tracking.track import track
 
 __all__ = [
     "DHRow",
@@ -65,7 +65,7 @@ _LATER = {
     "jacobian": "symkin.motion.jacobian",
     "singularity": "symkin.singularities.singularity",
     "sweep": "symkin.sweeps.run",
-    "track": "symkin.motion.track",
+    "track": "symkin.tracking.track",
 }
 """Names whose modules are imported at their first use, since most runs do not need them."""
 

@@ -13,8 +13,8 @@ from test_follow import bars
 import symkin
 from laws import closes
 from symkin.csv_table import read_table
-from symkin.motion.track import track
-from symkin.motion.track_csv import read_trajectory, write_track
+from symkin.tracking.track import track
+from symkin.tracking.track_csv import read_trajectory, write_track
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"

@@ -40,8 +40,8 @@ def track(
 ) -> None:
     """Follow one mode along a path of joints or poses, with a proof, up to the first singularity or limit."""
     from symkin.model.file import load
-    from symkin.motion.track import track as follow_mode
-    from symkin.motion.track_csv import read_trajectory, write_track
+    from symkin.tracking.track import track as follow_mode
+    from symkin.tracking.track_csv import read_trajectory, write_track
 
     mechanism = load(mech)
     _check_files(output, plot)

@@ -1,1 +1,1 @@
-"""Motion: velocity equations and Jacobians, and modes followed along paths."""
+"""Motion: velocity equations and Jacobians, as numbers and as symbols."""

@@ -14,7 +14,7 @@ from symkin.view.plot import check_picture_path
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.motion.mode_graph import ModeGraph
+    from symkin.tracking.mode_graph import ModeGraph
 
 _MOST_PANELS = 8
 """Sheets that are drawn, the largest first."""

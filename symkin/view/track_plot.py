@@ -16,7 +16,7 @@ from symkin.view.plot import check_picture_path
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.motion.track_result import Track
+    from symkin.tracking.track_result import Track
 
 _DPI = 150
 _MOST_NAMED = 8

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from symkin.motion.track_result import Sample, Track
+    from symkin.tracking.track_result import Sample, Track
 
 _MOST_ROWS = 11
 """Rows of the table at most; the JSON and the CSV hold all samples."""

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from symkin.motion.follow import Branch, Place
-from symkin.motion.joint_limits import LimitWatch
-from symkin.motion.trajectory import Trajectory
 from symkin.position.problem import Problem
+from symkin.tracking.follow import Branch, Place
+from symkin.tracking.joint_limits import LimitWatch
+from symkin.tracking.trajectory import Trajectory
 
 
 def is_formula(problem: Problem, trajectory: Trajectory) -> bool:

@@ -12,14 +12,14 @@ import numpy as np
 from symkin.enumeration.modes import modes
 from symkin.errors import SymkinError
 from symkin.model.joint import Coordinate
-from symkin.motion.block_walk import Walk
-from symkin.motion.follow import Branch
-from symkin.motion.path_system import PathSystem
-from symkin.motion.trajectory import Trajectory
-from symkin.motion.turning_point import SingularPoint
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Completeness, Modes, pose_of
 from symkin.spatial.pose import Pose
+from symkin.tracking.block_walk import Walk
+from symkin.tracking.follow import Branch
+from symkin.tracking.path_system import PathSystem
+from symkin.tracking.trajectory import Trajectory
+from symkin.tracking.turning_point import SingularPoint
 
 _BEFORE = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""

@@ -13,16 +13,16 @@ from typing import Literal
 
 import numpy as np
 
-from symkin.motion.cubic import Curve
-from symkin.motion.joint_limits import Limit, LimitWatch
-from symkin.motion.last_tube import Arrival, arrival
-from symkin.motion.path_system import PathSystem, coefficients, least_squares
-from symkin.motion.series_tube import series_tube
-from symkin.motion.step_certificate import Interval, Tube
-from symkin.motion.trajectory import Trajectory
-from symkin.motion.turning_point import SingularPoint, find_singular_point
 from symkin.position.problem import Problem
 from symkin.position.solution import ACCEPTED
+from symkin.tracking.cubic import Curve
+from symkin.tracking.joint_limits import Limit, LimitWatch
+from symkin.tracking.last_tube import Arrival, arrival
+from symkin.tracking.path_system import PathSystem, coefficients, least_squares
+from symkin.tracking.series_tube import series_tube
+from symkin.tracking.step_certificate import Interval, Tube
+from symkin.tracking.trajectory import Trajectory
+from symkin.tracking.turning_point import SingularPoint, find_singular_point
 
 Ending = Literal["reached", "singular", "limit", "open", "unproved"]
 

@@ -18,12 +18,12 @@ import numpy as np
 from symkin.enumeration.modes import modes
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.motion.track import track
 from symkin.position.given import given_from
 from symkin.position.levenberg import Progress
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
 from symkin.position.solution import Modes, Solution
+from symkin.tracking.track import track
 
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are the same mode."""

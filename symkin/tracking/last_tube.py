@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.motion.cubic import Curve
-from symkin.motion.path_system import least_squares
-from symkin.motion.step_certificate import Interval, Tube
-from symkin.motion.turning_point import SingularPoint, turning_system
+from symkin.tracking.cubic import Curve
+from symkin.tracking.path_system import least_squares
+from symkin.tracking.step_certificate import Interval, Tube
+from symkin.tracking.turning_point import SingularPoint, turning_system
 
 _BEYOND = 0.02
 """The tube begins before the station and ends beyond the turning point by this share of the way between them."""

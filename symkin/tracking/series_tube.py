@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_series, ctx
 
-from symkin.motion.ball_matrices import identity, inverse_with, matrix
-from symkin.motion.cubic import Curve
-from symkin.motion.step_certificate import STILL, Interval, Tube
 from symkin.proof.balls import UP, precision, upper
+from symkin.tracking.ball_matrices import identity, inverse_with, matrix
+from symkin.tracking.cubic import Curve
+from symkin.tracking.step_certificate import STILL, Interval, Tube
 
 _BITS = 96
 _ORDER = 8

@@ -10,7 +10,7 @@ from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.motion.track_result import Sample, Track
+from symkin.tracking.track_result import Sample, Track
 
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _CHECKS = ("path", "residual", "sigma", "radius")

@@ -17,7 +17,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from symkin.motion.path_system import PathSystem
+from symkin.tracking.path_system import PathSystem
 
 PointKind = Literal["turning point", "bifurcation", "degenerate"]
 

@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
-from symkin.motion.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
-from symkin.motion.cubic import Curve
-from symkin.motion.path_system import PathSystem, coefficient_scales
 from symkin.proof.balls import REAL, UP, precision, upper
+from symkin.tracking.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
+from symkin.tracking.cubic import Curve
+from symkin.tracking.path_system import PathSystem, coefficient_scales
 
 _BITS = 64
 _SPREAD = 2.0**-49

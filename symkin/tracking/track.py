@@ -11,18 +11,18 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.motion.follow import Branch, Place, follow
-from symkin.motion.formula import evaluate, is_formula
-from symkin.motion.joint_limits import Limit, LimitWatch
-from symkin.motion.meeting_modes import meeting_modes
-from symkin.motion.track_result import Sample, Stop, Track, ground
-from symkin.motion.track_start import check_start, start_notes
-from symkin.motion.trajectory import Trajectory, make_trajectory
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import SINGULAR, Solution, pose_of
 from symkin.position.solve import solve
 from symkin.singularities.singularity import classify
 from symkin.spatial.pose import Pose
+from symkin.tracking.follow import Branch, Place, follow
+from symkin.tracking.formula import evaluate, is_formula
+from symkin.tracking.joint_limits import Limit, LimitWatch
+from symkin.tracking.meeting_modes import meeting_modes
+from symkin.tracking.track_result import Sample, Stop, Track, ground
+from symkin.tracking.track_start import check_start, start_notes
+from symkin.tracking.trajectory import Trajectory, make_trajectory
 
 _SINGULAR_START = 1e6
 """Condition of a start from which no step is proved above which it is called singular: double roots are known to 1e-8."""

@@ -16,10 +16,10 @@ import numpy as np
 
 from symkin.model.graph import instructions
 from symkin.model.joint import Coordinate
-from symkin.motion.trajectory import great_circle
 from symkin.position.problem import Problem
 from symkin.position.system import System
 from symkin.proof.balls import BallFunction, raise_constants
+from symkin.tracking.trajectory import great_circle
 
 
 @dataclass(frozen=True, eq=False)

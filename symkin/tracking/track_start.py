@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.motion.trajectory import Trajectory
 from symkin.position.given import pose_from
 from symkin.position.problem import Kind
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
+from symkin.tracking.trajectory import Trajectory
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or rad)."""

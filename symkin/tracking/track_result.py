@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from symkin.motion.follow import Branch
-from symkin.motion.joint_limits import Limit
-from symkin.motion.meeting_modes import Meeting
-from symkin.motion.trajectory import Trajectory
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, make_solution
 from symkin.spatial.pose import Pose
+from symkin.tracking.follow import Branch
+from symkin.tracking.joint_limits import Limit
+from symkin.tracking.meeting_modes import Meeting
+from symkin.tracking.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)

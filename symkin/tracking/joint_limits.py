@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symkin.model.joint import Coordinate
-from symkin.motion.cubic import Curve
-from symkin.motion.path_system import PathSystem
-from symkin.motion.step_certificate import Interval
-from symkin.motion.trajectory import Trajectory
 from symkin.position.problem import Problem
+from symkin.tracking.cubic import Curve
+from symkin.tracking.path_system import PathSystem
+from symkin.tracking.step_certificate import Interval
+from symkin.tracking.trajectory import Trajectory
 
 _SLACK = 1e-9
 """A value beyond its limit by less than this (of the size, or rad) keeps it: a path may touch a limit."""

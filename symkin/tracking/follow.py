@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from symkin.motion.block_walk import TOGETHER, Ending, Walk
-from symkin.motion.joint_limits import Limit, LimitWatch
-from symkin.motion.path_system import path_systems
-from symkin.motion.trajectory import Trajectory
 from symkin.position.problem import Problem
+from symkin.tracking.block_walk import TOGETHER, Ending, Walk
+from symkin.tracking.joint_limits import Limit, LimitWatch
+from symkin.tracking.path_system import path_systems
+from symkin.tracking.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
