@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Collection, Sequence
 
 from symkin._version import __version__
-from symkin.firmware.program import model_digest
 from symkin.motion.jacobian import Jacobian
 
 _MEANING = {
@@ -42,7 +41,7 @@ def header(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
         lines += _listed("Geometry, after the inputs:", [f"{names[v.name]} ({v.source})" for v in jacobian.parameters])
     if jacobian.closure.role("passive") and not jacobian.equations.differential.explicit:
         lines.append("Inputs must be those of a configuration that closes all loops.")
-    return [*lines, f"Made by symkin {__version__}; model SHA-256 {model_digest(mechanism)}"]
+    return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 
 def allowed_names(jacobian: Jacobian, reserved: Collection[str]) -> dict[str, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from symkin.export.latex import equations
 from symkin.firmware.closed import ClosedMechanism
-from symkin.firmware.program import Program, model_digest
+from symkin.firmware.program import Program
 from symkin.firmware.rods import RodPlatform
 from symkin.firmware.serial import SerialArm
 
@@ -114,5 +114,5 @@ One step: {counts}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.len
 {closure}
 ```
 
-Model SHA-256: `{model_digest(mechanism)}`
+Model SHA-256: `{mechanism.digest}`
 """

@@ -14,7 +14,7 @@ from symkin.errors import InputError
 from symkin.firmware.derivation import readme
 from symkin.firmware.emit import Real, indent
 from symkin.firmware.options import Options
-from symkin.firmware.program import Program, build_program, model_digest
+from symkin.firmware.program import Program, build_program
 from symkin.firmware.serial import SerialArm
 from symkin.firmware.source import fill
 from symkin.firmware.vectors import Vectors, build_vectors
@@ -59,7 +59,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
     options = program.options
     content = {
         "mechanism": program.mechanism.name,
-        "model_sha256": model_digest(program.mechanism),
+        "model_sha256": program.mechanism.digest,
         "symkin": __version__,
         "casadi": ca.__version__,
         "options": {

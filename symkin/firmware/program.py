@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 
 from symkin.firmware.closed import ClosedMechanism
@@ -41,11 +40,6 @@ class Program:
         return self.kind.options
 
 
-def model_digest(mechanism: Mechanism) -> str:
-    """SHA-256 of the mechanism file that describes the model."""
-    return hashlib.sha256(mechanism.to_toml().encode()).hexdigest()
-
-
 def build_program(mechanism: Mechanism, options: Options) -> Program:
     """Everything that is compiled, as text."""
     options.check(mechanism)
@@ -82,7 +76,7 @@ def _header_values(kind: Kind, main: KernelSource) -> dict[str, object]:
         f"One step of Newton's method: {counts} (rows, matrix, factors, step).",
         f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
         f"{_short(8 * real.epsilon * mechanism.size)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
-        f"Model SHA-256 {model_digest(mechanism)}",
+        f"Model SHA-256 {mechanism.digest}",
     ]  # fmt: skip
     if relative:
         about[about.index("") + 2 : about.index("") + 3] = [

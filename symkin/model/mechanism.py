@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -123,6 +124,11 @@ class Mechanism:
         from symkin.model.writer import mechanism_to_toml
 
         return mechanism_to_toml(self)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the mechanism file: the same for two mechanisms only where nothing differs."""
+        return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
     def __str__(self) -> str:
         kind = "serial arm" if self.serial else "parallel mechanism"

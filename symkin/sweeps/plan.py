@@ -64,13 +64,12 @@ class Plan:
 
     def pinned(self, enumerator: Enumerator) -> dict[str, Any]:
         """What another sweep must share for its arrays to be equal."""
-        text = self.mechanism.to_toml()
         return {
             "symkin_sweep": FORMAT,
             "symkin_version": __version__,
             "mechanism": self.mechanism.name,
-            "mechanism_sha256": hashlib.sha256(text.encode()).hexdigest(),
-            "mechanism_file": text,
+            "mechanism_sha256": self.mechanism.digest,
+            "mechanism_file": self.mechanism.to_toml(),
             "problem": self.kind,
             **self.space.pinned(),
             "quantity": self.quantity,
