@@ -12,8 +12,9 @@ from symkin.motion.jacobian import Jacobian
 
 
 def c_source(jacobian: Jacobian) -> str:
-    """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major; NAME_real is double."""
-    name, real = jacobian.mechanism.name, Real("double", f"{jacobian.mechanism.name}_real")
+    """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major. It takes plain doubles, so that it
+    compiles beside the firmware of the same mechanism, of either type."""
+    name, real = jacobian.mechanism.name, Real("double", "double")
     sizes = {"variables": len(jacobian.inputs), "geometry": len(jacobian.parameters)}
     function = ca.Function("f", [jacobian.symbols], [ca.densify(jacobian.expression)], {"cse": True})
     inputs = [text for array, count in sizes.items() for text in indexed(array, count)]
@@ -27,7 +28,7 @@ def c_source(jacobian: Jacobian) -> str:
     body = [*(f"(void){array};" for array in unread), *body]
     return "\n".join([
         "/*", *(f" * {line}".rstrip() for line in _comment(jacobian)), " */", "#include <math.h>", "",
-        f"typedef double {real.type};", "", f"{head};", "", head, "{", indent(body), "}", "",
+        f"{head};", "", head, "{", indent(body), "}", "",
     ])  # fmt: skip
 
 

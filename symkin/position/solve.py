@@ -38,6 +38,7 @@ SOLVERS: dict[str, Solver] = {
     "ipopt": LeastSquares(),
 }
 RESTARTS = 20
+_MOVED = "the default start is singular and was moved: give a start, or a platform position or example that is not"
 
 
 def solve(
@@ -64,7 +65,10 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         begin = start_values(problem, given, start)
         if start is None:
-            result = _from_default(problem, given, chosen, off_singularity(problem, begin, given.values))
+            moved = off_singularity(problem, begin, given.values)
+            result = _from_default(problem, given, chosen, moved)
+            if moved is not begin:
+                result = replace(result, notes=(*result.notes, _MOVED))
         else:
             result = solve_problem(problem, given, chosen, begin)
     if check and result.solution is None:
