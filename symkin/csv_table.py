@@ -24,6 +24,7 @@ UNITS: dict[str, tuple[str, float]] = {
 }  # fmt: skip
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
 
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _HEADER = re.compile(r"([A-Za-z_][\w.]*)(?:\[(\w+)\])?")
 
 
@@ -95,6 +96,11 @@ class Table:
             value = float(cell)
         except ValueError:
             value = math.nan
+        if _DECIMAL_COMMA.fullmatch(cell):
+            raise InputError(
+                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {cell!r} has a decimal comma; a point is needed, "
+                f"as in {cell.replace(',', '.')}"
+            )
         if not math.isfinite(value):
             raise InputError(
                 f"{self.path}, line {self.lines[row]}, column {column.header!r}: {cell!r} is not a number; a finite number is needed"
@@ -113,13 +119,16 @@ def read_table(path: str | Path) -> Table:
     rows = _rows(str(path), text)
     if not rows:
         raise InputError(f"{path}: the file is empty; a header of names and units is needed, as in leg1[mm],theta[deg]")
+    _refuse_separators(str(path), *rows[0])
     names = [_header(str(path), k, cell) for k, cell in enumerate(rows[0][1], start=1)]
     for k, (name, _) in enumerate(names):
         if name in [earlier for earlier, _ in names[:k]]:
             raise InputError(f"{path}: column {name!r} stands twice in the header; each name once")
     for line, row in rows[1:]:
         if len(row) != len(names):
-            raise InputError(f"{path}, line {line}: {len(row)} cells where the header has {len(names)}")
+            _refuse_separators(str(path), line, row)
+            hint = "; decimal commas, as in 0,213? a point is needed" if len(row) > len(names) else ""
+            raise InputError(f"{path}, line {line}: {len(row)} cells where the header has {len(names)}{hint}")
     cells = zip(*(row for _, row in rows[1:]), strict=True) if len(rows) > 1 else [()] * len(names)
     columns = {name: Column(name, unit, tuple(c)) for (name, unit), c in zip(names, cells, strict=True)}
     return Table(str(path), columns, tuple(line for line, _ in rows[1:]))
@@ -168,6 +177,13 @@ def _rows(path: str, text: str) -> list[tuple[int, list[str]]]:
     except csv.Error as error:
         raise InputError(f"{path}, line {reader.line_num}: the line is not CSV ({error})") from None
     return rows
+
+
+def _refuse_separators(path: str, line: int, row: list[str]) -> None:
+    """Refuse a line whose cells are separated by something else than commas."""
+    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
+        if any(mark in cell.strip() for cell in row):
+            raise InputError(f"{path}, line {line}: the cells are separated by {name}; commas are needed, and points in numbers")
 
 
 def _header(path: str, number: int, cell: str) -> tuple[str, str | None]:

@@ -119,6 +119,15 @@ def exchanged(rows):
         row[2], row[5] = row[5], row[2]
 
 
+def one_scaled(rows):
+    for row in rows:
+        row[3] = repr(1e3 * float(row[3]))
+
+
+def regrouped(rows):
+    rows[5][0] = "9"
+
+
 def level(rows):
     for row in rows:
         row[0] = "1"
@@ -132,8 +141,10 @@ def level(rows):
         (scaled(1e-3), "1000 too small"),
         (exchanged, "leg2 and leg5 look exchanged"),
         (level, "NOT USABLE"),
+        (one_scaled, "leg3 look a factor of 1000 too large"),
+        (regrouped, "posture line 7 looks to be in the wrong group"),
     ],
-    ids=["mm for m", "m for mm", "columns exchanged", "four postures"],
+    ids=["mm for m", "m for mm", "columns exchanged", "four postures", "one leg in mm", "wrong group"],
 )
 def test_what_cannot_be_used_is_reported_and_why(capsys, tmp_path, data, change, words):
     """Exit status 3, a report that says why, and no mechanism file."""
@@ -142,8 +153,59 @@ def test_what_cannot_be_used_is_reported_and_why(capsys, tmp_path, data, change,
     assert status == 3
     assert words in said
     assert words in (out / "report.md").read_text()
-    assert not json.loads((out / "report.json").read_text())["usable"]
+    report = json.loads((out / "report.json").read_text())
+    assert not report["usable"]
     assert not (out / "ren2008.toml").exists()
+    assert report.get("pose_sigma") is None
+    assert not (out / "pose_sigma.png").exists()
+    assert "poses in aligned frames" not in said + (out / "report.md").read_text()
+
+
+def test_a_fit_that_can_be_used_has_a_pose_sigma(capsys, tmp_path, data):
+    """Of a usable fit the same places hold figures."""
+    out = tmp_path / "out"
+    _, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", out)
+    assert json.loads((out / "report.json").read_text())["pose_sigma"]["position_rms"] > 0
+    assert "poses in aligned frames" in said
+
+
+def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
+    """Groups are there but only one posture closes: the sentence says so, and not that nothing was read."""
+
+    def change(rows):
+        for row in rows[1:]:
+            row[1] = "3.9"
+
+    bad = changed(data, tmp_path / "bad.csv", change)
+    status, said, complaint = run(capsys, "calibrate", "fit", "ren2008", bad, "-o", tmp_path / "out")
+    assert status == 2
+    assert "the direct problem of only 1 of 40 postures has a solution" in complaint
+    assert "no reading beside" not in said + complaint
+
+
+@pytest.mark.parametrize("sigma", [True, False], ids=["sigma known", "sigma unknown"])
+def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
+    """Of a simulation without noise nothing is flagged, whether sigma is known or not, and a note asks what it is; one gross
+    error is the only outlier."""
+    exact, bad, options = tmp_path / "exact.csv", tmp_path / "bad.csv", ["--sigma-group", "1arcsec"] if sigma else []
+    none = ["--noise-joints", "0", "--noise-group", "0"]
+    run(capsys, "calibrate", "simulate", "ren2008", "--truth", "ren2008_true", "--groups", "5", *none, "-o", exact)
+
+    def change(rows):
+        rows[8][2] = repr(float(rows[8][2]) + 5e-5)
+
+    changed(exact, bad, change)
+    for path, lines in ((exact, []), (bad, ["line 10"])):
+        run(capsys, "calibrate", "fit", "ren2008", path, "-o", tmp_path / "out", *options)
+        report = json.loads((tmp_path / "out" / "report.json").read_text())
+        assert [o["posture"] for o in report["outliers"]] == lines
+        assert any("is this a plan, or a simulation without noise?" in note for note in report["notes"])
+
+
+def test_noise_is_not_called_rounding(capsys, tmp_path, data):
+    """With noise of 2e-6 of the size there is no such question."""
+    run(capsys, "calibrate", "fit", "ren2008", data, "-o", tmp_path / "out")
+    assert "without noise" not in (tmp_path / "out" / "report.md").read_text()
 
 
 def test_single_bad_rows_are_named(capsys, tmp_path, data):
@@ -179,6 +241,16 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
         (["plan", "ren2008", "-o", "FILE", "--wedges", "5"], "alpha:beta"),
         (["plan", "ren2008", "-o", "FILE", "--noise-joints", "fast"], "unit of length"),
         (["plan", "ren2008", "-o", "FILE", "--groups", "0"], "nothing is read"),
+        (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", ""], "parameter '' matches nothing"),
+        (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", ""], "parameter '' matches nothing"),
+        (["simulate", "ren2008", "-o", "FILE", "--noise-group", "0.001deg"], "there are no groups; give --groups"),
+        (["simulate", "ren2008", "-o", "FILE"], "nothing is read beside the joints"),
+        (["simulate", "ren2008", "-o", "FILE", "--groups", "-1"], "-1 groups are asked for"),
+        (["simulate", "ren2008", "-o", "FILE", "--groups", "5", "--noise-joints", "2"], "2 m is given; allowed: to a tenth of the size"),
+        (["simulate", "ren2008", "-o", "FILE", "--readings", "pose", "--noise-position", "1"], "--noise-position"),
+        (["plan", "ren2008", "-o", "FILE", "--noise-group", ""], "unit of angle"),
+        (["plan", "ren2008", "-o", "FILE", "--noise-group", "10deg"], "allowed: to 5.73 deg"),
+        (["plan", "ren2008", "-o", "FILE", "--postures", "1"], "at least 10 postures for 5 groups, or fewer --groups"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_and_loses_nothing(capsys, tmp_path, data, arguments, fragment):

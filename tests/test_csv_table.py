@@ -45,6 +45,10 @@ def test_written_numbers_are_read(tmp_path_factory, rows):
         ("a,a\n1,2\n", ["'a'", "twice"]),
         ("a,b\n1\n", ["line 2", "1 cells", "2"]),
         ('a,b\n1,"x\n', ["line 2", "CSV"]),
+        ("a;b[mm]\n1;2\n", ["line 1", "separated by semicolons; commas are needed"]),
+        ("a\tb[mm]\n1\t2\n", ["line 1", "separated by tabs; commas are needed"]),
+        ("a,b\n1;2\n", ["line 2", "separated by semicolons"]),
+        ("a,b\n1,5,2\n", ["line 2", "3 cells", "decimal commas"]),
     ],
 )
 def test_mistakes_of_a_file_are_sentences(tmp_path, text, words):
@@ -71,6 +75,14 @@ def test_mistakes_of_columns_are_sentences(tmp_path, call, words):
     with pytest.raises(InputError) as caught:
         call(t)
     assert all(word in str(caught.value) for word in ["data.csv", *words])
+
+
+@pytest.mark.parametrize(("cell", "point"), [("0,213", "0.213"), ("-1,5e-3", "-1.5e-3"), (",5", ".5")])
+def test_decimal_commas_are_named(tmp_path, cell, point):
+    """A quoted number with a decimal comma is refused with the number that is meant."""
+    with pytest.raises(InputError, match="has a decimal comma") as caught:
+        table(tmp_path, f'a,b\n1,"{cell}"\n').numbers("b")
+    assert str(caught.value).endswith(f"as in {point}")
 
 
 def test_empty_cells_may_be_allowed(tmp_path):

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.residuals import only_rounding
+
 if TYPE_CHECKING:
     from symkin.calibration.result import Calibration
 
@@ -67,9 +69,17 @@ def _fit(fit: Calibration) -> Iterator[str]:
     elif 1.0 - fit.p_value < _UNLIKELY:
         yield f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}: the stated noise is too large"
     size = fit.mechanism.size
+    if is_exact(fit):
+        yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
     far = [p.name for p in fit.parameters if not p.held and abs(p.change) > _FAR * (size if p.kind == "length" else 1.0)]
     if far:
         yield f"{listed(far)} moved by more than {100 * _FAR:.0f} % of the size (angles: {_FAR} rad); check units and nominal values"
+
+
+def is_exact(fit: Calibration) -> bool:
+    """Whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
+    size = fit.mechanism.size
+    return fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.kind, r.value, size) for r in fit.residuals)
 
 
 def _rank(fit: Calibration) -> Iterator[str]:

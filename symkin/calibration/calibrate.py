@@ -19,7 +19,7 @@ from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outcome import Fitted, report
 from symkin.calibration.outliers import LEVEL, Outlier, Screening, most_outliers, screen
-from symkin.calibration.problem import CalibrationProblem, build_calibration
+from symkin.calibration.problem import CalibrationProblem, NothingReadError, build_calibration
 from symkin.calibration.result import Calibration, Parameter, Residual
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -138,7 +138,14 @@ def _partial(problem: CalibrationProblem, postures: Postures, options: dict[str,
     if postures.solved.all():
         return problem
     some = problem.measurements.subset(postures.solved)
-    return build_calibration(problem.mechanism, some, **options)  # type: ignore[arg-type]
+    try:
+        return build_calibration(problem.mechanism, some, **options)  # type: ignore[arg-type]
+    except NothingReadError:
+        raise InputError(
+            f"{problem.mechanism.name}: the direct problem of only {len(some)} of {len(problem.measurements)} postures has a solution "
+            "at the start geometry, and these hold no reading that could be compared (no group of two postures is left, where groups "
+            "are what was read); check that the data is of this mechanism, units, signs and the order of joints, or give starts"
+        ) from None
 
 
 def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.ndarray) -> None:

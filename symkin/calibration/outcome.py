@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.believable import believe, listed
+from symkin.calibration.believable import believe, is_exact, listed
 from symkin.calibration.corrected import is_writable
 from symkin.calibration.estimator import Estimate, State, evaluate
 from symkin.calibration.identifiability import judge
@@ -61,7 +61,7 @@ def report(
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *believe(calibration, removed=removed)]
     curved = [n for n, share in zip(problem.names, curvature(problem, state, spread), strict=True) if not share < CURVED]
-    if curved:
+    if curved and not is_exact(calibration):
         notes.append(
             f"standard deviations of {listed(curved)} are doubtful: the readings are not linear in the parameters within them; "
             "choose postures that tell these parameters better, or hold some"

@@ -14,6 +14,7 @@ import numpy as np
 
 from symkin.calibration.linear import LinearModel
 from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.residuals import ANGULAR, only_rounding
 from symkin.calibration.statistics import chi_square_tail, f_tail
 
 LEVEL = 0.02
@@ -63,8 +64,8 @@ class _Judged:
 
 
 def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LEVEL, share: float = 0.0) -> Screening:
-    """Find outliers by deletion, while their statistics are at least `share` of the largest. It is given up where more than the share `_MOST` of the readings, a third of the degrees of
-    freedom or `_NAMED` readings would go."""
+    """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than rounding. It
+    is given up where more than the share `_MOST` of the readings, a third of the degrees of freedom or `_NAMED` readings would go."""
     kinds = _kinds(problem)
     first = [_judge(model, *kind) for kind in kinds]
     unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.postures[j.degrees == 0]))
@@ -76,9 +77,12 @@ def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LE
             break
         if judged.statistic[m] < share * max((o.statistic for o in found), default=0.0):
             break
+        outlier = _outlier(problem, model, judged, m, probability)
+        if only_rounding(outlier.kind, np.array(outlier.shift), problem.mechanism.size):
+            break
         if len(found) >= most or model.degrees <= least:
             return Screening((), unchecked, tuple(found))
-        found.append(_outlier(problem, model, judged, m, probability))
+        found.append(outlier)
         model = model.without(_given(model, judged.rows[m]))
     return Screening(tuple(found), unchecked)
 
@@ -147,7 +151,7 @@ def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _Judged, m
     shift = np.linalg.solve(model.whiten[posture][np.ix_(columns, columns)], judged.shift[m][given])
     label = problem.measurements.labels[posture]
     names = [problem.model.columns[k][1] for k in columns]
-    angular = kind in ("group", "inclination", "orientation")
+    angular = kind in ANGULAR
     unit = "deg" if angular else problem.mechanism.length_unit
     shown = np.degrees(shift) if angular else shift
     text = ", ".join(f"{name} {v:+.3g} {unit}" for name, v in zip(names, shown, strict=True))

@@ -16,6 +16,10 @@ from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 
 
+class NothingReadError(InputError):
+    """Measurements without any reading beside the joints."""
+
+
 @dataclass(frozen=True, eq=False)
 class CalibrationProblem:
     """`model.names` are the free parameters; `fixed` those that the user asked for and holds at their nominal values."""
@@ -72,7 +76,7 @@ def build_calibration(
     model = build_model(mechanism, measurements, free)
     readings = build_readings(model, measurements)
     if readings.count <= 0:
-        raise InputError(
+        raise NothingReadError(
             "the measurements hold no reading beside the joints: give groups of two postures or more, inclinations, "
             "positions, orientations or distances"
         )

@@ -12,6 +12,7 @@ import numpy as np
 
 from symkin.calibration.calibrate import Calibration, Parameter
 from symkin.calibration.prediction import PoseSigma
+from symkin.calibration.residuals import ANGULAR
 from symkin.calibration.sequence import SequenceChoice
 
 _LARGEST = 6
@@ -87,7 +88,7 @@ class FitReport:
     def _beyond(self) -> tuple[str, ...]:
         """What is known of poses outside the measured postures, where they are many."""
         sigma, m = self.sigma, self.fit.mechanism
-        if np.mean(sigma.outside) <= _BEYOND:
+        if not self.usable or np.mean(sigma.outside) <= _BEYOND:
             return ()
         there, inside = (float(np.max(sigma.position[part], initial=0.0)) for part in (sigma.outside, ~sigma.outside))
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {m.length_unit} elsewhere"
@@ -143,7 +144,10 @@ class FitReport:
         return "\n".join(lines)
 
     def sigma_text(self) -> str:
+        """What is known of poses after this fit; no figure where the fit is not usable."""
         m = self.fit.mechanism
+        if not self.usable:
+            return "standard deviation of poses: none, the fit is not usable"
         if self.fit.degrees <= 0 and self.fit.p_value is None:
             return "standard deviation of poses: unknown, no degree of freedom is left"
         stated = ""
@@ -165,7 +169,7 @@ class FitReport:
         for kind, values in by_kind.items():
             rms = _rms(np.array(values))
             parts.append(
-                f"{kind} {m.angle_out(rms):.3g} {m.angle_unit}" if _angular(kind) else f"{kind} {rms:.3g} {m.length_unit}"
+                f"{kind} {m.angle_out(rms):.3g} {m.angle_unit}" if kind in ANGULAR else f"{kind} {rms:.3g} {m.length_unit}"
             )
         return "residuals, rms: " + ", ".join(parts)
 
@@ -194,12 +198,12 @@ class FitReport:
                 for q in fit.parameters
             ],
             "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in fit.outliers],
-            "pose_sigma": {
+            "pose_sigma": None if not self.usable else {
                 "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
                 "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max())),
             },
             "residuals": [
-                {"posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": m.angle_out(r.value) if _angular(r.kind) else r.value,
+                {"posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": m.angle_out(r.value) if r.kind in ANGULAR else r.value,
                  "normalised": _finite(r.normalised)}
                 for r in fit.residuals
             ],
@@ -246,10 +250,6 @@ class FitReport:
 
 def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
-
-
-def _angular(kind: str) -> bool:
-    return kind in ("group", "inclination", "orientation")
 
 
 def _unit(report: FitReport, q: Parameter) -> str:

@@ -20,7 +20,16 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel
 
 Form = Literal["means", "differences", "maximum likelihood"]
+ANGULAR = ("group", "inclination", "orientation")
+"""Kinds of readings that are angles; the others are lengths."""
+_ROUNDING = 1e-9
+"""Residuals below this, in radians or over the size, are rounding and not errors of an instrument."""
 FORMS: tuple[Form, ...] = ("means", "differences", "maximum likelihood")
+
+
+def only_rounding(kind: str, values: np.ndarray | float, size: float) -> bool:
+    """Whether residuals of a kind (radians or length unit) are no more than what arithmetic leaves."""
+    return bool(np.all(np.abs(values) < _ROUNDING * (1.0 if kind in ANGULAR else size)))
 
 
 @dataclass(frozen=True, eq=False)

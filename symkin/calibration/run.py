@@ -13,6 +13,7 @@ from symkin.calibration.calibrate import Calibration, calibrate
 from symkin.calibration.closing import started
 from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
+from symkin.calibration.group_slips import wrong_groups
 from symkin.calibration.measurements import Distance, Measurements
 from symkin.calibration.parameters import parameter_names
 from symkin.calibration.prediction import pose_sigma
@@ -47,8 +48,8 @@ def fit_file(
     `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
-    names = matching(mechanism, parameters) if parameters else tuple(build_closure(mechanism).parameter_names)
-    held = dict.fromkeys((*(matching(mechanism, hold) if hold else ()), *frame_names(mechanism, frames)))
+    names = tuple(build_closure(mechanism).parameter_names) if parameters is None else matching(mechanism, parameters)
+    held = dict.fromkeys((*(() if hold is None else matching(mechanism, hold)), *frame_names(mechanism, frames)))
     fixed = tuple(name for name in held if name in names)
     data = replace(data, measurements=started(mechanism, with_sigmas(data, sigmas or {})))
     options = {**options, "parameters": names, "fixed": fixed}
@@ -56,6 +57,8 @@ def fit_file(
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
     fit = _fitted(mechanism, data, measurements, seed, options)
     slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements)
+    if not slips and (fit.status != "ok" or fit.given_up):
+        slips = wrong_groups(mechanism, measurements)
     return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed))
 
 

@@ -58,8 +58,13 @@ def group_numbers(postures: int, groups: int) -> np.ndarray:
     """Numbers 0, 0, ..., 1, 1, ...: `postures` in `groups` as equal as may be, each of two at least."""
     if not 1 <= postures <= MOST_POSTURES:
         raise InputError(f"{postures} postures are asked for; allowed: 1 to {MOST_POSTURES}")
-    if not 0 <= groups <= postures // 2:
-        raise InputError(f"{groups} groups for {postures} postures; allowed: 0 to {postures // 2}, two postures in each at least")
+    if groups < 0:
+        raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
+    if groups > postures // 2:
+        raise InputError(
+            f"{groups} groups for {postures} posture{'s' * (postures != 1)}, and two postures in each are needed: at least {2 * groups} "
+            f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
+        )
     if groups == 0:
         return np.full(postures, NO_GROUP)
     return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(postures), groups)])

@@ -25,6 +25,8 @@ _ROWS = 40
 """Postures that are looked at, spread evenly over the file."""
 _BETTER = 3.0
 """A slip is worth a sentence when it makes the misfit smaller by this factor."""
+_OTHERS, _DECADES = 3, 2.0
+"""Joints of a kind from which one can be told from the others, and decades by which another unit must bring it nearer to them."""
 _LENGTHS = {1000.0: "a factor of 1000 too small (m taken for mm?)", 0.001: "a factor of 1000 too large (mm taken for m?)"}
 _ANGLES = {180 / math.pi: "radians taken for degrees", math.pi / 180: "degrees taken for radians"}
 _SPREAD = (3e-3, 1.0)
@@ -39,7 +41,7 @@ def suspicions(mechanism: Mechanism, measurements: Measurements) -> tuple[str, .
     if groups is not None and len(measurements) > _ROWS:
         rows = np.flatnonzero(np.isin(groups, np.unique(groups[rows])))[: 4 * _ROWS]
     bare = _bare(measurements.subset(rows))
-    found = list(_units(mechanism, bare))
+    found = [*_units(mechanism, bare)] or [*_one_unit(mechanism, bare)]
     if not found:
         as_read, unit = misfit(mechanism, bare), mechanism.length_unit
         slips = sorted((misfit(mechanism, changed), text) for text, changed in _slips(mechanism, bare))
@@ -63,6 +65,24 @@ def _units(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
                 spread = float(np.median(np.std(values, axis=0)))
                 of = "rad" if angular else "of the mechanism's size"
                 yield f"the readings of {', '.join(mechanism.actuated[k].name for k in columns)} look {text}: they spread by {spread:.2g} {of}"
+
+
+def _one_unit(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
+    """Single joints whose readings spread, and are, about 1000 times more or less than those of the other joints of their kind."""
+    columns = [k for k, c in enumerate(mechanism.actuated) if not c.is_angular]
+    if len(columns) < _OTHERS:
+        return
+    spread, large = np.std(m.joints[:, columns], axis=0), np.sqrt(np.mean(m.joints[:, columns] ** 2, axis=0))
+    if not np.all(spread > 0.0):
+        return
+    for k, column in enumerate(columns):
+        ratios = [float(sizes[k] / np.median(np.delete(sizes, k))) for sizes in (spread, large)]
+        for factor, text in _LENGTHS.items():
+            if all(abs(math.log10(r)) - abs(math.log10(r * factor)) >= _DECADES for r in ratios):
+                yield (
+                    f"the readings of {mechanism.actuated[column].name} look {text}: they spread {ratios[0]:.2g} times as much as those "
+                    "of the other joints"
+                )
 
 
 def _out_of_proportion(values: np.ndarray) -> float:

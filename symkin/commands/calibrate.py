@@ -37,7 +37,7 @@ from symkin.commands.calibrate_options import (
     TiltOption,
 )
 from symkin.commands.options import MechArgument, SeedOption
-from symkin.commands.quantities import angle_pairs, distance_points, joint_quantities, quantity
+from symkin.commands.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
 from symkin.errors import InputError
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.
 
 _MARGIN = 0.02
 """Share of each joint's range that a plan keeps free at its limits: the true geometry is not the nominal one."""
+_ANGLE = "0.001deg"
+"""Standard deviation of angular readings where none is given."""
 
 
 @calibrate.command()
@@ -118,7 +120,7 @@ def simulate(
     ] = None,
     plan: Annotated[Path | None, typer.Option(metavar="PLAN.csv", help="Take the postures and groups of a plan.")] = None,
     noise_joints: NoiseJoints = None,
-    noise_group: NoiseGroup = "0.001deg",
+    noise_group: NoiseGroup = None,
     noise_inclination: NoiseInclination = "0.001deg",
     noise_position: NoisePosition = None,
     noise_orientation: NoiseOrientation = "0.001deg",
@@ -145,18 +147,21 @@ def simulate(
     mechanism = load(mech)
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
+    kinds = _split(readings)
+    beside = [*kinds, *(distance or ())]
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, noise_shape)
     if noise_distance is not None:
-        noise = replace(noise, distance=quantity(noise_distance, "length", mechanism, "noise-distance"))
+        noise = replace(noise, distance=noise_quantity(noise_distance, "length", mechanism, "noise-distance"))
     rng = np.random.default_rng(_seed(seed))
     workspace = _workspace(true, box, tilt, spin)
     if plan is not None:
         planned = read_measurements(plan, mechanism)
+        _check_read(planned.measurements.groups is not None, beside, noise_group)
         numbers, made = planned_postures(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
     else:
+        _check_read(groups != 0, beside, noise_group)
         numbers = group_numbers(postures, groups)
         made = random_postures(workspace, numbers, noise, rng)
-    kinds = [part.strip() for part in readings.split(",") if part.strip()]
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
     measured = read(mechanism, made, numbers, kinds, noise, rng, ends)
     comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
@@ -183,7 +188,7 @@ def plan(
         bool, typer.Option("--raw", help="Judge poses in their own frames, not after the best base and tool alignment.")
     ] = False,
     noise_joints: NoiseJoints = None,
-    noise_group: NoiseGroup = "0.001deg",
+    noise_group: NoiseGroup = None,
     noise_inclination: NoiseInclination = "0.001deg",
     noise_position: NoisePosition = None,
     noise_orientation: NoiseOrientation = "0.001deg",
@@ -199,11 +204,12 @@ def plan(
     from symkin.model.file import load
 
     mechanism = load(mech)
+    _check_read(groups != 0, _split(readings), noise_group)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
     made = plan_measurements(
         _workspace(mechanism, box, tilt, spin, _MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
-        readings=[part.strip() for part in readings.split(",") if part.strip()],
+        readings=_split(readings),
         parameters=None if parameters is None else matching(mechanism, parameters), aligned=not raw,
     )  # fmt: skip
     write_plan(output, made)
@@ -224,20 +230,37 @@ def plan(
 
 
 def _noise(
-    m: Mechanism, joints: str | None, group: str, inclination: str, position: str | None, orientation: str, shape: Shape
+    m: Mechanism, joints: str | None, group: str | None, inclination: str, position: str | None, orientation: str, shape: Shape
 ) -> Noise:
     from symkin.calibration.simulate import Noise
 
-    lengths, angles = 1e-6 * m.size, quantity("0.001deg", "angle", m, "noise-joints")
+    lengths, angles = 1e-6 * m.size, quantity(_ANGLE, "angle", m, "noise-joints")
     if joints is not None:
         values = joint_quantities(joints, m, "noise-joints")
         for value, c in zip(values, m.actuated, strict=True):
+            check_noise(float(value), "angle" if c.is_angular else "length", m, "noise-joints")
             lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
     return Noise(
-        lengths, angles, quantity(group, "angle", m, "noise-group"), quantity(inclination, "angle", m, "noise-inclination"),
-        1e-5 * m.size if position is None else quantity(position, "length", m, "noise-position"),
-        quantity(orientation, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
+        lengths, angles, noise_quantity(_ANGLE if group is None else group, "angle", m, "noise-group"),
+        noise_quantity(inclination, "angle", m, "noise-inclination"),
+        1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
+        noise_quantity(orientation, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
     )  # fmt: skip
+
+
+def _split(readings: str) -> list[str]:
+    return [part.strip() for part in readings.split(",") if part.strip()]
+
+
+def _check_read(grouped: bool, read: list[str], noise_group: str | None) -> None:
+    """Refuse what no fit could use: joints alone, and noise of groups that are not asked for."""
+    if noise_group is not None and not grouped:
+        raise InputError("--noise-group is given and there are no groups; give --groups, or leave --noise-group out")
+    if not grouped and not read:
+        raise InputError(
+            "nothing is read beside the joints, and a fit would refuse the file; name --groups, or --readings (inclination, "
+            "position, orientation, pose), or distances"
+        )
 
 
 def _workspace(mechanism: Mechanism, box: str | None, tilt: str, spin: str, margin: float = 0.0) -> Workspace:

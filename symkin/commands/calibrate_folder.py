@@ -29,15 +29,16 @@ def check_folder(folder: Path, mech: str, mechanism: Mechanism) -> None:
 
 
 def write_fit(report: FitReport, folder: Path) -> list[Path]:
-    """Every file whole or not at all; the mechanism only if it can be used."""
+    """Every file whole or not at all; the mechanism and what it says of poses only if it can be used."""
     from symkin.calibration.run import calibrated_mechanism
     from symkin.view.calibration_plot import parameter_figure, png, pose_sigma_figure, residual_figure
 
     pictures = {
         "residuals.png": png(residual_figure(report.fit)),
         "parameters.png": png(parameter_figure(report.fit)),
-        "pose_sigma.png": png(pose_sigma_figure(report.fit, report.sigma)),
     }
+    if report.usable:
+        pictures["pose_sigma.png"] = png(pose_sigma_figure(report.fit, report.sigma))
     contents = {
         **pictures,
         "report.json": (json.dumps(report.to_json(), indent=1, allow_nan=False) + "\n").encode(),

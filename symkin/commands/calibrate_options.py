@@ -61,7 +61,11 @@ NoiseJoints = Annotated[
     ),
 ]
 NoiseGroup = Annotated[
-    str, typer.Option(metavar="SIGMA", help="Standard deviation of equality in a group (inclinometer's repeatability).")
+    str | None,
+    typer.Option(
+        metavar="SIGMA",
+        help="Standard deviation of equality in a group (inclinometer's repeatability). Default: 0.001deg.",
+    ),
 ]
 NoiseInclination = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of inclination readings.")]
 NoisePosition = Annotated[

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 DistancePoints = tuple[list[float], list[float]]
 """Ends of a distance: a point of the platform frame and one of the base frame, length unit."""
+_NOISIEST = 0.1
+"""Standard deviation over the size, or in radians, from which readings tell nothing and a unit must be wrong."""
 _QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
 
 
@@ -36,6 +38,26 @@ def quantity(text: str, kind: str, mechanism: Mechanism, option: str, *, least: 
             f"one {own} is meant)"
         )
     return number * UNITS[unit][1] / (UNITS[mechanism.length_unit][1] if kind == "length" else 1.0)
+
+
+def noise_quantity(text: str, kind: str, mechanism: Mechanism, option: str) -> float:
+    """A standard deviation of readings, as `quantity`; one that is out of all proportion is refused."""
+    value = quantity(text, kind, mechanism, option)
+    check_noise(value, kind, mechanism, option)
+    return value
+
+
+def check_noise(value: float, kind: str, mechanism: Mechanism, option: str) -> None:
+    """Refuse a standard deviation beyond a tenth of the mechanism's size, or of a radian: nothing could be told from such readings."""
+    m = mechanism
+    most, given, unit = (
+        (_NOISIEST * m.size, value, m.length_unit) if kind == "length" else (_NOISIEST, m.angle_out(value), m.angle_unit)
+    )
+    if value > most:
+        bound = f"a tenth of the size of {m.name}, {most:.3g}" if kind == "length" else f"{m.angle_out(most):.3g}"
+        raise InputError(
+            f"--{option}: a standard deviation of {given:g} {unit} is given; allowed: to {bound} {unit}; check the unit"
+        )
 
 
 def joint_quantities(text: str, mechanism: Mechanism, option: str) -> np.ndarray:
