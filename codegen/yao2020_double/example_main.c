@@ -5,17 +5,30 @@
 
 #include <stdio.h>
 
+/* Says on stderr why the example ends: the status by its name. */
+static int stopped(const char *call, yao2020_status status)
+{
+    static const char *const names[] = {
+        "YAO2020_OK", "YAO2020_MAX_ITERATIONS", "YAO2020_SINGULAR", "YAO2020_NONFINITE", "YAO2020_OUT_OF_RANGE", "YAO2020_WRONG_BRANCH"
+    };
+    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
+    return 1;
+}
+
 int main(void)
 {
     yao2020_pose pose;
     yao2020_real joints[YAO2020_JOINTS];
     yao2020_info info;
-    if (yao2020_direct(yao2020_vector_joints[0], &pose) != YAO2020_OK) {
-        return 1;
+    yao2020_status status;
+    status = yao2020_direct(yao2020_vector_joints[0], &pose);
+    if (status != YAO2020_OK) {
+        return stopped("yao2020_direct", status);
     }
     /* Anything but OK: joints are untouched, do not move. */
-    if (yao2020_inverse(NULL, &pose, yao2020_vector_guesses[0], joints, &info) != YAO2020_OK) {
-        return 1;
+    status = yao2020_inverse(NULL, &pose, yao2020_vector_guesses[0], joints, &info);
+    if (status != YAO2020_OK) {
+        return stopped("yao2020_inverse", status);
     }
     (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
     return 0;

@@ -1,20 +1,13 @@
-"""What can be chosen about generated code, and the home configuration that it is tuned about."""
+"""What can be chosen about generated code."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
-
-import numpy as np
 
 from symkin.errors import InputError
 from symkin.firmware.kernel import is_rod_platform
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import Given, pose_from
-from symkin.position.problem import build_problem
-from symkin.position.starts import is_singular, off_singularity, start_values
-from symkin.spatial.pose import Pose
 
 
 @dataclass(frozen=True)
@@ -45,21 +38,3 @@ class Options:
         if self.home is not None:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
         return " ".join(parts)
-
-
-def home_pose(mechanism: Mechanism, home: Sequence[float] | None) -> Pose:
-    """The given home; else the reference; where that is singular the example's start, or a pose one size off."""
-    if home is not None:
-        return pose_from(home, "home")
-    reference = mechanism.reference_pose
-    problem = build_problem(mechanism, "direct")
-    values = problem.closure.reference
-    known = problem.take(values, problem.known_coordinates)
-    if not is_singular(problem, problem.take(values, problem.system.unknowns), known):
-        return reference
-    example = mechanism.example
-    if example is not None and example.start is not None and example.joints is not None:
-        return pose_from(example.start)
-    given = Given("direct", known, {})
-    moved = off_singularity(problem, start_values(problem, given, None), known)
-    return Pose(np.asarray(moved[-7:-4]), np.asarray(moved[-4:]))

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from symkin.firmware.closed import ClosedMechanism
 from symkin.firmware.closed_source import closed_source
 from symkin.firmware.emit import Real
+from symkin.firmware.home import home_pose
 from symkin.firmware.kernel import is_rod_platform
-from symkin.firmware.options import Options, home_pose
+from symkin.firmware.options import Options
 from symkin.firmware.rods import RodPlatform, rod_source
 from symkin.firmware.serial import SerialArm, serial_source
 from symkin.firmware.source import KernelSource, fill, fill_text, substitute

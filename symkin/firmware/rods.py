@@ -65,8 +65,7 @@ class RodPlatform:
 
     def lengths(self, pose: Pose) -> np.ndarray:
         """Joint values at an absolute pose (length unit)."""
-        ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in self.mechanism.limbs]  # type: ignore[union-attr]
-        return np.array([float(np.linalg.norm(d)) - limb.offset for d, limb in zip(ends, self.mechanism.limbs, strict=True)])  # type: ignore[union-attr]
+        return rod_values(self.mechanism, pose)
 
     def stated(self, pose: Pose) -> np.ndarray:
         """The seven numbers by which generated code knows a pose: the pose, or its change from home."""
@@ -79,6 +78,12 @@ class RodPlatform:
         """Joint values as generated code takes them."""
         zero = self.lengths(self.home) if self.options.home_relative else 0.0
         return np.asarray(self.lengths(pose) - zero)
+
+
+def rod_values(mechanism: Mechanism, pose: Pose) -> np.ndarray:
+    """Joint values |p + R a - b| - offset of the rods at a pose (length unit)."""
+    ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in mechanism.limbs]  # type: ignore[union-attr]
+    return np.array([float(np.linalg.norm(d)) - limb.offset for d, limb in zip(ends, mechanism.limbs, strict=True)])  # type: ignore[union-attr]
 
 
 def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:

@@ -11,6 +11,8 @@ from symkin.position.problem import Problem
 from symkin.position.solution import ACCEPTED
 
 _STEPS = 12
+_DISTINCT = 1e-4
+"""Goals that differ by less than this part of the reach in every joint are one case."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +27,20 @@ class Configuration:
 def configurations(
     direct: Problem, home: np.ndarray, count: int, seed: int, spread: float = 0.1, turn: float = 0.25
 ) -> list[Configuration]:
-    """Configurations that the machine reaches from `home` (all variables) when its joints move in straight lines by up to
-    `spread` times the size and `turn` radians; lines that meet a singularity are left out."""
+    """Distinct configurations, at most `count`, that the machine reaches from `home` (all variables) when its joints move
+    in straight lines by up to `spread` times the size and `turn` radians, within their limits; lines that meet a
+    singularity are left out."""
     rng = np.random.default_rng(seed)
     joints = direct.known_coordinates
     begin_known, begin = direct.take(home, joints), direct.take(home, direct.system.unknowns)
-    reach = np.array([turn if c.is_angular else spread * direct.closure.size for c in joints])
+    reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.size) for c in joints])
     found: list[Configuration] = []
     for _ in range(4 * count):
         if len(found) == count:
             break
-        goal = _within(joints, begin_known + reach * np.round(rng.uniform(-1, 1, len(joints)), 6))
+        goal = _within(joints, begin_known, reach * np.round(rng.uniform(-1, 1, len(joints)), 6))
+        if any(np.all(np.abs(goal - other.known) <= _DISTINCT * reach) for other in found):
+            continue
         z = followed(direct, begin, begin_known, goal)
         if z is not None:
             found.append(Configuration(direct.assemble(z, goal), z, goal))
@@ -62,13 +67,26 @@ def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> bool:
     return max(parts) > 0.25
 
 
-def _within(joints: tuple[Coordinate, ...], values: np.ndarray) -> np.ndarray:
-    """Values moved into the joints' limits."""
-    inside = values.copy()
+def _limited(joint: Coordinate) -> tuple[float, float]:
+    """Its limits less a hundredth of their range at each end; infinite where it has none."""
+    low, high = joint.limits or (-np.inf, np.inf)
+    margin = 0.01 * (high - low) if joint.limits else 0.0
+    return low + margin, high - margin
+
+
+def _reach(joint: Coordinate, reach: float) -> float:
+    """At most half of the range between the limits: then a move or its opposite stays inside."""
+    low, high = _limited(joint)
+    return float(min(reach, 0.5 * (high - low)))
+
+
+def _within(joints: tuple[Coordinate, ...], begin: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    """Goals begin + moves; a move that leaves its joint's limits is made in the opposite direction."""
+    inside: np.ndarray = begin + moves
     for i, c in enumerate(joints):
-        if c.limits is not None:
-            margin = 0.01 * (c.limits[1] - c.limits[0])
-            inside[i] = np.clip(values[i], c.limits[0] + margin, c.limits[1] - margin)
+        low, high = _limited(c)
+        if not low <= inside[i] <= high:
+            inside[i] = np.clip(np.clip(begin[i], low, high) - moves[i], low, high)
         if c.least is not None:
             inside[i] = max(inside[i], c.least + 1e-2 * abs(c.reference[0] - c.least))
     return inside

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.errors import InputError
 from symkin.firmware.closed import ClosedMechanism
 from symkin.firmware.emit import Real
 from symkin.firmware.motion import COLUMNS
@@ -42,8 +43,16 @@ class Vectors:
 
 
 def build_vectors(kind: Kind) -> Vectors:
-    """The vectors of a mechanism; the same bytes on every machine, because answers are rounded."""
-    return _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    """The vectors of a mechanism; the same bytes on every machine, because answers are rounded. Raises InputError where
+    there is not one case."""
+    vectors = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    if not len(vectors.joints):
+        where = "home" if isinstance(kind, RodPlatform) else "the reference"
+        raise InputError(
+            f"{kind.mechanism.name}: no regular configuration was found near {where} to test generated code with; check the "
+            "geometry by `symkin show`, the joints' limits and the pose of [platform]"
+        )
+    return vectors
 
 
 def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
