@@ -11,13 +11,15 @@ import pytest
 
 import symkin
 from samples import RRR_BASE, RRR_LINKS, RRR_PLATFORM, five_bar, four_bar, hexapod, pieper, random_mechanism, three_rrr
-from symkin import InputError
+from symkin import InputError, Joint, Limb
 from symkin.cli import main
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
 from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.locus_system import locus_systems, plane_of
+from symkin.singularities.self_motion import has_self_motion
 from symkin.singularities.singularity import classify
-from symkin.view.loci_plot import draw_loci
+from symkin.view.loci_plot import draw_loci, figure_of_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:
@@ -56,6 +58,7 @@ def test_five_bar_loci_are_its_closed_form(bars: Loci) -> None:
     both = math.degrees(math.acos(50 / 60))
     expected = [(both, 180 - both), (-both, 180 + both)]
     assert len(free) == 2
+    assert all(c.self_motion for c in bars.curves if c.is_point)
     for place in expected:
         assert min(np.abs(np.remainder(point - place + 180, 360) - 180).max() for point in free) < 1e-6
 
@@ -219,6 +222,69 @@ def test_a_freedom_without_an_actuator_has_no_curves() -> None:
     loci = singular_loci(make_solution(problem, problem.closure.reference), names, kinds=("type 2",), starts=10)
     assert loci.curves == ()
     assert any("everywhere" in note for note in loci.notes)
+
+
+def tilted_rps() -> symkin.Mechanism:
+    """Three limbs R-P-S from a circle of 150 to a platform of 100 at a height of 200."""
+    limbs = []
+    for k in range(3):
+        angle = 2 * math.pi * k / 3
+        out = np.array([math.cos(angle), math.sin(angle), 0.0])
+        axis = np.array([0.0, 0.0, 200.0]) - 50 * out
+        joints = [
+            Joint(f"r{k + 1}", "R", point=tuple(150 * out), axis=(-out[1], out[0], 0.0)),
+            Joint(
+                f"d{k + 1}",
+                "P",
+                point=tuple(150 * out),
+                axis=tuple(axis / np.linalg.norm(axis)),
+                actuated=True,
+                zero=float(np.linalg.norm(axis)),
+            ),
+            Joint(f"s{k + 1}", "S", point=(100 * out[0], 100 * out[1], 200.0)),
+        ]
+        limbs.append(Limb(f"limb{k + 1}", joints))
+    return symkin.Mechanism(name="tilted", limbs=tuple(limbs), platform_position=(0.0, 0.0, 200.0))
+
+
+def near_double() -> list[symkin.Solution]:
+    """Two isolated modes of the tilted 3-RPS that almost meet, where curves of its two operation modes nearly touch."""
+    mechanism = tilted_rps()
+    joints = [317.135906, 99.664134, mechanism.actuated[2].reference[0]]
+    return [mode for mode in symkin.modes(mechanism, joints=joints) if mode.condition > 1e6]
+
+
+def test_curves_that_nearly_touch_are_no_self_motion() -> None:
+    """Where every mode is certified to be isolated, no motion with the inputs held is claimed from any of them."""
+    modes = near_double()
+    assert len(modes) >= 2
+    assert all(mode.certified for mode in modes)
+    for mode in modes:
+        (system,) = locus_systems(plane_of(mode, ("d1", "d2")), ("type 2",))
+        assert not has_self_motion(system, system.centre)
+
+
+@pytest.mark.parametrize(("off", "moves"), [(0.0, True), (1e-7, True), (1e-3, False)])
+def test_a_self_motion_is_shown_from_an_inexact_point(bars: Loci, off: float, moves: bool) -> None:
+    """Five-bar, elbows in one place: the tip turns, also from inputs (radians) known to 1e-7 only; 0.06 apart it does not."""
+    (system,) = locus_systems(bars.plane, ("type 2",))
+    for curve in bars.curves:
+        if curve.is_point:
+            z = curve.configurations[0].copy()
+            z[system.uv] += [off, 0.0]
+            assert has_self_motion(system, z) is moves
+
+
+@pytest.mark.parametrize("window", [((5000, 6000), (0.5, 1.0)), ((1e5, 2e5), (1e5, 2e5))])
+def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
+    """No limb reaches there: the picture says so, its axes have the window's sides and are no strip."""
+    mechanism = tilted_rps()
+    joints = [c.reference[0] for c in mechanism.actuated]
+    loci = singular_loci(symkin.solve(mechanism, joints=joints).solution, ("d1", "d2"), ranges=window, starts=20)
+    (axes,) = figure_of_loci(loci).axes
+    assert "no locus in this window" in [text.get_text() for text in axes.texts]
+    box = axes.get_position()
+    assert min(box.width, box.height) > 0.3
 
 
 # --- the border ------------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_loci import tilted_rps
 
 import symkin
 from laws import act, joint_displacement
@@ -28,7 +29,7 @@ from symkin import InputError, Joint, Limb, Mechanism, RodLimb, SolveError
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution, make_solution
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.singularity import Singularity, classify, singularity
+from symkin.singularities.singularity import TOLERANCE, Singularity, classify, singularity
 from symkin.spatial.screw import reciprocal_product
 
 Z = (0.0, 0.0, 1.0)
@@ -438,6 +439,34 @@ def displaced(mechanism: Mechanism, by: symkin.Pose) -> Mechanism:
         mechanism, limbs=tuple(limb(item) for item in mechanism.limbs), platform_position=tuple(home.position),
         platform_quaternion=tuple(home.quaternion),
     )  # fmt: skip
+
+
+def assert_verdict_and_distances_agree(found: Singularity) -> None:
+    """A kind is named where its distance is below the tolerance, and nowhere else."""
+    for kind, value in found.distances.items():
+        assert (kind in found.kinds) == (value < TOLERANCE)
+    assert math.isinf(found.manipulability) == ("type 2" in found.kinds)
+
+
+@pytest.mark.parametrize("turn", [*np.pi / 2 + np.geomspace(1e-9, 1e-2, 22), math.pi / 2])
+def test_verdict_and_distances_agree_near_type_2(turn: float) -> None:
+    """Hexagons turned near 90 degrees pass through the tolerance."""
+    assert_verdict_and_distances_agree(
+        singularity(hexagons(), pose=planar_pose(0, 0, turn)[:2] + [120, *planar_pose(0, 0, turn)[3:]])
+    )
+
+
+@pytest.mark.parametrize("off", np.geomspace(1e-9, 1e-2, 15))
+def test_verdict_and_distances_agree_near_two_kinds(off: float) -> None:
+    """A 3-RPS on its way to a type 2 singularity beside a constraint singularity, where ranks of motions alone miss it."""
+    mechanism = tilted_rps()
+    start = [-76.717, 64.144, 92.210, 0, -0.34119, 0.93999, 0]
+    joints = [317.135906, 99.664134 + off, mechanism.actuated[2].reference[0]]
+    try:
+        found = singularity(mechanism, joints=joints, start=start)
+    except SolveError:
+        pytest.skip("beyond the fold")
+    assert_verdict_and_distances_agree(found)
 
 
 # --- the border ------------------------------------------------------------------------------------------------------

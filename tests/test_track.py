@@ -188,7 +188,7 @@ def test_text_is_a_short_table(capsys):
     """At most eleven rows, then the statement and its ground."""
     status, out, _ = run(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "40")
     lines = out.splitlines()
-    assert (status, len(lines)) == (0, 2 + 11 + 2)
+    assert (status, len(lines)) == (0, 2 + 11 + 3)
     assert lines[-2].startswith("reached")
     assert json.dumps(lines[-1]).startswith('"ground: proved')
 

@@ -29,6 +29,10 @@ DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
 _FINENESS = 1 / 150
 """Longest step of a curve in the plane, of the window's sides."""
+_FEW_HITS = 2
+"""Where some curve was met by no more seeds than this, another may have been met by none."""
+MISSING = "some curves were met by one or two seeds only: curves may be missing; raise --starts"
+"""What is said then, in the text and in the picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +70,8 @@ class Loci:
             "curves": [
                 {
                     "kind": c.kind, "limb": c.limb, "closed": c.closed, "points": c.points.tolist(), "cusps": c.cusps.tolist(),
-                    "in_mode": c.in_mode.tolist(), "largest_row": c.largest_row, "hits": c.hits,
+                    "in_mode": c.in_mode.tolist(), "largest_row": c.largest_row, "hits": c.hits, "self_motion": c.self_motion,
+                    "loose_ends": c.loose_ends(self.ranges).tolist(),
                 }
                 for c in self.curves
             ],
@@ -76,24 +81,9 @@ class Loci:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        window = " and ".join(
-            f"{name} {low:g} to {high:g} {unit}"
-            for name, (low, high), unit in zip(self.plane.names, self.ranges, self.units, strict=True)
-        )
-        lines = [f"{self.plane.mechanism.name}: singularity loci over {window}"]
-        for k, curve in enumerate(self.curves, start=1):
-            limb = f" of {curve.limb}" if curve.limb else ""
-            shape = "closed" if curve.closed else "open"
-            if curve.is_point:
-                u, v = curve.points[0]
-                lines.append(f"{k}: {curve.kind}{limb}, a motion with both coordinates held, at ({u:.9g}, {v:.9g})")
-                continue
-            cusps = "".join(f", cusp at ({u:.9g}, {v:.9g})" for u, v in curve.cusps)
-            lines.append(f"{k}: {curve.kind}{limb}, {shape}, {len(curve.points)} points, met by {curve.hits} seeds{cusps}")
-        if not self.curves:
-            lines.append("no locus was met in the window")
-        lines.append(f"{self.starts} starts, seed {self.seed}; a curve that no start reaches is not listed")
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+        from symkin.view.loci_text import loci_text
+
+        return loci_text(self)
 
 
 def singular_loci(
@@ -132,7 +122,10 @@ def singular_loci(
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
     )
     found_sides = np.ptp(np.array(outside), axis=1)
-    return Loci(chosen, (outside[0], outside[1]), merged(curves, found_sides), starts, seed, tuple(dict.fromkeys(notes)))
+    kept = merged(curves, found_sides)
+    if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
+        notes.append(MISSING)
+    return Loci(chosen, (outside[0], outside[1]), kept, starts, seed, tuple(dict.fromkeys(notes)))
 
 
 def _check_pose(plane: Plane) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.singularities.curve import Curve
 from symkin.singularities.locus_system import LocusSystem
+from symkin.singularities.self_motion import has_self_motion
 
 SAME_PICTURE = 5e-4
 """Curves whose points are all within this of another curve (of the window's sides) have one picture."""
@@ -24,7 +25,8 @@ class Locus:
     other working modes and mirror images with the same picture are not listed again.
 
     `in_mode` (n,) says which points belong to the working mode of the plane's configuration (all of them, where that
-    cannot be told); `cusps` (c, 2) are points at which the curve in the plane turns back. Values are in the mechanism's
+    cannot be told); `self_motion`: finite steps show that the mechanism moves with both coordinates held; a curve of
+    one point without it is a place where curves nearly touch or cross. `cusps` (c, 2) are points at which the curve in the plane turns back. Values are in the mechanism's
     units; configurations in radians.
     """
 
@@ -38,11 +40,24 @@ class Locus:
     configurations: np.ndarray
     largest_row: float
     hits: int
+    self_motion: bool = False
 
     @property
     def is_point(self) -> bool:
-        """The curve stands in one point of the plane: a self-motion there."""
-        return bool(np.ptp(self.points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(self.points).max())))
+        """The curve stands in one point of the plane."""
+        return _stands(self.points)
+
+    def loose_ends(self, ranges: Sequence[Sequence[float]]) -> np.ndarray:
+        """Ends (n, 2) of an open curve inside the window, where tracing could not go on; cusps are not counted."""
+        if self.closed or self.is_point:
+            return np.zeros((0, 2))
+        low, high = np.array(ranges, dtype=float).T
+        ends = self.points[[0, -1]]
+        within = np.all((ends > low) & (ends < high), axis=1)
+        at_cusp = [
+            bool(len(self.cusps)) and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _NONE for end in ends
+        ]
+        return np.asarray(ends[within & ~np.array(at_cusp)])
 
 
 def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np.ndarray, hits: int) -> Locus:
@@ -57,7 +72,12 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
     return Locus(
         kind, system.limb, points, curve.closed, in_mode, points[cusps if kind == "type 2" else cusps[:0]],
         names, curve.points[:, : system.uv.stop], float(np.max(np.abs(values))), hits,
+        _stands(points) and has_self_motion(system, curve.points[len(points) // 2]),
     )  # fmt: skip
+
+
+def _stands(points: np.ndarray) -> bool:
+    return bool(np.ptp(points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(points).max())))
 
 
 def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
@@ -70,7 +90,9 @@ def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
         else:
             other = kept[place]
             limb = other.limb if other.limb == curve.limb else other.limb or curve.limb
-            kept[place] = replace(other, hits=other.hits + curve.hits, limb=limb)
+            kept[place] = replace(
+                other, hits=other.hits + curve.hits, limb=limb, self_motion=other.self_motion or curve.self_motion
+            )
     return tuple(sorted(kept, key=lambda c: (c.kind, c.limb or "", -len(c.points))))
 
 

@@ -30,7 +30,7 @@ from symkin.position.rank import RANK_TOLERANCE
 from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
-from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks, rank_of
+from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
@@ -44,6 +44,15 @@ KINDS = {
     "passive": "passive joints move alone, platform and actuated joints stand",
 }
 """Kinds of singularity and what they mean."""
+CONDITIONS = {
+    "RI": "redundant input",
+    "RO": "redundant output",
+    "II": "impossible input",
+    "IO": "impossible output",
+    "RPM": "redundant passive motion",
+    "IIM": "increased instantaneous mobility",
+}
+"""Zlatanov's conditions in words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +148,7 @@ def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
     kinds = _kinds(closure, ranks, generic, conditions)
     return Singularity(
         solution, equations, ranks, generic, conditions, kinds, distances(closure, equations, generic),
-        _direct_map(equations, generic, tolerance), *_shown(solution, equations, kinds, conditions, tolerance),
+        _direct_map(equations, ranks, generic, tolerance), *_shown(solution, equations, kinds, conditions, tolerance),
         _notes(closure, ranks, generic),
     )  # fmt: skip
 
@@ -148,10 +157,11 @@ def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
 
 
 def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
-    """Zlatanov's names, each a count beside the generic one."""
+    """Zlatanov's names, each a count beside the generic one. RI and RO are the ranks of B and A, whose singular values are the
+    distances of type 1 and type 2, so that one tolerance decides both."""
     tests = {
-        "RI": ranks.motions - ranks.outputs > generic.motions - generic.outputs,
-        "RO": ranks.motions - ranks.inputs > generic.motions - generic.inputs,
+        "RI": ranks.rates < generic.rates,
+        "RO": ranks.twist < generic.twist,
         "II": ranks.inputs < generic.inputs,
         "IO": ranks.outputs < generic.outputs,
         "RPM": ranks.idle > generic.idle,
@@ -170,12 +180,12 @@ def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str
     return tuple(name for name, holds in tests.items() if holds)
 
 
-def _direct_map(equations: LimbwiseEquations, generic: Ranks, tolerance: float) -> np.ndarray:
+def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tolerance: float) -> np.ndarray:
     """Singular values of q' -> t on the feasible motions; infinite where a platform motion needs no joint rate."""
     motions = feasible_motions(equations, tolerance)
     outputs, inputs = np.split(motions, [equations.twist.shape[1]], axis=1)
     count = min(generic.outputs, generic.inputs)
-    if rank_of(inputs, tolerance) < generic.inputs:
+    if ranks.twist < generic.twist or ranks.inputs < generic.inputs:
         return np.full(count, np.inf)
     jacobian = np.linalg.pinv(inputs, rcond=RANK_TOLERANCE) @ outputs
     values = np.linalg.svd(jacobian, compute_uv=False)[:count]

@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.view.box import COLOURS, style
+from symkin.view.loci_text import held_text
 from symkin.view.plot import check_picture_path
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
 """Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
 _DPI = 150
+_NARROW = 4.0
+"""Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
 
 
 def draw_loci(loci: Loci, path: Path | str) -> None:
@@ -48,7 +51,7 @@ def figure_of_loci(loci: Loci) -> Figure:
         axes = figure.subplots()
         draw_curves(axes, loci)
         figure.suptitle(f"{loci.plane.mechanism.name}: singularity loci", fontsize=13, fontweight="bold", color=COLOURS["text"])
-        axes.set_title(_held(loci), fontsize=9, color=COLOURS["quiet"], parse_math=False)
+        axes.set_title(held_text(loci), fontsize=9, color=COLOURS["quiet"], parse_math=False)
         handles, labels = axes.get_legend_handles_labels()
         if handles:
             unique = dict(zip(labels, handles, strict=True))
@@ -64,22 +67,39 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     modes thin."""
     for curve in loci.curves:
         _curve(axes, curve, emphasise)
+        ends = curve.loose_ends(loci.ranges)
+        if len(ends):
+            axes.plot(*ends.T, "x", color=KIND_COLOURS[curve.kind], ms=6, mew=1.4, label="tracing ends", zorder=4)
+    _say(axes, loci)
     u, v = (_out(loci, k) for k in range(2))
-    axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+    if all(low <= value <= high for value, (low, high) in zip((u, v), loci.ranges, strict=True)):
+        axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
     axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
     names = [f"{name} [{unit}]" for name, unit in zip(loci.plane.names, loci.units, strict=True)]
     axes.set_xlabel(names[0], color=COLOURS["text"], parse_math=False)
     axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
-    if loci.units[0] == loci.units[1]:
+    if loci.units[0] == loci.units[1] and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW:
         axes.set_aspect("equal")
     axes.grid(color=COLOURS["grid"], lw=0.6)
+
+
+def _say(axes: Any, loci: Loci) -> None:
+    """In the picture: that there is no locus, or that some may be missing."""
+    from symkin.singularities.loci import MISSING
+
+    look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6}
+    if not loci.curves:
+        axes.text(0.5, 0.5, "no locus in this window", ha="center", va="center", fontsize=12, **look)
+    if MISSING in loci.notes:
+        axes.text(0.01, 0.01, "curves may be missing; raise --starts", ha="left", va="bottom", fontsize=7.5, **look)
 
 
 def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
     colour = KIND_COLOURS[curve.kind]
     points, mode = curve.points, curve.in_mode | (not emphasise)
     if curve.is_point:
-        axes.plot(*points[:1].T, "s", color=colour, ms=6, label=f"{curve.kind}, self-motion", zorder=4)
+        what = "self-motion" if curve.self_motion else "curves that nearly touch"
+        axes.plot(*points[:1].T, "s" if curve.self_motion else "D", color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4)
         return
     if curve.closed:
         points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])
@@ -95,14 +115,3 @@ def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
 def _out(loci: Loci, k: int) -> float:
     c = loci.plane.coordinates[k]
     return loci.plane.mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
-
-
-def _held(loci: Loci) -> str:
-    """What is held: the pose of the configuration, or its other actuated joints."""
-    solution, plane = loci.solution, loci.plane
-    if plane.of_pose:
-        position = ", ".join(f"{v:.5g}" for v in solution.position)
-        return f"pose held at ({position}) {plane.mechanism.length_unit}, but for {' and '.join(plane.names)}"
-    actuated = zip(plane.mechanism.actuated, solution.actuated, strict=True)
-    held = [f"{c.name} = {value:.5g}" for c, value in actuated if c.name not in plane.names]
-    return "held: " + ", ".join(held) if held else "both inputs vary"

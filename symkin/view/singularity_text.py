@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from symkin.view.plain_number import plain
+
 if TYPE_CHECKING:
+    from symkin.position.solution import Solution
     from symkin.singularities.singularity import Singularity
 
 
 def singularity_text(found: Singularity) -> str:
     """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
-    from symkin.singularities.singularity import KINDS
+    from symkin.singularities.singularity import CONDITIONS, KINDS
 
     mechanism = found.solution.mechanism
     head = ", ".join(found.kinds) + " singularity" if found.kinds else "regular"
-    names = f" ({', '.join(found.conditions)})" if found.conditions else ""
-    lines = [str(found.solution), f"{head}{names}"]
+    names = f" ({', '.join(CONDITIONS[name] for name in found.conditions)})" if found.conditions else ""
+    lines = [_solution_text(found.solution), f"{head}{names}"]
     lines += [f"  {kind}: {KINDS[kind]}" for kind in found.kinds]
-    distances = ", ".join(f"{kind} {value:.3g}" for kind, value in found.distances.items())
+    distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
     lines.append(f"distance (0 singular; rows of unit length, angles times the size {mechanism.size:.6g}): {distances}")
     lines.append(
         f"direct map, joint rates to twist: condition {found.condition:.4g}, manipulability {found.manipulability:.4g}; "
@@ -53,6 +56,18 @@ def singularity_json(found: Singularity) -> dict[str, Any]:
         "inputs": list(found.inputs),
         "notes": list(found.notes),
     }
+
+
+def _solution_text(solution: Solution) -> str:
+    """Pose, joints, residual and condition in one line, rounding noise as 0."""
+    mechanism = solution.mechanism
+    position = ", ".join(f"{plain(float(v), mechanism.size):.6g}" for v in solution.position)
+    quaternion = ", ".join(f"{plain(float(v), least=5e-7):.6f}" for v in solution.quaternion)
+    joints = ", ".join(f"{k} = {plain(v, mechanism.size):.6g}" for k, v in solution.joints.items() if isinstance(v, float))
+    return (
+        f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); {joints}; residual "
+        f"{solution.residual:.1e}, condition {solution.condition:.3g}"
+    )
 
 
 def _rates(rates: dict[str, float]) -> str:

@@ -5,7 +5,8 @@ A grid of more dimensions is cut at the middle of the others, or where `slices` 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +14,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.model.closure import build_closure
 from symkin.model.file import parse
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.layout import labels
 from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, style
+from symkin.view.plain_number import plain
 from symkin.view.plot import check_picture_path
 
 if TYPE_CHECKING:
@@ -238,10 +243,29 @@ def _words(figure: Figure, ax: Any, part: _Slice, attributes: Mapping[str, Any],
 
 
 def _base(attributes: Mapping[str, Any]) -> list[str]:
-    """Joints, or coordinates of the position, that are not swept, with their values."""
+    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as 0."""
     mechanism = parse(attributes["mechanism_file"])
-    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
     if attributes["sweeps over"] == "poses":
-        units = dict.fromkeys("xyz", mechanism.length_unit)
+        return _base_pose(mechanism, attributes["base"], attributes["axes"])
+    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
     values = dict(zip(units, attributes["base"], strict=False))
-    return [f"{n} = {values[n]:.5g} {unit}" for n, unit in units.items() if n not in attributes["axes"]]
+    return [f"{n} = {plain(values[n], mechanism.size):.5g} {unit}" for n, unit in units.items() if n not in attributes["axes"]]
+
+
+def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
+    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a free rotation an
+    orientation."""
+    found, closure = [], build_closure(mechanism)
+    for c in closure.role("pose"):
+        name = c.name.removeprefix("pose.")
+        if c.kind == "quaternion":
+            turned = [n for n in ("rx", "ry", "rz") if n in swept]
+            numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
+            found.append(f"orientation ({numbers})" + (f" but for {' and '.join(turned)}" if turned else ""))
+        elif name in ("x", "y", "z") and name not in swept:
+            found.append(f"{name} = {plain(base['xyz'.index(name)], mechanism.size):.5g} {mechanism.length_unit}")
+        elif name == "gamma" and "rz" not in swept:
+            turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
+            angle = mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0]))
+            found.append(f"gamma = {plain(angle):.5g} {mechanism.angle_unit}")
+    return found

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.view.plain_number import NOTHING, plain
+
 if TYPE_CHECKING:
     from symkin.tracking.track_result import Sample, Track
 
 _MOST_ROWS = 11
 """Rows of the table at most; the JSON and the CSV hold all samples."""
-
-
-_NOTHING = 1e-12
-"""Coordinates below this (lengths over the size) are printed as 0."""
 
 
 def track_text(track: Track) -> str:
@@ -26,6 +24,10 @@ def track_text(track: Track) -> str:
         unit = mechanism.length_unit
         header = ["path", f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz", "sigma", "residual"]
         lines += _aligned([header, *(_row(track.samples[k], mechanism.size) for k in chosen)])
+        lines.append(
+            "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
+            f"size {mechanism.size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
+        )
     lines += [track.statement, f"ground: {track.ground}", *track.trajectory.notes]
     return "\n".join(lines)
 
@@ -39,13 +41,8 @@ def _row(sample: Sample, size: float) -> list[str]:
     pose = sample.pose
     return [
         f"{sample.parameter:.6f}",
-        *(f"{_plain(float(v), size):.6g}" for v in np.asarray(pose.position)),
-        *(f"{_plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(pose.quaternion)),
-        f"{_plain(sample.smallest, 1.0):.2e}" if sample.smallest >= _NOTHING else "0",
-        f"{sample.residual:.1e}" if sample.residual >= 1e-8 * _NOTHING * size else "0",
+        *(f"{plain(float(v), size):.6g}" for v in np.asarray(pose.position)),
+        *(f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(pose.quaternion)),
+        f"{plain(sample.smallest, 1.0):.2e}" if sample.smallest >= NOTHING else "0",
+        f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
     ]
-
-
-def _plain(value: float, size: float, least: float = _NOTHING) -> float:
-    """The value, or 0 without a sign where it is nothing."""
-    return value if abs(value) >= least * size else 0.0
