@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from symkin.errors import InputError
+from symkin.sweeps.interrupts import interrupts_kept_from_children
 
 _UNDER_WAY = 2
 """Chunks under way for each worker, so that none waits for the next."""
@@ -25,6 +26,8 @@ _MOST_LOSSES = 3
 """Times that a chunk may be lost with its worker before the sweep is stopped."""
 _PATIENCE_S = 10.0
 """Seconds in which a Dask scheduler must answer and show a worker."""
+_ENDING_S = 5.0
+"""Seconds given to a pool to end once its processes are; one left in the middle of it writes into closed pipes."""
 _KEPT = "what is done is kept, and the same sweep goes on from there"
 _GUARD = "a script that sweeps must do so under `if __name__ == '__main__':`, and a worker needs memory enough"
 
@@ -72,10 +75,13 @@ class Crew:
             if index is None:
                 break
             try:
-                self._pending[self.executor.submit(function, job, index)] = index
+                with interrupts_kept_from_children():
+                    future = self.executor.submit(function, job, index)
             except BrokenExecutor as error:
                 self._lost.append(index)
                 self._rebuild(str(error))
+            else:
+                self._pending[future] = index
         return bool(self._pending)
 
     def _is_good(self, future: Future[Any], index: int) -> bool:
@@ -135,9 +141,11 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
     try:
         yield crew
     except BaseException:
-        crew.executor.shutdown(wait=False, cancel_futures=True)
+        ending = threading.Thread(target=crew.executor.shutdown, kwargs={"cancel_futures": True}, daemon=True)
+        ending.start()
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
+        ending.join(_ENDING_S)
         raise
     crew.executor.shutdown()
 

@@ -133,6 +133,6 @@ def _histogram(store: Store) -> dict[int, int]:
     """How many points have each count, read chunk by chunk."""
     totals: dict[int, int] = {}
     for index in range(len(store.plan.blocks)):
-        for count, points in zip(*np.unique(store.arrays["count"][store.plan.blocks[index]], return_counts=True), strict=True):
+        for count, points in zip(*np.unique(store.counts(index), return_counts=True), strict=True):
             totals[int(count)] = totals.get(int(count), 0) + int(points)
     return dict(sorted(totals.items()))

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import consolidate, create_arrays
 from symkin.sweeps.plan import Plan, difference
 from symkin.sweeps.quantities import Variable
@@ -43,6 +44,7 @@ class Store:
     def per_mode(self) -> list[Variable]:
         return [v for v in self.plan.variables if v.per_mode]
 
+    @interrupts_held()
     def done(self) -> np.ndarray:
         """Which chunks are written."""
         return np.asarray(np.asarray(self.arrays["done"][:]) == 1)
@@ -51,6 +53,7 @@ class Store:
         """Lengths of the dimension `mode`: one, unless a run was killed while it grew; none where no array has it."""
         return {self.arrays[v.name].shape[len(self.plan.space.shape)] for v in self.per_mode}
 
+    @interrupts_held()
     def mend(self) -> None:
         """Remove what a killed run left half written; to be called by the only run in the folder."""
         with refused_writing(self.folder):
@@ -60,6 +63,12 @@ class Store:
                 self.grow(max(self.lengths()))
             consolidate(self.folder)
 
+    @interrupts_held()
+    def counts(self, index: int) -> np.ndarray:
+        """How many real modes each point of a chunk has."""
+        return np.asarray(self.arrays["count"][self.plan.blocks[index]])
+
+    @interrupts_held()
     def write(self, index: int, arrays: Mapping[str, np.ndarray]) -> None:
         """One chunk, its mark last. Raises InputError where the folder cannot be written."""
         block, dimensions = self.plan.blocks[index], len(self.plan.space.shape)
@@ -85,6 +94,7 @@ class Store:
         consolidate(self.folder)
 
 
+@interrupts_held()
 def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> Store:
     """The folder of a new sweep, or that of the same sweep begun before, as it was left. Raises InputError for another
     sweep's folder, for one that holds something else, and for one that cannot be written."""
@@ -101,6 +111,7 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
     return Store(folder, plan, _group(folder))
 
 
+@interrupts_held()
 def read_attributes(folder: Path) -> dict[str, Any] | None:
     """What a sweep's folder has pinned; None for a folder that is not there or empty. Raises InputError for others."""
     if not folder.exists():

@@ -18,6 +18,7 @@ from symkin.model.closure import build_closure
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import conjugate, multiply
+from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, style
@@ -80,11 +81,12 @@ def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    attributes, data = _opened(Path(folder))
-    sampled = attributes["sample"] is not None
-    check_slices(slices, list(attributes["axes"]), sampled=sampled)
-    name = _SHOWN[attributes["quantity"]]
-    part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
+    with interrupts_held():
+        attributes, data = _opened(Path(folder))
+        sampled = attributes["sample"] is not None
+        check_slices(slices, list(attributes["axes"]), sampled=sampled)
+        name = _SHOWN[attributes["quantity"]]
+        part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
     with rc_context(style()):
         figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
