@@ -23,8 +23,8 @@ import numpy as np
 
 import symkin
 from dietmaier1998 import LEGS, platform
-from enumerated import options_parser, statement
-from report import Report, new_figure
+from enumerated import statement
+from report import Report, new_figure, options_parser
 from solvers import never
 from symkin.position.solution import Modes, Solution
 

@@ -18,16 +18,14 @@ Angles in radians inside, degrees where printed; lengths have no unit. The colum
 from __future__ import annotations
 
 import math
-from argparse import ArgumentParser
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 import symkin
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.position.solution import Solution
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.tracking.track import track
@@ -327,8 +325,7 @@ def draw(loci: Loci, loop: Loop):
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     options = parser.parse_args()
     platform = mechanism()
     report = Report("cusp_3rrr", "Planar 3-RRR: cusps of the type 2 locus and a mode-changing path", SEED)

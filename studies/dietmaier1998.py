@@ -18,8 +18,8 @@ import time
 import numpy as np
 
 import symkin
-from enumerated import certified, distances, largest_radius, largest_residual, options_parser, statement
-from report import Report
+from enumerated import certified, distances, largest_radius, largest_residual, statement
+from report import Report, options_parser
 from small_multiples import draw_small_multiples
 from symkin.position.solution import Modes
 

@@ -1,21 +1,10 @@
-"""What the studies of enumeration share: their options, and the words that say what a list of modes is worth."""
+"""What the studies of enumeration share: the words that say what a list of modes is worth."""
 
 from __future__ import annotations
-
-from argparse import ArgumentParser
-from pathlib import Path
 
 import numpy as np
 
 from symkin.position.solution import Modes
-
-
-def options_parser(description: str | None, seed: int) -> ArgumentParser:
-    """`-o` and `--seed`; a study adds its own options."""
-    parser = ArgumentParser(description=description)
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
-    parser.add_argument("--seed", type=int, default=seed, help=f"seed of the random numbers (default: {seed})")
-    return parser
 
 
 def statement(found: Modes) -> str:

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import symkin
-from enumerated import certified, largest_residual, options_parser, statement
-from report import Report
+from enumerated import certified, largest_residual, statement
+from report import Report, options_parser
 from small_multiples import draw_small_multiples
 from symkin.position.solution import Modes, Solution
 from symkin.spatial.rotation import quaternion_from_matrix

@@ -15,14 +15,12 @@ Source: "Gluon-6L3 forward and inverse kinematics", tutorial page; its formulas 
 from __future__ import annotations
 
 import time
-from argparse import ArgumentParser
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 import symkin
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.spatial.screw import exponential, move_screw, revolute_screw
 
 D = (105.03, 0.0, 0.0, 75.66, 80.09, 44.36)
@@ -310,8 +308,7 @@ def report_random(report: Report, arm: symkin.Mechanism, count: int) -> np.ndarr
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--poses", type=int, default=1000, help="random poses compared (default: 1000)")
     options = parser.parse_args()
     arm = symkin.load("gluon_6l3")

@@ -12,14 +12,11 @@ treat singularities: the column `paper` holds the closed form.
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
-from pathlib import Path
-
 import numpy as np
 from gluon_6l3 import OFFSET, A, D, determinant, symbolic_jacobian
 
 import symkin
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.locus import picture_distance
 from symkin.singularities.singularity import Singularity, classify, singularity
@@ -169,8 +166,7 @@ def draw(arm: symkin.Mechanism, loci: Loci):
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--random", type=int, default=1000, help="random joint values compared (default: 1000)")
     options = parser.parse_args()
     arm = symkin.load("gluon_6l3")

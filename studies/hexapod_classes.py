@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import symkin
-from enumerated import certified, options_parser
+from enumerated import certified
 from incidence import IncidenceClass, all_classes, from_list, random_points
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.position.solution import Modes
 
 NAMED: dict[str, tuple[str, int]] = {

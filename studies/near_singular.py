@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import symkin
-from enumerated import certified, options_parser
-from report import Report, new_figure
+from enumerated import certified
+from report import Report, new_figure, options_parser
 from symkin.position.solution import Modes, Solution
 from symkin.spatial.rotation import quaternion_from_rotation_vector
 

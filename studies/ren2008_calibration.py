@@ -9,9 +9,7 @@ paper's own curves are not in our copy. Units: m, deg. Source: Ren, Feng, Su 200
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -33,7 +31,7 @@ from ren2008_method import (
     unused_poses,
 )
 from ren2008_tables import ASSUMED, DEVIATIONS, NOMINAL, TRUE, held_names, random_pose, table_gap
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.calibration.calibrate import Calibration, calibrate
 from symkin.calibration.identifiability import identifiability
 from symkin.model.closure import build_closure
@@ -220,8 +218,7 @@ def report_residuals(report: Report, nominal: symkin.Mechanism, true: symkin.Mec
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=15, help="experiments of each kind (default: 15)")
     arguments = parser.parse_args()
     nominal, true = symkin.load("ren2008"), symkin.load("ren2008_true")

@@ -8,10 +8,8 @@ uniform within +-1 um, inclinometer within +-0.0005 deg. Units: m, deg.
 
 from __future__ import annotations
 
-import argparse
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -29,7 +27,7 @@ from ren2008_method import (
     unused_poses,
 )
 from ren2008_tables import ASIDE, HEIGHTS, PLATFORM_CENTRE, TILT
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.calibration.planning import Plan, plan_measurements
 from symkin.calibration.simulate import Noise
 from symkin.calibration.workspace import Workspace
@@ -152,8 +150,7 @@ def draw(plans: dict[int, Chosen], trials: list[PoseErrors], table: np.ndarray):
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=100, help="experiments at the 24 planned postures (default: 100)")
     arguments = parser.parse_args()
     nominal, true = symkin.load("ren2008"), symkin.load("ren2008_true")

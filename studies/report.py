@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import json
+from argparse import ArgumentParser
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -63,11 +63,18 @@ class Report:
         console.print(f"written: {picture}, {data}", markup=False, highlight=False)
 
 
+def options_parser(description: str | None, seed: int | None = None) -> ArgumentParser:
+    """`-o`, and `--seed` where a study has one; a study adds its own options."""
+    parser = ArgumentParser(description=description)
+    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    if seed is not None:
+        parser.add_argument("--seed", type=int, default=seed, help=f"seed of the random numbers (default: {seed})")
+    return parser
+
+
 def folder_from_arguments(description: str | None) -> Path:
     """The folder that `-o` names; default `out`."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
-    folder: Path = parser.parse_args().output
+    folder: Path = options_parser(description).parse_args().output
     return folder
 
 

@@ -14,15 +14,13 @@ Source: Zhang Zhaoyin, Practical solution of 6-DOF parallel robot position forwa
 from __future__ import annotations
 
 import math
-from argparse import ArgumentParser
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 from zhang2009 import TABLE_1, equations
 
 import symkin
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.singularity import singularity
 from symkin.spatial.rotation import euler_from_quaternion
@@ -179,8 +177,7 @@ def draw(platform: symkin.Mechanism, loci: Loci, counts: np.ndarray):
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--grid", type=int, default=40, help="points per side of the grid (default: 40)")
     parser.add_argument("--starts", type=int, default=200, help="random starts of the loci (default: 200)")
     parser.add_argument(

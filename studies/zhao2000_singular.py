@@ -19,14 +19,12 @@ Units: mm; degrees where printed, radians inside. The paper does not treat singu
 from __future__ import annotations
 
 import math
-from argparse import ArgumentParser
-from pathlib import Path
 
 import numpy as np
 from zhao2000 import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 import symkin
-from report import Report, new_figure
+from report import Report, new_figure, options_parser
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.locus import Locus, picture_distance
 from symkin.singularities.named_screw import NamedScrew
@@ -260,8 +258,7 @@ def draw(over_pose: Loci, loci: Loci, counts: np.ndarray):
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
+    parser = options_parser(__doc__.splitlines()[0])
     parser.add_argument("--grid", type=int, default=20, help="inputs per side that are enumerated (default: 20)")
     parser.add_argument("--starts", type=int, default=200, help="random starts of the loci (default: 200)")
     options = parser.parse_args()

@@ -120,17 +120,6 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
         assert np.max(np.abs(column - exact[:, k])) < 1e-6 * np.max(np.abs(exact))
 
 
-@pytest.mark.parametrize("name", ["ren2008", "zhao2000", "yao2020"])
-def test_short_retraction_is_that_of_the_system(name):
-    """The model's own move is System.move."""
-    mechanism = symkin.load(name)
-    model = build_model(mechanism, Measurements(np.zeros((5, len(mechanism.actuated)))), default_parameters(mechanism)[:1])
-    rng, system = np.random.default_rng(17), model.system
-    z = system.move(rng.normal(size=(5, system.width)), np.zeros((5, system.freedom)))
-    step = rng.normal(size=(5, system.freedom))
-    np.testing.assert_allclose(model.move(z, step), system.move(z, step), rtol=1e-13, atol=1e-15)
-
-
 def test_compiled_and_interpreted_functions_agree():
     """The compiled map gives what CasADi's own gives; inputs of one row serve all postures."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y", 3)

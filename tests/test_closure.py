@@ -23,6 +23,7 @@ from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse
 from symkin.position.problem import build_problem
+from symkin.spatial.rotation import multiply
 
 # limb by letters (lower case: actuated), the joint at which it is cut, and the rows that remain
 CUTS = {
@@ -267,6 +268,27 @@ def test_jacobian_is_the_differential_of_the_rows(kind, rng):
 
     expected = differences(rows, system.freedom, 1e-5 * system.size)
     assert np.allclose(jacobian, expected, atol=1e-7 * max(1.0, np.max(np.abs(jacobian))))
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("kind", ["direct", "inverse"])
+def test_a_step_adds_numbers_and_turns_quaternions(name, kind):
+    """`move` of stacks of every length: lengths add d, angles d / size, quaternions become (1, d / 2 size) q, normalised."""
+    system = build_problem(symkin.load(name), kind).system
+    rng = np.random.default_rng(17)
+    for count in (1, 5, 300):
+        z, step = rng.normal(size=(count, system.width)), system.size * rng.normal(size=(count, system.freedom))
+        expected, column = z.copy(), 0
+        for c, place in zip(system.unknowns, system.slices, strict=True):
+            part = step[:, column : column + c.freedom]
+            if c.kind == "quaternion":
+                turns = np.hstack([np.ones((count, 1)), part / (2 * system.size)])
+                moved = np.array([multiply(turn, q) for turn, q in zip(turns, z[:, place], strict=True)])
+                expected[:, place] = moved / np.linalg.norm(moved, axis=1, keepdims=True)
+            else:
+                expected[:, place] += part / system.size if c.is_angular else part
+            column += c.freedom
+        np.testing.assert_allclose(system.move(z, step), expected, rtol=1e-13, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", symkin.shipped_names())

@@ -44,7 +44,7 @@ def newton_postures(
         step = -solved_steps(rows_z, rows[:, :, None])[:, :, 0]
         length = np.linalg.norm(step, axis=1)
         step *= np.minimum(1.0, _LONGEST * size / np.maximum(length, 1e-300))[:, None]
-        moved = model.move(z, np.nan_to_num(step))
+        moved = model.system.move(z, np.nan_to_num(step))
         z = np.where((largest > tolerance)[:, None], moved, z)
     return z, largest <= tolerance
 
@@ -85,7 +85,7 @@ def solve_postures(
 def _corrected(model: PostureModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
     """One Newton step more: closed to rounding."""
     rows, rows_z = model.rows(z, joints, p)
-    return model.move(z, np.nan_to_num(-solved_steps(rows_z, rows[:, :, None])[:, :, 0]))
+    return model.system.move(z, np.nan_to_num(-solved_steps(rows_z, rows[:, :, None])[:, :, 0]))
 
 
 def signs(rows_z: np.ndarray) -> np.ndarray:

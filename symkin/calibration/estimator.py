@@ -177,7 +177,7 @@ def settled(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: For
         if largest > _PREDICTED * problem.model.closure.size:
             z, _ = newton_postures(problem.model, z, problem.measurements.joints, p)
             state = evaluate(problem, p, z, form, covariance)
-        state = evaluate(problem, p, problem.model.move(state.z, -state.pending), form, covariance)
+        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
     return state
 
 
@@ -187,7 +187,7 @@ def _moved(
     """The state after a step, postures moved along; None where a direct problem has no solution there."""
     model = problem.model
     p = state.p + model.scales * step
-    z = model.move(state.z, state.follow(step))
+    z = model.system.move(state.z, state.follow(step))
     trial = evaluate(problem, p, z, form, covariance)
     if not np.all(np.isfinite(trial.pending)):
         return None

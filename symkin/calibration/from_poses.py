@@ -51,7 +51,7 @@ def _fit(model: PostureModel, z: np.ndarray, joints: np.ndarray, passive: np.nda
         for _ in range(8):
             whole = np.zeros((len(z), model.system.freedom))
             whole[:, passive] = follow
-            trial = p + model.scales * step, model.move(z, whole)
+            trial = p + model.scales * step, model.system.move(z, whole)
             found = rows_at(*trial)
             if found[0] < cost:
                 break

@@ -58,7 +58,7 @@ def least_change(problem: CalibrationProblem, result: Estimate, method: str) -> 
         if directions.shape[1] == 0 or np.max(np.abs(change), initial=0.0) < 1e-12 * size:
             break
         p = result.state.p - model.scales * (directions @ change)
-        z = model.move(result.state.z, result.state.follow(-(directions @ change)))
+        z = model.system.move(result.state.z, result.state.follow(-(directions @ change)))
         again = estimate(problem, z, p=p, method=method, max_iterations=8)
         if again.status != "ok" or again.state.cost > 1.1 * result.state.cost + 1e-12 * result.state.fit.vector.size:
             break

@@ -38,7 +38,7 @@ def ideal(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[Ca
         matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
         matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = rows_z, rows_q * units, grouped
         step = _least_steps(matrix, -np.concatenate([rows, gap], axis=1))
-        z, joints = model.move(z, step[:, :free]), joints + units * step[:, free:]
+        z, joints = model.system.move(z, step[:, :free]), joints + units * step[:, free:]
     return replace(problem, measurements=replace(problem.measurements, joints=joints)), z
 
 

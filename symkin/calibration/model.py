@@ -81,43 +81,10 @@ class PostureModel:
         """F, F_z, F_q, h, h_z, orientations measured against none."""
         return self._call("tangent", z, joints, p, np.zeros((len(z), 4)))
 
-    def closure_errors(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Largest error of each posture over all constraints and whole rotations (n,), length unit."""
-        errors = self._call("errors", z, joints, p, np.zeros((len(z), 4)))[0]
-        return np.asarray(np.max(np.abs(errors), axis=1, initial=0.0))
-
     def poses(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Observed poses (n, 7), quaternions with w >= 0."""
         packed = self._call("pose", z, np.zeros((len(z), int(self.joints.shape[0]))), p, np.zeros((len(z), 4)))[0]
         return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
-
-    def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """`System.move` in few array operations: a fit takes a dozen short ones, where calls cost more than numbers."""
-        plain, columns, units, turns = self._retraction
-        moved = z.copy()
-        moved[:, plain] += units * step[:, columns]
-        for place, column in turns:
-            w, x, y, t = z[:, place].T
-            a, b, c = (0.5 / self.system.size) * step[:, column : column + 3].T
-            q = np.array(
-                [w - a * x - b * y - c * t, x + a * w + b * t - c * y, y + b * w + c * x - a * t, t + c * w + a * y - b * x]
-            )
-            moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
-        return moved
-
-    @cached_property
-    def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
-        """Entries and tangent columns of single numbers with their units, and (entries, first column) of quaternions."""
-        plain, columns, units, turns, column = [], [], [], [], 0
-        for c, place in zip(self.system.unknowns, self.system.slices, strict=True):
-            if c.kind == "quaternion":
-                turns.append((place, column))
-            else:
-                plain.append(place.start)
-                columns.append(column)
-                units.append(1.0 / self.system.size if c.is_angular else 1.0)
-            column += c.freedom
-        return np.array(plain, dtype=int), np.array(columns, dtype=int), np.array(units), turns
 
     @property
     def observes_through_frames(self) -> bool:
@@ -139,7 +106,6 @@ class PostureModel:
             "rows": [system.rows, rows_z],
             "joints": [ca.jacobian(system.rows, self.joints)],
             "tangent": [system.rows, rows_z, ca.jacobian(system.rows, self.joints), self.readings, readings_z],
-            "errors": [system.errors],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
         }
 
@@ -158,7 +124,7 @@ class PostureModel:
         return [a[:, 0, :] if k in vectors else a.transpose(0, 2, 1) for k, a in enumerate(results)]
 
 
-_VECTORS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "errors": (0,), "pose": (0,)}
+_VECTORS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "pose": (0,)}
 """Outputs that are columns, for each function of a posture."""
 
 

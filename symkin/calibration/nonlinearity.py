@@ -44,7 +44,7 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
 
 def _departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
     """d = r(p + step) - r(p) - (dr/dp) step, postures closed again; None where they do not close."""
-    z = problem.model.move(here.z, here.follow(step))
+    z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = settled(problem, here.p + problem.model.scales * step, z, problem.form, noise)
         departure = there.fit.vector - here.fit.vector - here.fit.matrix @ step

@@ -42,17 +42,24 @@ class Vectors:
     singular: np.ndarray
 
 
+_Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
+"""Joints, guess, pose, inverse and bound of one case."""
+_Found = tuple[list[_Row], list[np.ndarray], np.ndarray, np.ndarray]
+"""Cases, Jacobians of the first ones, home, singular start."""
+
+
 def build_vectors(kind: Kind) -> Vectors:
     """The vectors of a mechanism; the same bytes on every machine, because answers are rounded. Raises InputError where
     there is not one case."""
-    vectors = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
-    if not len(vectors.joints):
+    rows, jacobians, home, singular = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    if not rows:
         where = "home" if isinstance(kind, RodPlatform) else "the reference"
         raise InputError(
             f"{kind.mechanism.name}: no regular configuration was found near {where} to test generated code with; check the "
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
         )
-    return vectors
+    joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
+    return Vectors(joints, guesses, poses, inverse, np.array(jacobians), bounds, home, singular)
 
 
 def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -83,7 +90,7 @@ def _bound(real: Real, size: float, condition: float, tolerance: float) -> float
     return float(f"{4 * tolerance + real.epsilon * size * (16 + 4 * min(condition, 1e4)):.2g}")
 
 
-def _parallel(kind: RodPlatform | ClosedMechanism) -> Vectors:
+def _parallel(kind: RodPlatform | ClosedMechanism) -> _Found:
     mechanism, real = kind.mechanism, kind.real
     direct = build_problem(mechanism, "direct")
     closure, size = direct.closure, direct.closure.size
@@ -91,32 +98,23 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> Vectors:
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
-    joints: list[np.ndarray] = []
-    guesses: list[np.ndarray] = []
-    poses: list[np.ndarray] = []
-    inverse: list[np.ndarray] = []
+    rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
-    bounds: list[float] = []
     for number, case in enumerate(cases):
         given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
         z = direct.system.polish(case.unknown, given + _zero(kind), 6)
         pose = pose_of(closure, direct.assemble(z, given + _zero(kind)))
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
-        guesses.append(rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven)))
-        joints.append(given)
-        poses.append(_tidy(stated(kind, pose), seven))
-        bounds.append(_bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance))
+        guess = rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven))
+        target = _tidy(stated(kind, pose), seven)
         values = direct.assemble(z, given + _zero(kind))
-        inverse.append(_tidy(_inverse_at(kind, rounded_to(real, poses[-1]), values), lengths))
+        inverse = _tidy(_inverse_at(kind, rounded_to(real, target), values), lengths)
+        bound = _bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance)
+        rows.append((given, guess, target, inverse, bound))
         if number < JACOBIANS:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
     here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), seven))
-    return _vectors((joints, guesses, poses, inverse, jacobians), bounds, here, _flat(kind))
-
-
-def _vectors(tables: Sequence[list[np.ndarray]], bounds: list[float], home: np.ndarray, singular: np.ndarray) -> Vectors:
-    joints, guesses, poses, inverse, jacobians = (np.array(table) for table in tables)
-    return Vectors(joints, guesses, poses, inverse, jacobians, np.array(bounds), home, singular)
+    return rows, jacobians, here, _flat(kind)
 
 
 def home_values(kind: RodPlatform | ClosedMechanism, closure: Closure) -> np.ndarray:
@@ -197,17 +195,13 @@ def _flat(kind: RodPlatform | ClosedMechanism) -> np.ndarray:
     return np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]) if max(heights) == 0.0 else np.zeros((0, 7))
 
 
-def _serial(arm: SerialArm) -> Vectors:
+def _serial(arm: SerialArm) -> _Found:
     real, size = arm.real, arm.mechanism.size
     system = arm.inverse.system
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     rng = np.random.default_rng(21)
-    joints: list[np.ndarray] = []
-    guesses: list[np.ndarray] = []
-    poses: list[np.ndarray] = []
-    inverse: list[np.ndarray] = []
+    rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
-    bounds: list[float] = []
     for q, _ in arm.samples:
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
@@ -216,22 +210,20 @@ def _serial(arm: SerialArm) -> Vectors:
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
         end = _followed(arm, guess, unit)
-        if condition > (60.0 if arm.is_redundant else 300.0) or len(joints) == COUNT or end is None:
+        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
+        inverse = end if arm.is_redundant else system.polish(given, unit, 6)
         scales = _joint_scales(arm.actuated, size)
-        joints.append(given)
-        poses.append(_tidy(pose, _pose_scales(size)))
-        inverse.append(_tidy(end if arm.is_redundant else system.polish(given, unit, 6), scales))
-        guesses.append(guess)
-        bounds.append(_bound(real, size, condition, tolerance))
+        bound = _bound(real, size, condition, tolerance)
+        rows.append((given, guess, _tidy(pose, _pose_scales(size)), _tidy(inverse, scales), bound))
         if len(jacobians) < JACOBIANS:
             jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
     singular = np.linalg.svd(arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False)
     starts = zero[None] if singular[-1] < 1e-14 * singular[0] else np.zeros((0, len(zero)))
-    return _vectors((joints, guesses, poses, inverse, jacobians), bounds, zero, starts)
+    return rows, jacobians, zero, starts
 
 
 def _scales(arm: SerialArm) -> np.ndarray:

@@ -114,19 +114,34 @@ class System:
         return np.asarray(values).ravel(), np.asarray(jacobian)
 
     def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Retraction: add tangent steps (n, freedom) to points (n, width); quaternions are turned and normalised."""
+        """Retraction: add tangent steps (n, freedom) to points (n, width); quaternions are turned and normalised. In few
+        array operations, since it is called for one point at a time too."""
+        plain, columns, units, turns = self._retraction
         moved = z.copy()
-        column = 0
-        for coordinate, place in zip(self.unknowns, self.slices, strict=True):
-            part = step[:, column : column + coordinate.freedom]
-            if coordinate.kind == "quaternion":
-                half = 0.5 / self.size * part
-                q = multiply(np.vstack([np.ones(len(half)), half.T]), z[:, place].T)
-                moved[:, place] = (q / np.linalg.norm(q, axis=0)).T
-            else:
-                moved[:, place] += part / self.size if coordinate.is_angular else part
-            column += coordinate.freedom
+        moved[:, plain] += step[:, columns] / units
+        for place, column in turns:
+            w, x, y, t = z[:, place].T
+            a, b, c = (0.5 / self.size) * step[:, column : column + 3].T
+            q = np.array(
+                [w - a * x - b * y - c * t, x + a * w + b * t - c * y, y - a * t + b * w + c * x, t + a * y - b * x + c * w]
+            )
+            moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
         return moved
+
+    @cached_property
+    def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
+        """Entries and tangent columns of single numbers, and tangent lengths that make one; (entries, first column) of
+        quaternions."""
+        plain, columns, units, turns, column = [], [], [], [], 0
+        for c, place in zip(self.unknowns, self.slices, strict=True):
+            if c.kind == "quaternion":
+                turns.append((place, column))
+            else:
+                plain.append(place.start)
+                columns.append(column)
+                units.append(self.size if c.is_angular else 1.0)
+            column += c.freedom
+        return np.array(plain, dtype=int), np.array(columns, dtype=int), np.array(units), turns
 
     def unit(self, z: np.ndarray) -> np.ndarray:
         """The same point with quaternions of unit length."""
