@@ -1,14 +1,16 @@
 """Mobility, rank and reciprocal screws follow from the closure, whatever Gruebler and Kutzbach count."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import symkin
+from samples import three_rrr
 from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
-from symkin.position.mobility import analyse_mobility
+from symkin.position.mobility import analyse_mobility, fewer_rows
 from symkin.position.rank import Rank
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, reciprocal_system, revolute_screw
 from symkin.view.describe import describe
@@ -61,6 +63,30 @@ def test_mobility_of_known_mechanisms(mechanism: Mechanism, mobility: int, redun
     (Zhao 2000), platforms of six SPS or UPS limbs 6."""
     found = analyse_mobility(mechanism)
     assert (found.mobility, found.redundant, found.gruebler) == (mobility, redundant, gruebler)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "expected"),
+    [
+        (three_rrr(), ("planar", 0)),
+        (four_bar(), ("planar", 0)),
+        (bennett(), None),
+        (symkin.load("zhao2000_links"), None),
+        (symkin.load("zhang2009"), None),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_a_declared_motion_that_removes_redundant_rows_is_named(mechanism, expected) -> None:
+    """Planar linkages with their motion left out: `show` names it. Nothing is named where the platform keeps fewer
+    freedoms than the group leaves, or rows stay redundant in it."""
+    spatial = replace(mechanism, motion="spatial")
+    assert fewer_rows(analyse_mobility(spatial)) == expected
+    text = describe(spatial)
+    assert f'motion = "{expected[0]}"' in text if expected else "in [platform]" not in text
+
+
+def test_a_motion_that_is_declared_is_not_named_again() -> None:
+    assert fewer_rows(analyse_mobility(replace(three_rrr(), motion="planar"))) is None
 
 
 def test_a_bennett_linkage_off_its_condition_is_rigid() -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from symkin.model.closure import Closure, build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import MOTIONS, Mechanism, Motion
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.rank import RANK_TOLERANCE, Rank
 from symkin.position.solution import pose_of
@@ -101,6 +101,18 @@ def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         system.freedom, int(closure.rows.shape[0]), generic, Rank.of(jacobian[:, unknown]), limbs, constraints,
         _row_space(reciprocal_system(constraints, closure.size), closure.size) if len(constraints) else np.eye(6), gruebler_kutzbach(mechanism),
     )  # fmt: skip
+
+
+def fewer_rows(mobility: Mobility) -> tuple[Motion, int] | None:
+    """The motion of a platform declared spatial that the joints leave it anyway and that removes most redundant rows, with
+    the number of those left; None where there is none. Declared, it changes no solution of the same assembly."""
+    mechanism = mobility.closure.mechanism
+    if mechanism.serial or mechanism.motion != "spatial" or not mobility.redundant or not mobility.closed:
+        return None
+    restricted = [(m, analyse_mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
+    kept = [(m, found.redundant) for m, found in restricted if found.closed and found.mobility == mobility.mobility]
+    best = min(kept, key=lambda pair: pair[1], default=None)
+    return best if best is not None and best[1] < mobility.redundant else None
 
 
 def whole_system(closure: Closure) -> System:

@@ -115,7 +115,10 @@ def _prove(
         return None, "the point is not finite"
     chart = chart_of(balls, given.real if near else given)
     if chart is None:
-        return None, f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others"
+        return None, (
+            f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others "
+            "(`symkin show` names the motion that removes some, where there is one)"
+        )
     box = None
     if inverse is not None and chart.is_whole:
         box = enclose(balls, chart, REAL if near else COMPLEX, centre, _BITS[0], inverse)

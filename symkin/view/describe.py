@@ -9,7 +9,7 @@ import numpy as np
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.position.mobility import Mobility, analyse_mobility
+from symkin.position.mobility import Mobility, analyse_mobility, fewer_rows
 from symkin.position.problem import build_problem
 from symkin.position.rank import CLEAR_GAP
 
@@ -91,6 +91,13 @@ def _mobility(m: Mobility) -> str:
         f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: {m.gruebler})"
     )
     lines.append(f"  redundant constraints: {m.redundant}")
+    restriction = fewer_rows(m)
+    if restriction is not None:
+        motion, left = restriction
+        lines.append(
+            f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" in [platform] '
+            f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and modes and paths can be certified'}"
+        )
     if m.rank.gap < CLEAR_GAP:
         lines.append(f"  warning: the rank is not clear, the singular values beside the cut differ by only {m.rank.gap:.3g}")
     if m.actuated != m.mobility:
