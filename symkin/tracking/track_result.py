@@ -184,7 +184,8 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         )
     rows, unknowns = (sum(n) for n in zip(*((w.system.count, w.system.width) for w in branch.walks), strict=True))
     return (
-        f"checked: rows are redundant ({rows} for {unknowns} unknowns); in each of {steps} ball arithmetic shows at most one "
+        f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the motion that removes some, where "
+        f"there is one); in each of {steps} ball arithmetic shows at most one "
         f"solution for every input (margin {1 - branch.tightest:.2g}), and the residual, at most {residual:.1e} "
         f"{length_unit}, that there is one"
     )

@@ -96,7 +96,7 @@ def _mobility(m: Mobility) -> str:
         motion, left = restriction
         lines.append(
             f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" in [platform] '
-            f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and modes and paths can be certified'}"
+            f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
         )
     if m.rank.gap < CLEAR_GAP:
         lines.append(f"  warning: the rank is not clear, the singular values beside the cut differ by only {m.rank.gap:.3g}")
