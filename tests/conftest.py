@@ -1,5 +1,7 @@
 """One hypothesis profile for all tests, the same examples each time on any machine, and cache folders of the tests' own."""
 
+import signal
+
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -20,3 +22,11 @@ def cache(tmp_path, monkeypatch):
 def kept_starts(tmp_path_factory, monkeypatch):
     """A cache folder of this run: starts are computed once for all tests that share it."""
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))
+
+
+@pytest.fixture
+def heard_interrupts():
+    """SIGINT interrupts this process and those it starts, though the tests run in a shell's background, where it is ignored."""
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, former)

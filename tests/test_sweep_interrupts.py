@@ -17,7 +17,10 @@ from symkin.sweeps.space import make_space
 from symkin.sweeps.store import Store, open_store
 from symkin.sweeps.work import Job, compute_chunk
 
-pytestmark = pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs the signals of POSIX")
+pytestmark = [
+    pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs the signals of POSIX"),
+    pytest.mark.usefixtures("heard_interrupts"),
+]
 
 
 def ctrl_c():

@@ -79,6 +79,7 @@ def children(pid):
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc"), reason="needs /proc")
+@pytest.mark.usefixtures("heard_interrupts")
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
     """After kill -9 or Ctrl-C of the command its workers end, what is marked is kept, and the same command goes on to the
