@@ -165,14 +165,15 @@ def test_numpy_takes_arrays():
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize(
-    ("name", "kind"), [("zhang2009", "inverse"), ("zhao2000", "direct"), ("gluon_6l3", "analytic"), ("cylindrical", "passive")]
+    ("name", "kind"), [("zhang2009", "direct"), ("zhao2000", "passive"), ("gluon_6l3", "inverse"), ("cylindrical", "passive")]
 )
 def test_latex_compiles(name, kind, tmp_path):
-    """The document compiles on its own."""
+    """The document compiles on its own, and no line runs over the margin."""
     write_jacobian(jacobian(cases.case(name).mechanism, kind), "latex", tmp_path / "j.tex")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "j.tex"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
     assert done.returncode == 0, done.stdout.decode(errors="replace")[-2000:]
+    assert "Overfull \\hbox" not in (tmp_path / "j.log").read_text(errors="replace")
 
 
 @pytest.mark.parametrize("language", FORMATS)

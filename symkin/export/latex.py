@@ -46,6 +46,7 @@ def document(body: str) -> str:
         [
             r"\documentclass{article}",
             r"\usepackage{amsmath}",
+            r"\usepackage[a4paper, margin=15mm]{geometry}",
             r"\begin{document}",
             r"\allowdisplaybreaks",
             body,
