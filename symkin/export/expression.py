@@ -1,6 +1,7 @@
 """Expressions as text of another language: one walk over the graph, and what differs from language to language.
 
-What is used more than once gets a name, and so does what grows longer than the language likes; the rest is written in place.
+What is used more than once gets a name, and so do parts of what grows longer than the language likes; the rest is written in
+place.
 """
 
 from __future__ import annotations
@@ -27,10 +28,11 @@ class Text:
 
 
 class Language(Protocol):
-    """The texts of operations and constants; `longest` is the length from which a value gets a name."""
+    """The texts of operations and constants; `longest` is the `width` of a text beyond which parts of it get names."""
 
     @property
     def longest(self) -> int | None: ...
+    def width(self, text: str) -> int: ...
     def operation(self, op: int, values: Sequence[Text]) -> Text: ...
     def constant(self, value: float) -> Text: ...
     def temporary(self, number: int) -> str: ...
@@ -43,6 +45,11 @@ def write(function: ca.Function, names: Sequence[str], language: Language) -> tu
     uses = _use_counts(function)
     slots: dict[int, Text] = {}
     definitions: list[tuple[str, str]] = []
+
+    def named(text: str) -> Text:
+        definitions.append((language.temporary(len(definitions) + 1), text))
+        return Text(definitions[-1][0], ATOM)
+
     results = [language.constant(0.0).text] * int(function.numel_out(0))
     for k, (op, inputs, outputs, constant) in enumerate(instructions(function)):
         if op == ca.OP_OUTPUT:
@@ -54,10 +61,14 @@ def write(function: ca.Function, names: Sequence[str], language: Language) -> tu
             value = language.constant(constant)
         else:
             value = language.operation(op, [slots[i] for i in inputs])
-            if uses[k] > 1 or (language.longest is not None and len(value.text) > language.longest):
-                name = language.temporary(len(definitions) + 1)
-                definitions.append((name, value.text))
-                value = Text(name, ATOM)
+            while language.longest is not None and language.width(value.text) > language.longest:
+                part = max(inputs, key=lambda i: language.width(slots[i].text))
+                if language.width(slots[part].text) <= language.width(language.temporary(len(definitions) + 1)):
+                    break
+                slots[part] = named(slots[part].text)
+                value = language.operation(op, [slots[i] for i in inputs])
+            if uses[k] > 1:
+                value = named(value.text)
         slots[outputs[0]] = value
     return definitions, results
 
@@ -99,6 +110,9 @@ class Python:
     calls: dict[int, str]
     prefix: str
     longest: int | None = 90
+
+    def width(self, text: str) -> int:
+        return len(text)
 
     def operation(self, op: int, values: Sequence[Text]) -> Text:
         if op == ca.OP_ASSIGN:

@@ -10,8 +10,8 @@ from symkin.export.latex import Latex, distinct, document, letter_of_values, sym
 from symkin.motion.jacobian import Jacobian
 from symkin.motion.jacobian_names import Variable
 
-_LONGEST = 150
-"""Length of LaTeX from which a value gets a name: about one line."""
+_LONGEST = 80
+"""Printed characters beyond which parts of a value get names: about one line."""
 _LINES = 30
 """Lines of one align environment, which TeX sets as a whole."""
 

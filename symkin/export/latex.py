@@ -117,6 +117,10 @@ class Latex:
     exact: bool = False
     letter: str = "v"
 
+    def width(self, text: str) -> int:
+        """About the number of characters that are printed."""
+        return len(re.sub(r"\\[A-Za-z]+|\\,|[{}_^]", "", text))
+
     def operation(self, op: int, values: Sequence[Text]) -> Text:
         return _operation(op, values)
 
