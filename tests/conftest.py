@@ -1,6 +1,9 @@
 """One hypothesis profile for all tests, the same examples each time on any machine, and cache folders of the tests' own."""
 
+import os
 import signal
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is loaded: tests run side by side, a process a core
 
 import pytest
 from hypothesis import HealthCheck, settings
