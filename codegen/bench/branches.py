@@ -1,11 +1,12 @@
-"""Does NAME_OK mean the branch? Random goals about home, started from home, against a fine continuation.
+"""Does NAME_OK mean the branch? Random goals about home, against a fine continuation.
 
 For each goal the joints are followed along the straight line from home in many small steps; a line is regular where det J
 keeps its sign and steps of 1/25600 of it converge; what is OK on others must be right as well. The generated C is then
-asked for the same joint values with home as the guess. Its answer is on the same pose when it differs by no more than
+asked for the same joint values with home as the guess. With `--legs N`, N such lines follow each other: the next one begins
+at an answer that was OK, others at home. An answer is on the same pose when it differs by no more than
 rounding makes of the rows: 16 units in the last place times the condition there, and 2e-7 of the size.
 
-    python codegen/bench/branches.py [NAME ...] [--count 5000] [--real double] [--seed 0] [--write]
+    python codegen/bench/branches.py [NAME ...] [--count 5000] [--legs 1] [--real double] [--seed 0] [--write]
 
 A platform on rods gets goals by poses (within 0.34 of its size, 180 mm for the first, and 1 rad), any other one by joint
 values (within 0.15 of its size and 0.6 rad).
@@ -17,6 +18,7 @@ import argparse
 import ctypes
 import subprocess
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -98,28 +100,36 @@ def _pose_about(home: Pose, reach: Reach, size: float, rng: np.random.Generator)
     return Pose(np.asarray(home.position) + shift, np.asarray(q))
 
 
-def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | None = None, seed: int = 0) -> Found:
-    """Asks the generated C for random goals and compares what it calls OK with the fine continuation."""
+def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | None = None, seed: int = 0, legs: int = 1) -> Found:
+    """Asks the generated C for random goals, `count` at a time, and compares what it calls OK with the fine continuation."""
     kind = build_program(mechanism, options).kind
     problem = build_problem(mechanism, "direct")
     home = home_values(kind, problem.closure)  # type: ignore[arg-type]
-    rng = np.random.default_rng(seed)
-    goals = goals_about(kind, count, reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS), rng)
-    goals = goals.astype(np.float32 if options.real == "float" else np.float64).astype(float)
-    start, begin = problem.take(home, problem.system.unknowns), problem.take(home, problem.known_coordinates)
-    status, poses, steps = answers(mechanism, options, goals, pose_of(problem.closure, home))
-    ok = status == 0
-    z, shortest = Walker(problem).reached(start, begin, goals)
-    right = np.zeros(count, dtype=bool)
-    for k in np.flatnonzero(ok & (shortest > 0.0)):
-        reached = pose_of(problem.closure, problem.assemble(z[k], goals[k]))
-        near = 2e-7 + 16 * Real(options.real).epsilon * problem.system.condition(z[k], goals[k])
-        right[k] = _distance(poses[k], reached, mechanism.size) < near * mechanism.size
-    within = (shortest >= REGULAR) & (status != 4)
-    return Found(
-        count, int(within.sum()), int(ok.sum()), int((ok & ~right).sum()), 100.0 * float((ok & within).sum()) / max(1, int(within.sum())),
-        float(steps.mean()), int(steps.max()),
-    )  # fmt: skip
+    rng, epsilon, size = np.random.default_rng(seed), Real(options.real).epsilon, mechanism.size
+    reach = reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS)
+    walker, ask = Walker(problem), asking(mechanism, options)
+    first, pose = problem.take(home, problem.system.unknowns), pose_of(problem.closure, home)
+    zs, begins = np.tile(first, (count, 1)), np.tile(problem.take(home, problem.known_coordinates), (count, 1))
+    guesses = np.tile([*pose.position, *pose.quaternion], (count, 1))
+    home_rows = zs.copy(), begins.copy(), guesses.copy()
+    totals = []
+    for _ in range(legs):
+        goals = goals_about(kind, count, reach, rng)
+        goals = goals.astype(np.float32 if options.real == "float" else np.float64).astype(float)
+        status, poses, steps = ask(goals, guesses)
+        ok = status == 0
+        z, shortest = walker.reached(zs, begins, goals)
+        right = np.zeros(count, dtype=bool)
+        for k in np.flatnonzero(ok & (shortest > 0.0)):
+            reached = pose_of(problem.closure, problem.assemble(z[k], goals[k]))
+            near = 2e-7 + 16 * epsilon * problem.system.condition(z[k], goals[k])
+            right[k] = _distance(poses[k], reached, size) < near * size
+        within = (shortest >= REGULAR) & (status != 4)
+        totals.append([within.sum(), ok.sum(), (ok & ~right).sum(), (ok & within).sum(), steps.sum(), steps.max()])
+        rows = zip((z, goals, poses), home_rows, strict=True)
+        zs, begins, guesses = (np.where(right[:, None], there, at_home) for there, at_home in rows)
+    regular, answered, wrong, good, taken, _ = (int(n) for n in np.sum(totals, axis=0))
+    return Found(count * legs, regular, answered, wrong, 100.0 * good / max(1, regular), taken / (count * legs), int(np.max(totals, axis=0)[5]))  # fmt: skip
 
 
 def _distance(found: np.ndarray, reached: Pose, size: float) -> float:
@@ -129,30 +139,38 @@ def _distance(found: np.ndarray, reached: Pose, size: float) -> float:
     return float(max(np.max(np.abs(found[:3] - reached.position)), 2 * size * turned))
 
 
-def answers(mechanism: Mechanism, options: Options, goals: np.ndarray, home: Pose) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Status, pose and count of steps of NAME_direct for each goal from home."""
+Answers = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+"""Status, pose and count of steps of NAME_direct for each goal (n, joints) from each guess (n, 7)."""
+
+
+def asking(mechanism: Mechanism, options: Options) -> Answers:
+    """The generated C, compiled."""
     folder, name = Path(tempfile.mkdtemp()), mechanism.name
     write_folder(mechanism, folder, options)
     flags = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC"]
     subprocess.run(["gcc", *flags, f"{name}.c", "-o", "code.so", "-lm"], cwd=folder, check=True)
     call = getattr(ctypes.CDLL(str(folder / "code.so")), f"{name}_direct")
     number = ctypes.c_float if options.real == "float" else ctypes.c_double
-    guess, pose, info = (number * 7)(*home.position, *home.quaternion), (number * 7)(), (ctypes.c_ubyte * 64)()
-    status, poses, steps = np.zeros(len(goals), int), np.zeros((len(goals), 7)), np.zeros(len(goals), int)
-    for k, goal in enumerate(goals):
-        status[k] = call(None, (number * len(goal))(*goal), guess, pose, info)
-        poses[k], steps[k] = pose[:], info[0]
-    return status, poses, steps
+
+    def answers(goals: np.ndarray, guesses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        pose, info = (number * 7)(), (ctypes.c_ubyte * 64)()
+        status, poses, steps = np.zeros(len(goals), int), np.zeros((len(goals), 7)), np.zeros(len(goals), int)
+        for k, (goal, guess) in enumerate(zip(goals, guesses, strict=True)):
+            status[k] = call(None, (number * len(goal))(*goal), (number * 7)(*guess), pose, info)
+            poses[k], steps[k] = pose[:], info[0]
+        return status, poses, steps
+
+    return answers
 
 
-def report(names: list[str], count: int, reals: list[str], seed: int) -> str:
+def report(names: list[str], count: int, reals: list[str], seed: int, legs: int) -> str:
     lines = [
         f"Seed {seed}.", "",
         "| solver | goals | regular lines | OK of these | OK on another pose | mean steps | most steps |", "|---|---|---|---|---|---|---|",
     ]  # fmt: skip
     for name in names:
         for real in reals:
-            found = study(load(name), Options(real, home=HOMES.get(name)), count, seed=seed)  # type: ignore[arg-type]
+            found = study(load(name), Options(real, home=HOMES.get(name)), count, seed=seed, legs=legs)  # type: ignore[arg-type]
             lines.append(found.row(name, real))
     return "\n".join(lines)
 
@@ -161,11 +179,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
     parser.add_argument("--count", type=int, default=5000)
+    parser.add_argument("--legs", type=int, default=1, help="lines that follow each other (default: 1)")
     parser.add_argument("--real", choices=("float", "double"), action="append", help="default: both")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--write", action="store_true", help="write the table into codegen/README.md")
     chosen = parser.parse_args()
-    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed)
+    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed, chosen.legs)
     print(measured)
     if chosen.write:
         written("branches", measured)

@@ -60,20 +60,21 @@ class Walker:
         return self.system.move(z, steps), sign, lengths
 
     def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unknowns at the ends of the lines from known values `begin` (unknowns `start`) to `goals`, and the shortest step
-        that each line needed, as a part of it: 0 where it met a singularity. A step is accepted where det keeps its sign
+        """Unknowns at the ends of the lines from known values `begin` (unknowns `start`; one for each line, or one for all) to
+        `goals`, and the shortest step that each line needed, as a part of it: 0 where it met a singularity. A step is accepted where det keeps its sign
         and a second Newton step is below a tenth of the first; it is halved elsewhere, and doubled again up to 1/400."""
         size, count = self.system.size, len(goals)
-        sign0 = self.newton(start[None], begin[None])[1][0]
-        z, done, step = np.repeat(start[None], count, 0), np.zeros(count), np.full(count, _LONGEST)
+        begin = np.broadcast_to(begin, goals.shape)
+        z, done, step = np.array(np.broadcast_to(start, (count, start.shape[-1]))), np.zeros(count), np.full(count, _LONGEST)
+        sign0 = self.newton(z, begin)[1]
         shortest = step.copy()
         going = np.arange(count)
         while len(going):
             part = np.minimum(1.0, done[going] + step[going])
-            known = begin + part[:, None] * (goals[going] - begin)
+            known = begin[going] + part[:, None] * (goals[going] - begin[going])
             once, sign, first = self.newton(z[going], known)
             twice, after, second = self.newton(once, known)
-            fine = (sign == sign0) & (after == sign0) & (second < 0.1 * first + 1e-12 * size)
+            fine = (sign == sign0[going]) & (after == sign0[going]) & (second < 0.1 * first + 1e-12 * size)
             z[going[fine]], done[going[fine]] = twice[fine], part[fine]
             step[going] = np.where(fine, np.minimum(_LONGEST, 2 * step[going]), 0.5 * step[going])
             shortest = np.minimum(shortest, step)

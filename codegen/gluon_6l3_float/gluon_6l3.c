@@ -2255,9 +2255,15 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                gluon_6l3_inverse_target(w, to, done);
+            }
             int turn = gluon_6l3_inverse_factor(w);
             if (turn == 0) {
                 turn = gluon_6l3_inverse_pivoted(w);
+            }
+            if (!judging) {
+                gluon_6l3_inverse_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {

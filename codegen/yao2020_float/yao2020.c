@@ -1797,9 +1797,15 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                yao2020_inverse_target(w, to, done);
+            }
             int turn = yao2020_inverse_factor(w);
             if (turn == 0) {
                 turn = yao2020_inverse_pivoted(w);
+            }
+            if (!judging) {
+                yao2020_inverse_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {

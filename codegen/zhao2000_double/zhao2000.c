@@ -2040,7 +2040,13 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                zhao2000_direct_target(w, to, done);
+            }
             int turn = zhao2000_direct_pivoted(w);
+            if (!judging) {
+                zhao2000_direct_target(w, to, aim);
+            }
             kept = !judging;
             if (turn == 0) {
                 status = ZHAO2000_SINGULAR;
@@ -2140,6 +2146,28 @@ static zhao2000_real zhao2000_towards(const zhao2000_real at[4], const zhao2000_
     return 0.5 / widest;
 }
 
+/* Whether the limbs at the answer, solved as zhao2000_inverse does, have the given joint values; else a limb has passed a dead
+ * centre on the way, which is a singularity, and the pose alone does not say where its joints are. */
+static ZHAO2000_COLD zhao2000_status zhao2000_agrees(const zhao2000_real c[4], const zhao2000_real given[4])
+{
+    static const zhao2000_real near[4] = { 0.01, 0.01, 0.01, 2.4 };
+    zhao2000_real q[4] = { 0.0 };
+    zhao2000_real passive[6] = { 0.0 };
+    zhao2000_real turned[4];
+    zhao2000_status status = zhao2000_limbs(c, q, passive);
+    if (status == ZHAO2000_OK) {
+        (void)zhao2000_towards(q, given, turned);
+        for (int i = 0; i < 4; ++i) {
+            if (!(fabs(turned[i] - q[i]) <= near[i])) {
+                status = ZHAO2000_WRONG_BRANCH;
+            }
+        }
+    } else {
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    return status;
+}
+
 /* The state at the guess, and whether joints and guess can be used. */
 static ZHAO2000_SHARED zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
 {
@@ -2189,6 +2217,9 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
         zhao2000_real given[4];
         w.aim = zhao2000_towards(w.at, joints, given);
         status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
+        if (status == ZHAO2000_OK) {
+            status = zhao2000_agrees(&w.x[6], given);
+        }
         if (status == ZHAO2000_OK) {
             zhao2000_leave(&w, pose);
         } else {

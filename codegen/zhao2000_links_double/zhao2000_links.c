@@ -687,7 +687,13 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                zhao2000_links_limb1_target(w, to, done);
+            }
             int turn = zhao2000_links_limb1_factor(w);
+            if (!judging) {
+                zhao2000_links_limb1_target(w, to, aim);
+            }
             kept = !judging;
             if (turn == 0) {
                 status = ZHAO2000_LINKS_SINGULAR;
@@ -1783,7 +1789,13 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                zhao2000_links_limb2_target(w, to, done);
+            }
             int turn = zhao2000_links_limb2_factor(w);
+            if (!judging) {
+                zhao2000_links_limb2_target(w, to, aim);
+            }
             kept = !judging;
             if (turn == 0) {
                 status = ZHAO2000_LINKS_SINGULAR;
@@ -2943,7 +2955,13 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                zhao2000_links_limb3_target(w, to, done);
+            }
             int turn = zhao2000_links_limb3_factor(w);
+            if (!judging) {
+                zhao2000_links_limb3_target(w, to, aim);
+            }
             kept = !judging;
             if (turn == 0) {
                 status = ZHAO2000_LINKS_SINGULAR;
@@ -5598,7 +5616,13 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         }
         ++count;
         if (fresh) {
+            if (!judging) {
+                zhao2000_links_direct_target(w, to, done);
+            }
             int turn = zhao2000_links_direct_factor(w);
+            if (!judging) {
+                zhao2000_links_direct_target(w, to, aim);
+            }
             kept = !judging;
             if (turn == 0) {
                 status = ZHAO2000_LINKS_SINGULAR;
@@ -5698,6 +5722,28 @@ static zhao2000_links_real zhao2000_links_towards(const zhao2000_links_real at[4
     return 0.5 / widest;
 }
 
+/* Whether the limbs at the answer, solved as zhao2000_links_inverse does, have the given joint values; else a limb has passed a dead
+ * centre on the way, which is a singularity, and the pose alone does not say where its joints are. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_agrees(const zhao2000_links_real c[7], const zhao2000_links_real given[4])
+{
+    static const zhao2000_links_real near[4] = { 0.01, 0.01, 0.01, 2.45 };
+    zhao2000_links_real q[4] = { 0.0 };
+    zhao2000_links_real passive[9] = { 0.0 };
+    zhao2000_links_real turned[4];
+    zhao2000_links_status status = zhao2000_links_limbs(c, q, passive);
+    if (status == ZHAO2000_LINKS_OK) {
+        (void)zhao2000_links_towards(q, given, turned);
+        for (int i = 0; i < 4; ++i) {
+            if (!(fabs(turned[i] - q[i]) <= near[i])) {
+                status = ZHAO2000_LINKS_WRONG_BRANCH;
+            }
+        }
+    } else {
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    return status;
+}
+
 /* The state at the guess, and whether joints and guess can be used. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
 {
@@ -5747,6 +5793,9 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
         zhao2000_links_real given[4];
         w.aim = zhao2000_links_towards(w.at, joints, given);
         status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
+        if (status == ZHAO2000_LINKS_OK) {
+            status = zhao2000_links_agrees(&w.x[9], given);
+        }
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_leave(&w, pose);
         } else {

@@ -11,7 +11,8 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * ZHAO2000_LINKS_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  * Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from
- * there; the guess's passive joints are computed from its pose in this way.
+ * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
+ * where a limb has passed one, the direct problem answers with the status of a wrong branch.
  *
  * One step of Newton's method: 680 additions, 42 cos, 1 divisions, 4586 multiplications, 42 sin, 1 sqrt (rows, matrix, factors, step).
  * Predicted error of an answer: ZHAO2000_LINKS_TOLERANCE and the rounding of the type, about

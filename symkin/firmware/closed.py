@@ -82,6 +82,11 @@ class ClosedMechanism:
         system = self.geometry.system(self.direct)
         return system_kernel("direct", system, system.known, [c.is_angular for c in self.actuated], None, self.geometry.symbols)
 
+    @property
+    def has_dead_centres(self) -> bool:
+        """Whether a limb is more than a rod, whose length the pose decides."""
+        return any(block.kernel is not None for block in self.blocks)
+
     @cached_property
     def conditions(self) -> System:
         """Rows that no joint enters: the pose alone must satisfy them."""

@@ -7,10 +7,13 @@ import numpy as np
 
 from symkin.firmware.closed import Block, ClosedMechanism, line_target, ranges
 from symkin.firmware.emit import Emitter, indent, indexed
-from symkin.firmware.factor import curvature
+from symkin.firmware.factor import curvature, rounded
 from symkin.firmware.motion import COLUMNS, coordinates_text, pose_text
 from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
 from symkin.position.system import System
+
+_NEAR = 1e-2
+"""Joint values of two ways to stand that differ by less (rad, or of the size) are one: they meet at the dead centre."""
 
 
 def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, object]]:
@@ -36,7 +39,8 @@ def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, o
         kernel, name, real, geometry.names, matrices, line_target(real, nq, None), kappa, start_aim="w->aim", known_count=nq
     )
     values |= _direct_values(made, source, values)
-    text += source.text + _towards(made, values) + fill("direct.c", values) + "\n" + _inverse_text(made, values)
+    text += source.text + _towards(made, values) + _agrees(made, values)
+    text += fill("direct.c", values) + "\n" + _inverse_text(made, values)
     return text, source, values
 
 
@@ -67,6 +71,8 @@ def _block_text(made: ClosedMechanism, block: Block, values: dict[str, object]) 
         for j in range(freedom):
             k = places.get((i, j))
             entries.append(f"sides[{freedom * i + j}] = {real.literal(0.0) if k is None else emitter.value(0, k)};")
+    if not any("w->" in line for line in [*emitter.lines, *entries]):
+        entries.insert(0, "(void)w;")
     begin = [f"w->x[{i}] = {real.literal(float(v))};" for i, v in enumerate(start)]
     begin += [f"w->at[{i}] = {real.literal(float(v))};" for i, v in enumerate(at)]
     return source.text + fill("limb.c", values | {
@@ -140,11 +146,21 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
              f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
              *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
     literal = real.literal
+    agrees = [f"if (status == {name.upper()}_OK) {{", f"    status = {name}_agrees({ga}&w.x[{passive}], given);", "}"]
     return {
+        "agrees": indent(agrees, 2) if made.has_dead_centres else "",
         "enter": indent(enter, 2), "leave": indent([f"{name}_pose_of({ga}&w->x[{passive}], pose);"]),
         "towards": indent([f"{real.type} given[{values['nq']}];", f"w.aim = {name}_towards(w.at, joints, given);"], 2), "to": "given", "whole": ", " + literal(1.0), "track_factor": factored(source.kernel, f"{name}_direct", "&w", ga),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
     }  # fmt: skip
+
+
+def _agrees(made: ClosedMechanism, values: dict[str, object]) -> str:
+    """NAME_agrees, where a pose may leave limbs more than one way to stand."""
+    if not made.has_dead_centres:
+        return ""
+    near = [_NEAR * (1.0 if c.is_angular else made.closure.size) for c in made.actuated]
+    return fill("agrees.c", values | {"near": ", ".join(made.real.literal(rounded(v)) for v in near)})
 
 
 def _towards(made: ClosedMechanism, values: dict[str, object]) -> str:

@@ -47,9 +47,9 @@ _BRANCH = r"""## Which answer is OK
 `OK` says that the answer is the one which is reached from the guess along a straight line of the given values without meeting
 a singularity. Write $x_0$ for the guess's state, $J_0$ for the matrix there, $\lambda \in [0, 1]$ for the place on the line,
 $s_0(\lambda)$ for Newton's first step towards it, $s_0 = s_0(1)$, $\bar s_1$ for the next step with the same factors, and
-$\theta = |\bar s_1| / |s_0|$.
+$\theta = |\bar s_1| / |s_0|$."""
 
-**Proved.** Let $|J_0^{-1} (J(x) - J(y))| \le \omega |x - y|$. If $h = \omega \max_\lambda |s_0(\lambda)| \le \tfrac12$
+_KANTOROVICH = r"""**Proved.** Let $|J_0^{-1} (J(x) - J(y))| \le \omega |x - y|$. If $h = \omega \max_\lambda |s_0(\lambda)| \le \tfrac12$
 (Newton, Kantorovich), then for each $\lambda$ there is one solution $x(\lambda)$ within $(1 - \sqrt{1 - 2h}) / \omega$ of
 $x_0$, the matrix is regular short of $1 / \omega$, and Newton's method from $x_0$ ends there. So $x(\lambda)$ is a continuous
 path without a singularity and the answer is its end.
@@ -67,14 +67,39 @@ path without a singularity and the answer is its end.
    linear in $\lambda$ they are $\lambda s_0$.
 
 **Measured, not proved.** $\omega$ over all directions is not computed; the state is a position and a unit quaternion, in
-which rows are quadratics up to terms of third order only; the closures of passive joints hold sines. The rule is therefore:
-the whole line is tried and accepted at $\theta \le \tfrac14$; elsewhere it is cut into pieces, each accepted at $\theta \le
-\tfrac18$; after acceptance the next step must be at most $|s_0| / 8$; where pieces become shorter than 1/1024, or the sign of
-$\det J$ (free with the pivots) changes, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch rests
-on random goals compared with fine continuation.
+which rows are quadratics up to terms of third order only; the closures of passive joints hold sines."""
+
+_BANACH = r"""**Proved.** The matrix reads the given values too; $J_0$ is the one of the guess's state and the guess's values, which the machine
+has. If $|1 - J_0^{-1} J(x, \lambda)| \le c < 1$ for all $\lambda$ and all $x$ within $\max_\lambda |s_0(\lambda)| / (1 - c)$ of
+$x_0$, then (Banach, for $x \mapsto x - J_0^{-1} F(x, \lambda)$) there is one solution $x(\lambda)$ there for each $\lambda$ and the
+matrix is regular. So $x(\lambda)$ is a continuous path without a singularity and the answer is its end. The first step is
+taken with $J_0$; then $\theta \le c$, because $\bar s_1 = (1 - J_0^{-1} \int_0^1 J(x_0 + t s_0, 1) \, \mathrm{d}t) \, s_0$: $\theta$ is the
+change of the matrix, by the state along the step and by the given values along the whole line, in the step's direction.
+
+**Measured, not proved.** $c$ over all directions and all of the line is not computed."""
+
+_RULE = r"""The rule is therefore: the whole line is tried and accepted at $\theta \le \tfrac14$; elsewhere it is cut into pieces, each
+accepted at $\theta \le \tfrac18$; after acceptance the next step must be at most $|s_0| / 8$; where pieces become shorter than
+1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
+rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
 evaluated once more and must vanish to the tolerance plus rounding."""
+_SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
+_DEAD_CENTRE = r"""
+
+A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the limb stands. So the limbs are
+solved at the answer, from the reference as `inverse` solves them: where they have other joint values than the given ones, the
+status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there."""
+
+
+def _branch(program: Program) -> str:
+    """The section on which answer is OK, as far as it holds for the kernel."""
+    kernel, kind = program.main.kernel, program.kind
+    dead = isinstance(kind, ClosedMechanism) and kind.has_dead_centres
+    pieces = _RULE.split("@@")
+    rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + (_DEAD_CENTRE if dead else "") + pieces[2]
+    return "\n\n".join([_BRANCH, f"{_BANACH if kernel.reads_known else _KANTOROVICH}\n{rule}"])
 
 
 def readme(program: Program) -> str:
@@ -106,7 +131,7 @@ One step: {counts}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.len
 
 {kind}
 
-{_BRANCH}
+{_branch(program)}
 
 ## Closure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -22,15 +23,52 @@ from symkin.model.mechanism import Mechanism
 
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
-    """Writes the folder (made where it is missing) and returns its files."""
+    """Writes the folder (made where it is missing) and returns its files. Raises InputError where that would replace a file
+    that is not symkin's, is another mechanism's, or was edited."""
+    check_folder(mechanism, folder)
     files = folder_files(mechanism, options)
     try:
+        _check_files(folder, list(files))
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
     return [folder / name for name in files]
+
+
+def check_folder(mechanism: Mechanism, folder: Path) -> None:
+    """Raises InputError where the folder holds the code of another mechanism."""
+    written = _manifest_of(folder)
+    if written.get("mechanism", mechanism.name) != mechanism.name:
+        raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
+
+
+def _check_files(folder: Path, names: list[str]) -> None:
+    """Raises InputError for files in the way that are not as the folder's manifest says they were written."""
+    written = _manifest_of(folder)
+    digests = written.get("files", {})
+    foreign = [
+        name
+        for name in names
+        if (folder / name).exists() and (name != "manifest.json" or not written)
+        and hashlib.sha256((folder / name).read_bytes()).hexdigest() != digests.get(name)
+    ]  # fmt: skip
+    edited = [name for name in foreign if name in digests]
+    if foreign:
+        which = ", ".join(edited or foreign)
+        what = "edited since they were written" if edited else "there already and not written by symkin"
+        raise InputError(f"{folder}: would replace {which}, {what}; move them away, or give another folder with -o")
+
+
+def _manifest_of(folder: Path) -> dict[str, Any]:
+    """What a folder's manifest says; empty where there is none that can be read."""
+    try:
+        content = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    is_ours = isinstance(content, dict) and isinstance(content.get("files"), dict) and "model_sha256" in content
+    return content if is_ours else {}
 
 
 def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:

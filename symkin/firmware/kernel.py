@@ -65,6 +65,12 @@ class Kernel:
         """More unknowns than rows: steps are the shortest that solve the rows."""
         return self.n > self.m
 
+    @property
+    def reads_known(self) -> bool:
+        """Whether J depends on the known values, not on the state alone."""
+        whole = ca.substitute(self.jacobian, self.shared_symbols, self.shared)
+        return bool(any(ca.which_depends(whole, self.known, 1, False)))
+
     def row_function(self) -> ca.Function:
         return ca.Function("rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True})
 

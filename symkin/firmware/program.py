@@ -108,12 +108,13 @@ def _range_lines(kind: Kind) -> list[str]:
 
 
 def _branch_lines(kind: Kind) -> list[str]:
-    if isinstance(kind, ClosedMechanism):
-        return [
-            "Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from",
-            "there; the guess's passive joints are computed from its pose in this way.",
-        ]
-    return []
+    if not isinstance(kind, ClosedMechanism) or not kind.has_dead_centres:
+        return []
+    return [
+        "Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from",
+        "there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:",
+        "where a limb has passed one, the direct problem answers with the status of a wrong branch.",
+    ]
 
 
 def _geometry(kind: Kind) -> str:

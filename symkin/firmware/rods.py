@@ -123,7 +123,7 @@ def rod_source(platform: RodPlatform) -> tuple[str, KernelSource, dict[str, obje
         "least_norm": literal(0.98), "most_norm": literal(1.0201), "copy_joints": indent(copy("joints", "w.k", 6), 3),
         "enter": indent(["w->guess = guess;", f"status = {name}_unit(guess, w->x);"], 2),
         "leave": indent([*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]),
-        "towards": "", "to": "joints", "whole": "", "track_factor": factored(kernel, f"{name}_direct", "&w", str(values["ga"])),
+        "agrees": "", "towards": "", "to": "joints", "whole": "", "track_factor": factored(kernel, f"{name}_direct", "&w", str(values["ga"])),
         "kappa": literal(float(np.sqrt(source.tuning.kappa2))), "track2": literal((platform.mechanism.size / 24) ** 2),
     }  # fmt: skip
     legs = _legs(platform, rods, kernel.geometry, values)

@@ -99,6 +99,7 @@ def kernel_source(
     inputs = [indexed("w->x", ns), indexed("w->k", nk), list(geometry)]
     literal = real.literal
     aim = f"{k}_target({'geometry, ' if struct else ''}w, to, aim);"
+    there = kernel.reads_known
     values = common_values(name, real, struct) | {
         "k": k, "n": n, "n1": n + 1, "m": m, "ns": ns, "nk": nk, "nto": known_count or nk,
         "na": m * n, "most": max(m, n),
@@ -112,6 +113,8 @@ def kernel_source(
         "start_aim": start_aim or literal(1.0), "singular": literal(32.0 * real.epsilon),
         "part_of": "" if again else ", aim", "part": "" if again else f", {real.type} part",
         "aimed": "" if again else ": a part of the line from the guess's to `to`", "guard": literal(GUARD**-2),
+        "at_done": indent(["if (!judging) {", f"    {aim.replace('aim', 'done')}", "}"], 3) if there else "",
+        "at_aim": indent(["if (!judging) {", f"    {aim}", "}"], 3) if there else "",
         "save0": "" if again else indent(copy("w->x0", "w->x", ns)),
         "advance": indent([*_loop("w->x0", "w->x", ns), again or aim], 4),
         "retreat": indent([again] if again else [*_loop("w->x", "w->x0", ns), aim], 3),

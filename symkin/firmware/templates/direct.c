@@ -29,6 +29,7 @@ static @{COLD} @{p}_status @{p}_failed(const @{real} joints[@{nq}], const @{p}_p
     if (status == @{P}_OK) {
 @{towards}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
+@{agrees}
         if (status == @{P}_OK) {
             @{p}_leave(@{ga}&w, pose);
         } else {

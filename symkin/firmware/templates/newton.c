@@ -45,8 +45,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
         ++count;
         if (fresh) {
+@{at_done}
             int turn = @{first_factor};
 @{second_factor}
+@{at_aim}
             kept = !judging;
             if (turn == 0) {
                 status = @{P}_SINGULAR;

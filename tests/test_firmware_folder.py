@@ -1,0 +1,54 @@
+"""Writing into a folder loses nothing that is not symkin's own, unedited work."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import symkin
+from symkin import InputError
+from symkin.cli import app
+from symkin.firmware.folder import write_folder
+from symkin.firmware.options import Options
+
+PLATFORM = symkin.load("ren2008")
+
+
+def _contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("name", ["Makefile", "README.md", "ren2008.c", "manifest.json"])
+def test_foreign_files_are_kept(name, tmp_path):
+    """A file of the user's that has one of the names: a sentence with it, and nothing is written."""
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(InputError, match=rf"would replace {name}, there already and not written by symkin"):
+        write_folder(PLATFORM, tmp_path, Options())
+    assert _contents(tmp_path) == {name: b"mine"}
+
+
+def test_edited_files_are_kept(tmp_path):
+    """What was written is written again, with other options too; a file edited since is named, and nothing is lost."""
+    write_folder(PLATFORM, tmp_path, Options())
+    write_folder(PLATFORM, tmp_path, Options("float"))
+    assert json.loads((tmp_path / "manifest.json").read_text())["options"]["real"] == "float"
+    example = tmp_path / "example_main.c"
+    example.write_text(example.read_text() + "/* mine */\n")
+    (tmp_path / "notes.txt").write_text("mine")
+    before = _contents(tmp_path)
+    with pytest.raises(InputError, match=r"would replace example_main\.c, edited since"):
+        write_folder(PLATFORM, tmp_path, Options())
+    assert _contents(tmp_path) == before
+    example.unlink()
+    write_folder(PLATFORM, tmp_path, Options())
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_another_mechanisms_folder_is_kept(tmp_path):
+    """The command ends with status 2, names the mechanism that the folder holds, and writes nothing."""
+    write_folder(PLATFORM, tmp_path, Options())
+    before = _contents(tmp_path)
+    found = CliRunner().invoke(app, ["firmware", "zhao2000", "-o", str(tmp_path)])
+    assert isinstance(found.exception, InputError)
+    assert "holds the code of 'ren2008'" in str(found.exception)
+    assert _contents(tmp_path) == before

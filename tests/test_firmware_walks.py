@@ -1,0 +1,85 @@
+"""Lines of joint values that begin where the last one ended, for mechanisms whose matrix reads the joints."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+
+import firmware_tools as tools
+import numpy as np
+import pytest
+import test_firmware_joints as joint_types
+from test_readme import BLOCKS
+
+import samples
+from symkin.firmware.folder import write_folder
+from symkin.firmware.options import Options
+from symkin.model.file import parse
+
+
+def five_bar(platform: str):
+    """The README's five-bar, with this head of its [platform]."""
+    (text,) = [text for kind, text in BLOCKS if kind == "toml"]
+    return parse(text.replace("[platform]", platform), "README.md")
+
+
+MECHANISMS = {
+    "five-bar": (lambda: five_bar('[platform]\nmotion = "planar"'), 0.9, 60.0),
+    "3-RRR": (lambda: samples.three_rrr("planar"), 0.9, 70.0),
+    "six cranks": (joint_types.rods_at_the_end, 0.9, 70.0),
+}
+"""Mechanism, how far joints go from home (rad), and how many of the regular lines must succeed (%)."""
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_walks_keep_their_branch(name, real):
+    """Three lines after each other from home: what is OK is what fine continuation reaches."""
+    tools.compiler("gcc")
+    make, turn, least = MECHANISMS[name]
+    branches = tools.bench_module("branches")
+    found = branches.study(make(), Options(real), 30, branches.Reach(0.2, turn), seed=6, legs=3)
+    assert found.ok > 30
+    assert found.wrong == 0
+    assert found.ok_of_regular > least
+
+
+def _library(mechanism, folder):
+    write_folder(mechanism, folder, Options("double"))
+    command = [tools.compiler("gcc"), "-O1", "-shared", "-fPIC", f"{mechanism.name}.c", "-o", "code.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "code.so"))
+
+
+def _numbers(values):
+    return (ctypes.c_double * len(values))(*values)
+
+
+def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path):
+    """A line on which det of the matrix at the guess changes its sign between the guess's joint values and the given ones: the
+    tip that the circles of the couplers reach continuously is (0.0338, 238.4711), the other one (2.207, -47.385)."""
+    library = _library(five_bar("[platform]"), tmp_path)
+    guess = _numbers([-23.45668092865065, -92.46047606222544, 0.0, -0.15146385226797096, 0.0, 0.0, 0.9884627972038941])
+    goal, pose = _numbers([-0.3111966769802995, 0.28774171547505556]), _numbers([0.0] * 7)
+    status = library.five_bar_direct(None, goal, guess, pose, None)
+    assert status != 0 or np.allclose(pose[:2], [0.0338, 238.4711], atol=1e-3)
+
+
+def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
+    """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would not give the joint values
+    back; every OK answer gives them back, and the next call can begin there."""
+    mechanism = joint_types.rods_at_the_end()
+    library, name = _library(mechanism, tmp_path), mechanism.name
+    direct, inverse = getattr(library, f"{name}_direct"), getattr(library, f"{name}_inverse")
+    rng = np.random.default_rng(2)
+    home = _numbers([*mechanism.platform_position, 1.0, 0.0, 0.0, 0.0])
+    middle, answered = np.array([c.reference[0] for c in mechanism.actuated]), 0
+    for goal in middle + 1.3 * rng.uniform(-1, 1, (400, 6)):
+        pose, back, again = _numbers([0.0] * 7), _numbers([0.0] * 6), _numbers([0.0] * 7)
+        if direct(None, _numbers(goal), home, pose, None) != 0:
+            continue
+        answered += 1
+        assert inverse(pose, back) == 0
+        np.testing.assert_allclose(back[:], goal, atol=1e-2)
+        assert direct(None, _numbers(goal), pose, again, None) == 0
+    assert answered > 100
