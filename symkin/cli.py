@@ -1,4 +1,5 @@
-"""The command line (contract 2). Exit status: 0 done, 2 bad input, 3 no real solution or not converged."""
+"""The command line (contract 2). Exit status: 0 done, 2 bad input, 3 no real solution or not converged, 130 interrupted
+by Ctrl-C."""
 
 from __future__ import annotations
 
@@ -12,11 +13,15 @@ from symkin.commands.calibrate import calibrate
 from symkin.commands.describe import list_, show
 from symkin.commands.firmware import firmware
 from symkin.commands.jacobian import jacobian
+from symkin.commands.options import Interrupted
 from symkin.commands.position import modes, solve
 from symkin.commands.singularities import singularities
 from symkin.commands.sweep import sweep
 from symkin.commands.track import track
 from symkin.errors import SymkinError
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, which Typer gives too: 128 and the number of the signal."""
 
 app = typer.Typer(
     help="Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description.",
@@ -61,10 +66,13 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         status = app(args=arguments, prog_name="symkin", standalone_mode=False)
         sys.stdout.flush()
+        if status == INTERRUPTED:
+            _say("interrupted")
     except SymkinError as error:
         sys.exit(_complain(error))
-    except KeyboardInterrupt:
-        sys.exit(130)
+    except (KeyboardInterrupt, Interrupted) as error:
+        _say(f"interrupted; {error}" if str(error) else "interrupted")
+        sys.exit(INTERRUPTED)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
@@ -80,5 +88,9 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _complain(message: object) -> int:
-    print("symkin: " + " ".join(str(message).split()), file=sys.stderr)
+    _say(message)
     return 2
+
+
+def _say(message: object) -> None:
+    print("symkin: " + " ".join(str(message).split()), file=sys.stderr)

@@ -112,7 +112,9 @@ def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
         (["modes", "zhao2000", "--joints", "1,2"], ["2 values", "4 actuated", "theta1"]),
         (["modes", "zhao2000", "--joints", "1,2,3,nan"], ["value 4", "not finite"]),
         (["modes", "zhao2000", "--joints", "1,2,3,inf"], ["value 4", "not finite"]),
-        (["modes", "zhao2000", "--joints", "1,2,3,x"], ["value 4", "'x'"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,x"], ["value 4", "'x'", "not a number"]),
+        (["modes", "zhao2000", "--joints", "1,2,3,1/0"], ["value 4", "'1/0' has no value"]),
+        (["solve", "zhao2000", "--joints", "1,2,3,sin(2)"], ["value 4", "'sin(2)'", "no angle unit"]),
         (["modes", "zhao2000", "--joints", "1,2,3,-4"], ["op = -4", "length"]),
         (["modes", "zhao2000", "--joints", "1,2,3,4", "--pose", "0,0,0,1,0,0,0"], ["both"]),
         (["modes", "zhao2000", "--pose", "0,0,0,1,0,0"], ["6 values", "7"]),
@@ -154,6 +156,24 @@ def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[st
     found = data["modes"] if "modes" in data else [data["solution"]] if data["solution"] else []
     size = symkin.load(data["mechanism"]).size
     assert all(mode["residual"] <= 1e-9 * size for mode in found)
+
+
+def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
+    """The same joints, written as arithmetic, have the same solution."""
+    plain, written = "81,202,330,105", "9^2,2*101,660/2,100+sqrt(25)"
+    answers = [run_json(capsys, "solve", "zhao2000", "--joints", joints)[1]["solution"] for joints in (plain, written)]
+    assert answers[0] == answers[1] is not None
+
+
+@pytest.mark.parametrize("place", ["symkin.model.file.load", "symkin.cli.app"])
+def test_ctrl_c_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+    """Ctrl-C within a command or outside ends with status 130, nothing on stdout and one line on stderr."""
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(place, interrupted)
+    assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,12 +2,13 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import symkin
-from samples import Z
+from samples import Z, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.cli import main
 from symkin.sweeps.run import sweep
@@ -53,6 +54,8 @@ def test_command_writes_arrays_and_a_map(capsys, tmp_path):
         (["--grid", "leg1=1:2:x"], "whole number"), (["--grid", "leg1=1:2", "--random", "many"], "'many' is not a whole number"),
         (["--grid", "leg1=1:2:3", "--slice", "leg2=1", "--plot", "a.png"], "'leg2' is not swept"),
         (["--grid", "leg1=1:2:3", "--slice", "leg1"], "NAME=VALUE"), (["--grid", "leg1=1:2:3", "--plot", "a.xyz"], "picture format"),
+        (["--grid", "leg1=1:2:3", "--slice", "leg1=7"], "outside"), (["--grid", "x=1:2:3", "--poses", "--at", "1,2"], "at: 2 values"),
+        (["--grid", "gamma=1:2:3", "--poses"], "no 'gamma' to sweep"), (["--grid", "x=1:2:3", "--at", "0,0,0,1,0,0,z", "--poses"], "'z'"),
         (["--grid", "leg1=1:2", "--random", "3", "--slice", "leg1=1", "--plot", "a.png"], "no slices"), ([], "grid"),
     ],
 )  # fmt: skip
@@ -84,11 +87,40 @@ def test_maps_show_the_arrays(tmp_path, quantity):
     grid = {"leg1": [120.0, 130.0, 140.0], "leg2": [340.0, 345.0], "leg3": [100.0, 105.0, 110.0]}
     data = sweep(PLATFORM, grid, tmp_path / "s", quantity=quantity, workers=0).open().load()
     name = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}[quantity]
-    for slices, place in (({}, {"leg3": 1}), ({"leg3": 109.0}, {"leg3": 2}), ({"leg1": 0.0}, {"leg1": 0})):
+    for slices, place in (({}, {"leg3": 1}), ({"leg3": 109.0}, {"leg3": 2}), ({"leg1": 121.0}, {"leg1": 0})):
         cells = figure_of_sweep(tmp_path / "s", slices).axes[0].collections[0].get_array()
         assert np.array_equal(np.asarray(cells), data[name].isel(place).values.T)
     line = figure_of_sweep(tmp_path / "s", {"leg3": 100.0, "leg2": 340.0}).axes[0].lines[0]
     assert np.array_equal(line.get_ydata(), data[name].values[:, 0, 0].astype(float))
+
+
+@pytest.mark.parametrize("quantity", ["modes", "conditioning", "reach"])
+def test_random_points_without_a_mode_are_marked(tmp_path, quantity):
+    """Each random point outside of the ring that the arm reaches, and no other, has a mark of its own, in maps and curves."""
+    bounds = {"x": (0.5, 4), "y": (-0.5, 0.5)}
+    swept = sweep(two_links(), bounds, tmp_path / "s", poses=True, quantity=quantity, random=60, workers=0).open().load()
+    outside = np.hypot(swept.x, swept.y).values
+    outside = (outside < 1) | (outside > 3)
+    assert 0 < outside.sum() < 60
+    marks = figure_of_sweep(tmp_path / "s", {}).axes[0].collections[1]
+    assert np.array_equal(marks.get_offsets()[:, 0], swept.x.values[outside])
+    assert len(marks.get_edgecolor())
+    line = sweep(two_links(), {"x": (0.5, 4)}, tmp_path / "l", poses=True, quantity=quantity, random=20, workers=0)
+    outside = (line.open().x.values < 1) | (line.open().x.values > 3)
+    ax = figure_of_sweep(tmp_path / "l", {}).axes[0]
+    if quantity == "conditioning":
+        assert np.array_equal(ax.collections[0].get_offsets()[:, 0], line.open().x.values[outside])
+    assert ax.get_xlim()[0] <= line.open().x.min() <= line.open().x.max() <= ax.get_xlim()[1]
+
+
+def test_captions_name_the_angle_about_z(tmp_path):
+    """What is held or offset is in the caption: gamma where it does not vary, its offset where rz does, nothing where gamma does."""
+    arm = three_rrr("planar")
+    for axis, said in (("x", "gamma = 17.189 deg"), ("rz", "gamma = rz + 17.189 deg"), ("gamma", "")):
+        folder, at = tmp_path / axis, [0, 0, 0, np.cos(0.15), 0, 0, np.sin(0.15)]
+        sweep(replace(arm, angle_unit="deg"), {axis: [0.0, 5.0]}, folder, poses=True, at=at, workers=0)
+        caption = figure_of_sweep(folder, {}).axes[0].get_title()
+        assert said in caption if said else "gamma" not in caption
 
 
 def test_maps_of_samples_and_of_nothing(tmp_path):

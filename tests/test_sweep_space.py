@@ -12,7 +12,7 @@ from laws import ball_turn
 from samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.sweeps.layout import labels
-from symkin.sweeps.ranges import read_ranges, read_values
+from symkin.sweeps.ranges import check_slices, read_ranges, read_values
 from symkin.sweeps.space import Blocks, make_space
 
 
@@ -86,12 +86,36 @@ def test_ranges_as_text():
     assert read_values("a=1,b=2e1", "slice") == {"a": 1.0, "b": 20.0}
 
 
+def test_ranges_may_be_arithmetic():
+    """Bounds and values are the numbers of mechanism files: sin, cos and tan in the file's angle unit."""
+    found = read_ranges("a=-pi/2:2*pi:5,b=sqrt(16)", angle_unit="rad")
+    assert np.array_equal(found["a"], np.linspace(-math.pi / 2, 2 * math.pi, 5))
+    assert found["b"] == [4.0]
+    assert read_ranges("a=cos(60):sin(90)", sampled=True, angle_unit="deg")["a"] == pytest.approx([0.5, 1.0])
+    assert read_values("a=2*sin(pi/6)", "slice", angle_unit="rad") == pytest.approx({"a": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("slices", "sampled", "said"),
+    [
+        ({"a": 70.0}, False, "a = 70 lies outside.*0 to 10"), ({"a": -1e-6}, False, "outside"), ({"b": 1.0}, False, "'b' is not swept.*a, c"),
+        ({"c": 4.0}, False, "outside.*allowed: 5$"), ({"a": float("nan")}, False, "outside"), ({"a": 1.0}, True, "no slices"),
+    ],
+)  # fmt: skip
+def test_slices_that_are_refused(slices, sampled, said):
+    """A slice lies on a swept axis, within its values; the last digits of arithmetic do not matter."""
+    swept = {"a": np.array([0.0, 5.0, 10.0]), "c": np.array([5.0])}
+    with pytest.raises(InputError, match=said):
+        check_slices(slices, swept, sampled=sampled)
+    check_slices({"a": 10.0 + 1e-12, "c": 5.0}, swept, sampled=False)
+
+
 @pytest.mark.parametrize(
     ("text", "sampled", "said"),
     [
         ("a=2:1:5", False, "reversed"), ("a=2:1", True, "reversed"), ("a=1:2:0", False, "0 values"), ("a=1:2:-3", False, "-3 values"),
         ("a=1:2:1", False, "one value"), ("a=1:1:4", False, "one value"), ("a=1:2:2.5", False, "whole number"),
-        ("a=nan:2:3", False, "finite"), ("a=inf", False, "finite"), ("a=x", False, "not a number"), ("a=1:2", False, "COUNT"),
+        ("a=nan:2:3", False, "finite"), ("a=inf", False, "finite"), ("a=x", False, "not a number"), ("a=1/0", False, "no value"), ("a=1:2", False, "COUNT"),
         ("a=1:2:3", True, "NAME=LOW:HIGH"), ("a", False, "form"), ("", False, "form"), ("=1", False, "form"), ("a=1,a=2", False, "twice"),
     ],
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 import errno
 import filecmp
+import math
 import os
 import shutil
 import warnings
@@ -12,10 +13,12 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError
+from symkin import InputError, Pose
 from symkin.singularities.singularity import classify
 from symkin.sweeps.found import COMPLETENESS
+from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep
+from symkin.sweeps.space import make_space
 
 xarray = pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")
@@ -163,10 +166,15 @@ def test_points_without_solution_and_off_the_motion(tmp_path):
     beyond = sweep(PLATFORM, {"leg1": [140.0, 1000.0]}, tmp_path / "a", workers=0).open().load()
     assert beyond["count"].values.tolist() == [4, 0]
     assert set(np.array(COMPLETENESS)[beyond.completeness.values]) == {"probability one"}
-    tilted = sweep(symkin.load("zhao2000"), {"rx": [0.0, 20.0]}, tmp_path / "b", poses=True, workers=0).open().load()
-    assert tilted["count"].values.tolist() == [8, 0]
-    assert np.array(COMPLETENESS)[tilted.completeness.values].tolist() == ["probability one", "off the motion"]
-    assert tilted.rx.attrs["units"] == "deg"
+    restricted = symkin.load("zhao2000")
+    turned = sweep(restricted, {"rz": [0.0, 90.0]}, tmp_path / "b", poses=True, workers=0).open().load()
+    assert turned["count"].values.tolist() == [8, 8]
+    assert set(np.array(COMPLETENESS)[turned.completeness.values]) == {"probability one"}
+    assert turned.rz.attrs["units"] == "deg"
+    tilted = Pose(np.array([0.0, 0.0, 100.0]), np.array([math.cos(0.2), math.sin(0.2), 0.0, 0.0]))
+    found = make_plan(make_space(restricted, {"z": [100.0]}, poses=True)).enumerator().enumerate([{"pose": tilted}])
+    assert found.count.tolist() == [0]
+    assert [COMPLETENESS[code] for code in found.completeness] == ["off the motion"]
 
 
 def test_conditioning_and_reach(tmp_path):

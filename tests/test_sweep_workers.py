@@ -83,7 +83,7 @@ def children(pid):
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
     """After kill -9 or Ctrl-C of the command its workers end, what is marked is kept, and the same command goes on to the
-    same files. Ctrl-C ends with status 130."""
+    same files. Ctrl-C ends with status 130 and one line that says so."""
     process = started(tmp_path / "cut", "--workers", "2")
     wait_for(lambda: marks(tmp_path / "cut") >= 2 or process.poll() is not None)
     workers = children(process.pid)
@@ -91,6 +91,10 @@ def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
     _, said = process.communicate(timeout=60)
     assert process.returncode == (130 if sign == signal.SIGINT else -9), said
     assert "Traceback" not in said
+    if sign == signal.SIGINT:
+        assert said.startswith("symkin: interrupted")
+        assert said.count("\n") == 1
+        assert all(words in said for words in (str(tmp_path / "cut"), "chunks are kept", "the same command goes on"))
     wait_for(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
     done = marks(tmp_path / "cut")
     assert 2 <= done < 13

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from symkin.errors import InputError
+from symkin.model.written_number import written_number
 
 
 def whole_number(text: str) -> int:
@@ -37,8 +38,13 @@ SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help=
 JsonOption = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
 
 
-def numbers_from(text: str | None, what: str) -> list[float] | None:
-    """Numbers from a comma-separated list; None stays None."""
+class Interrupted(Exception):  # noqa: N818 - no error: the user's wish
+    """Ctrl-C in a command whose work is not lost; the text says what is kept."""
+
+
+def numbers_from(text: str | None, what: str, angle_unit: str | None = None) -> list[float] | None:
+    """Numbers, or arithmetic, from a comma-separated list; None stays None. Without the unit of angles, sin, cos and tan are
+    refused."""
     if text is None:
         return None
     if not text.strip():
@@ -46,11 +52,9 @@ def numbers_from(text: str | None, what: str) -> list[float] | None:
     numbers = []
     for k, part in enumerate(text.split(","), start=1):
         try:
-            numbers.append(float(part))
-        except ValueError:
-            raise InputError(
-                f"--{what}: value {k} = {part.strip()!r} is not a number; numbers separated by commas are needed"
-            ) from None
+            numbers.append(written_number(part, angle_unit))
+        except InputError as error:
+            raise InputError(f"--{what}: value {k} = {error}; values are separated by commas") from None
     return numbers
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from symkin.commands.options import MechArgument, SeedOption, numbers_from, whole_number
+from symkin.commands.options import Interrupted, MechArgument, SeedOption, numbers_from, whole_number
 
 
 class Quantity(StrEnum):
@@ -36,7 +36,8 @@ def sweep(
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
     ],
     poses: Annotated[
-        bool, typer.Option("--poses", help="Sweep x, y, z, rx, ry, rz (rotation vector before the orientation of --at).")
+        bool,
+        typer.Option("--poses", help="Sweep x, y, z, gamma, or rx, ry, rz before the orientation of --at; those of the motion."),
     ] = False,
     at: Annotated[
         str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")
@@ -59,21 +60,21 @@ def sweep(
 ) -> None:
     """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
     from symkin.model.file import load
-    from symkin.sweeps.ranges import read_ranges, read_values
+    from symkin.sweeps.ranges import check_slices, read_ranges, read_values
     from symkin.sweeps.run import sweep as run
 
     mechanism = load(mech)
-    ranges = read_ranges(grid, sampled=random is not None)
-    cuts = read_values(slices, "slice") if slices is not None else {}
+    unit = mechanism.angle_unit
+    ranges = read_ranges(grid, sampled=random is not None, angle_unit=unit)
+    cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
+    check_slices(cuts, ranges, sampled=random is not None)
     if plot is not None:
         from symkin.view.plot import check_picture_path
-        from symkin.view.sweep_plot import check_slices
 
         check_picture_path(plot)
-        check_slices(cuts, list(ranges), sampled=random is not None)
-    with _progress() as progress:
+    with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, poses=poses, at=numbers_from(at, "at"), random=random, seed=seed, quantity=quantity.value,
+            mechanism, ranges, output, poses=poses, at=numbers_from(at, "at", unit), random=random, seed=seed, quantity=quantity.value,
             certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
     print(swept)
@@ -82,6 +83,16 @@ def sweep(
 
         draw_sweep(output, plot, slices=cuts)
         print(f"picture: {plot}")
+
+
+@contextmanager
+def _kept_when_interrupted(folder: Path) -> Iterator[None]:
+    """Ctrl-C says what is not lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = f"finished chunks are kept in {folder}, and the same command goes on from there"
+        raise Interrupted(kept if (folder / "zarr.json").exists() else "nothing was begun") from None
 
 
 @contextmanager

@@ -47,7 +47,8 @@ class Swept:
     def __str__(self) -> str:
         counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
-        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}\n{self.folder}"
+        none = "" if self.most_modes else " (no point has a solution)"
+        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}\n{self.folder}"
 
 
 def sweep(
@@ -70,19 +71,26 @@ def sweep(
 ) -> Swept:
     """Every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
 
-    `grid` maps actuated joints to rising values, with `poses` x, y, z and the rotation vector rx, ry, rz (base frame,
-    before the orientation of `at`), in the mechanism's units; with `random` = N points, to (least, largest). `at` gives what
+    `grid` maps actuated joints to rising values, with `poses` the coordinates of the platform's motion: x, y, z, gamma (about
+    z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of `at`), in the mechanism's
+    units; with `random` = N points, to (least, largest). Poses of which the joints allow hardly any are refused. `at` gives what
     is not swept. `quantity` is "modes", "conditioning" or "reach"; `certify` proves modes, at many times the cost; `seed`
     is that of the sample and of random starts, `starts` their number where paths do not decide. `chunk` points are computed
     and written at a time, by `executor`, by the Dask scheduler at the address `dask`, or by `workers` local processes (0:
     this one). The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit.
     Raises InputError for what does not fit, another sweep in the folder, and a folder that cannot be written.
     """
+    from symkin.sweeps.arguments import check_types, whole
     from symkin.sweeps.plan import make_plan
     from symkin.sweeps.space import make_space
     from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
     from symkin.sweeps.work import Job
 
+    others = {"poses": poses, "certify": certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
+    check_types(mechanism, grid, directory, **others)
+    seed, starts = whole(seed, "seed"), whole(starts, "starts")
+    counts = {"random": random, "chunk": chunk, "workers": workers}
+    random, chunk, workers = (None if value is None else whole(value, name) for name, value in counts.items())
     folder = Path(directory)
     require_zarr()
     read_attributes(folder)

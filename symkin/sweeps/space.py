@@ -1,7 +1,6 @@
 """The points of a sweep: a grid, or a random sample of boxes, of actuated joints or of poses.
 
-A pose is that of `base`, with x, y, z replaced and turned by the rotation vector (rx, ry, rz) of the base frame:
-q = exp(r) q_base. Values are in the mechanism's units.
+Values are in the mechanism's units; poses are made as `pose_axes` says.
 """
 
 from __future__ import annotations
@@ -17,10 +16,9 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import joint_values, pose_from
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
+from symkin.sweeps.pose_axes import ALL_POSE_AXES, check_poses, pose_at, pose_units
 
 Values = Sequence[float] | np.ndarray
-POSE_AXES = ("x", "y", "z", "rx", "ry", "rz")
 MOST_POINTS = 10**9
 
 
@@ -77,12 +75,7 @@ class Space:
         if not self.poses:
             names = [c.name for c in self.mechanism.actuated]
             return {"joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]}
-        turn = [self.mechanism.angle_in(swept.get(name, 0.0)) for name in POSE_AXES[3:]]
-        position = [swept.get(name, value) for name, value in zip(POSE_AXES[:3], self.base[:3], strict=True)]
-        quaternion = np.asarray(self.base[3:])
-        if any(turn):
-            quaternion = np.asarray(multiply(quaternion_from_rotation_vector(np.array(turn)), quaternion))
-        return {"pose": Pose(np.array(position), quaternion)}
+        return {"pose": pose_at(self.mechanism, self.base, swept)}
 
     def pinned(self) -> dict[str, Any]:
         """All that decides the points, for people and for comparison."""
@@ -96,9 +89,9 @@ def make_space(
     mechanism: Mechanism, ranges: Mapping[str, Values], *, poses: bool = False, at: Sequence[float] | Pose | None = None,
     sample: int | None = None, seed: int = 0,
 ) -> Space:  # fmt: skip
-    """A checked space. `ranges` maps joints, or x, y, z, rx, ry, rz, to their values, in a sample to (least, largest); `at`
-    gives what is not swept: all actuated joints, or a pose (default: the example's, else the reference's).
-    Raises InputError for names, values and counts that do not fit."""
+    """A checked space. `ranges` maps joints, or coordinates of the platform's motion, to their values, in a sample to (least,
+    largest); `at` gives what is not swept: all actuated joints, or a pose (default: the example's, else the reference's).
+    Raises InputError for names, values and counts that do not fit, and for poses of which the joints allow hardly any."""
     if not ranges:
         raise InputError("grid: nothing is swept; give at least one name with its values")
     if sample is not None and not 1 <= sample <= MOST_POINTS:
@@ -106,11 +99,15 @@ def make_space(
     if seed < 0:
         raise InputError(f"seed = {seed} must not be negative")
     units = _units(mechanism, poses)
-    axes = tuple(_axis(mechanism, name, values, units, sample is not None) for name, values in ranges.items())
+    axes = tuple(
+        _axis(mechanism, name, values, units, poses=poses, sampled=sample is not None) for name, values in ranges.items()
+    )
     space = Space(mechanism, poses, axes, _base(mechanism, poses, at), sample, seed)
     if space.size > MOST_POINTS:
         raise InputError(f"grid: {space.size} points; allowed: at most {MOST_POINTS}")
-    if not poses:
+    if poses:
+        check_poses(mechanism, space.base, {axis.name: axis.values for axis in axes})
+    else:
         joint_values(mechanism, space.given([float(axis.values[0]) for axis in axes])["joints"], "grid")
     return space
 
@@ -118,14 +115,22 @@ def make_space(
 def _units(mechanism: Mechanism, poses: bool) -> dict[str, str]:
     """Names that can be swept, with their units."""
     if poses:
-        return {name: mechanism.angle_unit if name.startswith("r") else mechanism.length_unit for name in POSE_AXES}
+        return pose_units(mechanism)
     return {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
 
 
-def _axis(mechanism: Mechanism, name: str, values: Values, units: Mapping[str, str], sampled: bool) -> Axis:
+def _unknown(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> str:
+    """What can be swept in place of a name, and why a pose coordinate cannot."""
+    allowed = ", ".join(units) or "nothing"
+    if poses and name in ALL_POSE_AXES:
+        return f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to sweep; allowed: {allowed}"
+    hint = "; poses are swept with --poses (poses=True)" if not poses and name in ALL_POSE_AXES else ""
+    return f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {allowed}{hint}"
+
+
+def _axis(mechanism: Mechanism, name: str, values: Values, units: Mapping[str, str], *, poses: bool, sampled: bool) -> Axis:
     if name not in units:
-        hint = "" if "x" in units or name not in POSE_AXES else "; poses are swept with --poses (poses=True)"
-        raise InputError(f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {', '.join(units) or 'nothing'}{hint}")
+        raise InputError(_unknown(mechanism, name, units, poses))
     try:
         numbers = np.array([float(v) for v in np.asarray(values).ravel()])
     except (TypeError, ValueError):

@@ -20,6 +20,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
+from symkin.sweeps.ranges import check_slices
 from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, style
 from symkin.view.plain_number import plain
@@ -37,7 +38,10 @@ _TITLES = {
     "count_within_limits": "Number of real modes within limits",
 }
 _NONE, _UNKNOWN = "#dfe3e8", "#ffffff"
-"""Colours of points without a mode, and of points that are not counted."""
+"""Colours of cells without a mode, and of points that are not counted."""
+_CROSS: dict[str, Any] = {"marker": "x", "color": "#b03a48", "linewidths": 0.8}
+_PLUS: dict[str, Any] = {"marker": "+", "color": COLOURS["quiet"], "linewidths": 0.8}
+"""Looks of single points without a mode, and of single points that are not counted: they have no area to be grey or white."""
 _MOST_ENTRIES = 12
 """Counts that the legend of a map names one by one; of more, it names evenly spaced ones."""
 _NARROW = 20.0
@@ -62,7 +66,7 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
     """Write the map of a sweep's folder to a picture, whose suffix is its format. `slices` gives values, in the mechanism's
     units, at which dimensions of a grid are cut: the nearest grid values are taken.
 
-    Raises InputError for a folder that holds no sweep, a name that is not swept and a file that cannot be written.
+    Raises InputError for a folder that holds no sweep, a slice outside what is swept and a file that cannot be written.
     """
     from matplotlib import rc_context
 
@@ -84,7 +88,8 @@ def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
     with interrupts_held():
         attributes, data = _opened(Path(folder))
         sampled = attributes["sample"] is not None
-        check_slices(slices, list(attributes["axes"]), sampled=sampled)
+        names = list(attributes["axes"])
+        check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
         name = _SHOWN[attributes["quantity"]]
         part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
     with rc_context(style()):
@@ -145,17 +150,6 @@ def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> _Slice:
     return _Slice(values, axes[0], axes[1] if len(names) > 1 else None, fixed, True)
 
 
-def check_slices(slices: Mapping[str, float], names: Sequence[str], *, sampled: bool) -> None:
-    """Raises InputError for slices that a sweep over `names` does not have."""
-    if slices and sampled:
-        raise InputError("slice: a random sample has no slices; it is drawn over the first two swept values")
-    for n, value in slices.items():
-        if n not in names:
-            raise InputError(f"slice: {n!r} is not swept; allowed: {', '.join(names)}")
-        if not np.isfinite(value):
-            raise InputError(f"slice: {n} = {value} is not finite")
-
-
 # --- drawing -----------------------------------------------------------------------------------------------------
 
 
@@ -168,21 +162,30 @@ def _curve(ax: Any, part: _Slice, name: str) -> None:
         ax.plot(x, values, linewidth=1.6, marker="." if len(x) < 80 else "", **look)
     else:
         ax.step(x, values, where="mid", linewidth=1.6, **look)
+    empty = np.isnan(values)
+    if name == "least_condition" and empty.any():
+        margin = 0.05 * float(np.ptp(x)) or 0.5
+        ax.set_xlim(x.min() - margin, x.max() + margin)
+        ax.scatter(x[empty], np.zeros(empty.sum()), transform=ax.get_xaxis_transform(), clip_on=False, zorder=3, **_CROSS)
     if name == "least_condition" and np.isfinite(values).any():
         ax.set_yscale("log")
     elif name != "least_condition":
         ax.yaxis.get_major_locator().set_params(integer=True)
         ax.set_ylim(bottom=-0.3, top=max(1.0, float(np.nanmax(values, initial=0.0))) + 0.7)
-    ax.set_ylabel(_TITLES[name].lower(), color=COLOURS["quiet"])
+    note = " (cross: no mode)" if name == "least_condition" and empty.any() else ""
+    ax.set_ylabel(_TITLES[name].lower() + note, color=COLOURS["quiet"])
     ax.grid(True)
 
 
 def _painted(ax: Any, part: _Slice, **look: Any) -> Any:
-    """Cells of a grid, or points of a sample, with their values as colours."""
+    """Cells of a grid, or points of a sample, with their values as colours; single points without a value get marks."""
     assert part.y is not None  # noqa: S101 - curves are drawn elsewhere
     if part.scattered:
         size = float(np.clip(40_000 / max(1, len(part.values)), 2.0, 40.0))
-        return ax.scatter(part.x[2], part.y[2], c=part.values, s=size, linewidths=0, rasterized=True, **look)
+        drawn = ax.scatter(part.x[2], part.y[2], c=part.values, s=size, linewidths=0, rasterized=True, **look)
+        for mark, where in ((_CROSS, np.isnan(part.values) | (part.values == 0)), (_PLUS, part.values < 0)):
+            ax.scatter(part.x[2][where], part.y[2][where], s=size, rasterized=True, **mark)
+        return drawn
     return ax.pcolormesh(_edges(part.x[2]), _edges(part.y[2]), part.values.T, rasterized=True, **look)
 
 
@@ -203,11 +206,14 @@ def _discrete_map(ax: Any, part: _Slice) -> None:
     counts, points = np.unique(part.values, return_counts=True)
     positive = counts[counts > 0]
     shades = dict(zip(positive.tolist(), colormaps["viridis"](np.linspace(0.15, 0.97, len(positive))), strict=True))
-    colours = [_UNKNOWN if c < 0 else _NONE if c == 0 else shades[int(c)] for c in counts]
+    none = _UNKNOWN if part.scattered else _NONE
+    colours = [_UNKNOWN if c < 0 else none if c == 0 else shades[int(c)] for c in counts]
     norm = BoundaryNorm([*(counts - 0.5), counts[-1] + 0.5], len(counts)) if len(counts) > 1 else None
     _painted(ax, part, cmap=ListedColormap(colours), norm=norm)
     shown = np.unique(np.linspace(0, len(counts) - 1, min(_MOST_ENTRIES, len(counts))).round().astype(int))
-    handles = [Patch(facecolor=colours[i], edgecolor=COLOURS["axis"], linewidth=0.5) for i in shown]
+    patches = [Patch(facecolor=colours[i], edgecolor=COLOURS["axis"], linewidth=0.5) for i in shown]
+    marks = [ax.scatter([], [], s=40.0, **(_CROSS if counts[i] == 0 else _PLUS)) for i in shown if counts[i] <= 0]
+    handles = [*marks, *patches[len(marks) :]] if part.scattered else patches
     texts = [f"{'not counted' if counts[i] < 0 else counts[i]}  ({100 * points[i] / points.sum():.3g} %)" for i in shown]
     ax.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9, labelcolor=COLOURS["text"])
 
@@ -218,12 +224,12 @@ def _continuous_map(figure: Figure, ax: Any, part: _Slice) -> None:
 
     finite = part.values[np.isfinite(part.values)]
     low, high = (finite.min(), finite.max()) if finite.size else (1.0, 10.0)
-    ax.set_facecolor(_NONE)
+    ax.set_facecolor(_UNKNOWN if part.scattered else _NONE)
     drawn = _painted(ax, part, cmap="viridis_r", norm=LogNorm(low, max(high, 1.01 * low)))
     ticks = np.geomspace(low, high, 5) if high < _NARROW * low else LogLocator(subs=(1.0, 2.0, 5.0))
     bar = figure.colorbar(drawn, ax=ax, pad=0.02, ticks=ticks, format="%.3g")
     bar.minorticks_off()
-    bar.set_label("condition (grey: no mode)", color=COLOURS["quiet"])
+    bar.set_label(f"condition ({'cross' if part.scattered else 'grey'}: no mode)", color=COLOURS["quiet"])
     bar.ax.tick_params(colors=COLOURS["quiet"])
 
 
@@ -266,8 +272,9 @@ def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[st
             found.append(f"orientation ({numbers})" + (f" but for {' and '.join(turned)}" if turned else ""))
         elif name in ("x", "y", "z") and name not in swept:
             found.append(f"{name} = {plain(base['xyz'.index(name)], mechanism.size):.5g} {mechanism.length_unit}")
-        elif name == "gamma" and "rz" not in swept:
+        elif name == "gamma" and "gamma" not in swept:
             turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
-            angle = mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0]))
-            found.append(f"gamma = {plain(angle):.5g} {mechanism.angle_unit}")
+            angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))
+            if "rz" not in swept or angle:
+                found.append(f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}")
     return found

@@ -1,0 +1,124 @@
+"""Whether a platform's pose coordinates can vary alone, the others held, or the joints put a condition on them.
+
+A platform of fewer freedoms than its pose has coordinates takes hardly any pose of a grid. Closed configurations with the
+held coordinates at their values are found; from each the varied ones are moved by a small random step and the joints are
+asked to follow. A condition lets none of the steps pass, whatever its order; an end of the workspace stops some.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import Closure, build_closure
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.given import pose_coordinates
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.system import System
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
+
+TURNS = ("rx", "ry", "rz")
+"""The rotation vector in the base frame before a pose's orientation."""
+_STARTS = 24
+"""Random starts from which closed configurations are sought."""
+_TRIED = 6
+"""Closed configurations from which a step is tried."""
+_STEP = 0.01
+"""Step of the varied coordinates, of the size or in rad: a condition of third order leaves a thousand times the tolerance."""
+_FOLLOWING = 8
+"""Starts for the joints near a configuration, so that one of them leaves a singular one."""
+_CLOSED = 1e-9
+"""Largest closure error of a closed configuration, of the size."""
+
+Box = tuple[tuple[str, float, float], ...]
+"""Names of varied coordinates (x, y, z, gamma, rx, ry, rz) with their least and largest values, in length units and rad."""
+
+
+@lru_cache(maxsize=32)
+def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: int = 0) -> bool | None:
+    """Whether poses near closed ones are taken when the coordinates of `box` vary and all others are those of `base`
+    (x, y, z, qw, qx, qy, qz); None where no closed configuration was found, so that nothing is known."""
+    closure = build_closure(mechanism)
+    joints = closure.role("actuated", "passive")
+    unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in joints))
+    names = [name for name, _, _ in box]
+    varied = ca.SX.sym("varied", len(names))
+    pose = ca.vertcat(
+        *_pose(closure, Pose(np.array(base[:3]), np.array(base[3:])), dict(zip(names, ca.vertsplit(varied), strict=True)))
+    )
+    place = closure.variables[closure.variables.shape[0] - pose.shape[0] :]
+    rows, errors = (ca.substitute(closure.bound(e), place, pose) for e in (closure.rows, closure.errors))
+    coordinates = tuple(Coordinate(f"varied.{n}", "length" if n in "xyz" else "angle", "pose") for n in names)
+    together = System((*joints, *coordinates), ca.vertcat(unknown, varied), ca.SX(0, 1), rows, errors, closure.size)
+    rng = np.random.default_rng(seed)
+    found = _closed(together, _starts(closure, together, box, rng))
+    alone = System(joints, unknown, varied, rows, errors, closure.size)
+    units = np.array([1.0 if c.is_angular else closure.size for c in coordinates])
+    return any(_follows(alone, z, units, rng) for z in found) if found else None
+
+
+def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
+    """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
+    frame = "tool" if mechanism.serial else "platform"
+    declared = mechanism.serial or mechanism.motion != "spatial"
+    motion = "" if declared else ", or pose coordinates of a declared motion"
+    return (
+        f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "
+        f"allowed: {instead}{motion}"
+    )
+
+
+def _pose(closure: Closure, base: Pose, varied: Mapping[str, ca.SX]) -> list[ca.SX]:
+    """The closure's pose coordinates, those of the base where they do not vary."""
+    values, _ = pose_coordinates(closure.mechanism, base)
+    found, begin = [], 0
+    for c in closure.role("pose"):
+        name, part = c.name.removeprefix("pose."), values[begin : begin + c.width]
+        if c.kind == "quaternion":
+            turn = ca.vertcat(*(varied.get(n, ca.SX(0)) for n in TURNS))
+            found.append(multiply(quaternion_from_rotation_vector(turn), ca.SX(ca.DM(part))))
+        else:
+            found.append(varied.get(name, ca.SX(float(part[0]))))
+        begin += c.width
+    return found
+
+
+def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator) -> np.ndarray:
+    """Joints about the reference; varied coordinates anywhere in the box, in half of the starts those of the reference."""
+    rest, _ = pose_coordinates(closure.mechanism, closure.mechanism.reference_pose)
+    names = [c.name.removeprefix("pose.") for c in closure.role("pose") if c.kind != "quaternion"]
+    at_rest = dict(zip(names, rest, strict=False))
+    joints = closure.reference[: system.width - len(box)]
+    starts = np.zeros((_STARTS, system.width))
+    starts[:, : len(joints)] = joints
+    for k, (name, low, high) in enumerate(box, start=len(joints)):
+        starts[:, k] = rng.uniform(low, high, _STARTS)
+        starts[1::2, k] = at_rest.get(name, 0.0)
+    radii = np.tile([0.03, 0.1, 0.3], _STARTS // 3)[:, None] * closure.size
+    steps = radii * rng.normal(size=(_STARTS, system.freedom))
+    return system.move(starts, steps)
+
+
+def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
+    nothing = np.zeros(0)
+    batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
+    ends = (system.polish(z, nothing, steps=8) for z in batch.points[batch.converged])
+    return [z for z in ends if system.residual(z, nothing) <= _CLOSED * system.size][:_TRIED]
+
+
+def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:
+    """Whether the joints follow one of two opposite steps of the varied coordinates from a closed configuration."""
+    joints, varied = z[: system.width], z[system.width :]
+    step = _STEP * units * rng.choice([-1.0, 1.0], len(units)) * rng.uniform(0.5, 1.0, len(units))
+    for target in (varied + step, varied - step):
+        spread = _STEP * system.size * rng.normal(size=(_FOLLOWING, system.freedom))
+        batch = levenberg_marquardt(system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target)
+        ends = (system.polish(end, target, steps=8) for end in batch.points[batch.converged])
+        if any(system.residual(end, target) <= _CLOSED * system.size for end in ends):
+            return True
+    return False
