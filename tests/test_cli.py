@@ -114,7 +114,9 @@ def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
         (["modes", "zhao2000", "--joints", "1,2,3,inf"], ["value 4", "not finite"]),
         (["modes", "zhao2000", "--joints", "1,2,3,x"], ["value 4", "'x'", "not a number"]),
         (["modes", "zhao2000", "--joints", "1,2,3,1/0"], ["value 4", "'1/0' has no value"]),
-        (["solve", "zhao2000", "--joints", "1,2,3,sin(2)"], ["value 4", "'sin(2)'", "no angle unit"]),
+        (["solve", "zhao2000", "--joints", "1,2,3,sin(2"], ["value 4", "'sin(2'"]),
+        (["track", "zhao2000", "--from", "1,2,3,4", "--to", "1,2,3,5", "-o", "x.toml"], ["x.toml", "mechanism file"]),
+        (["jacobian", "zhao2000", "--format", "c", "-o", "no/such/j.c"], ["no/such/j.c", "folder"]),
         (["modes", "zhao2000", "--joints", "1,2,3,-4"], ["op = -4", "length"]),
         (["modes", "zhao2000", "--joints", "1,2,3,4", "--pose", "0,0,0,1,0,0,0"], ["both"]),
         (["modes", "zhao2000", "--pose", "0,0,0,1,0,0"], ["6 values", "7"]),
@@ -160,7 +162,7 @@ def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[st
 
 def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
     """The same joints, written as arithmetic, have the same solution."""
-    plain, written = "81,202,330,105", "9^2,2*101,660/2,100+sqrt(25)"
+    plain, written = "81,202,330,105", "9^2,2*101,330*sin(90),100+sqrt(25)"
     answers = [run_json(capsys, "solve", "zhao2000", "--joints", joints)[1]["solution"] for joints in (plain, written)]
     assert answers[0] == answers[1] is not None
 
@@ -213,3 +215,20 @@ def test_module_runs_and_imports_stay_light() -> None:
     code = "import symkin, sys; print(sorted({'matplotlib', 'typer', 'rich', 'pydantic'} & set(sys.modules)))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert loaded.strip() == "[]"
+
+
+def test_outputs_do_not_replace_inputs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """`-o` with the name of the mechanism or of the trajectory that the command reads: a sentence, and both files stay."""
+    mechanism, trajectory = tmp_path / "m.toml", tmp_path / "in.csv"
+    mechanism.write_text(symkin.load("zhao2000").to_toml())
+    trajectory.write_text("theta1[deg],theta2[deg],theta3[deg],op[mm]\n81.6,202.8,330.6,105.2\n82,202.8,330.6,105.2\n")
+    before = mechanism.read_text(), trajectory.read_text()
+    for arguments in (
+        ["track", str(mechanism), "--csv", str(trajectory), "-o", str(trajectory)],
+        ["track", str(mechanism), "--csv", str(trajectory), "-o", str(mechanism)],
+        ["jacobian", str(mechanism), "--format", "c", "-o", str(tmp_path / ".." / tmp_path.name / "m.toml")],
+    ):
+        status, out, err = run(capsys, *arguments)
+        assert (status, out) == (2, "")
+        assert "is read by this command" in err
+    assert (mechanism.read_text(), trajectory.read_text()) == before

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 
 import symkin
 from laws import chain, closes, frame, same_angle, same_pose
-from samples import delta, five_bar, four_bar, pieper, random_joint, seeds, three_rrr, unit
+from samples import delta, five_bar, four_bar, pieper, random_joint, seeds, three_rps, three_rrr, unit
 from symkin import InputError, Joint, LeastSquares, Limb, Mechanism, MechanismError, Newton, Pose, SolveError
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
 
@@ -198,6 +198,26 @@ def test_a_start_at_a_mode_stays_there(name):
     for mode in symkin.modes(mechanism):
         again = symkin.solve(mechanism, joints=mode.actuated, start=mode.pose)
         assert same_pose(again.solution, mode, mechanism.size, 1e-7)
+
+
+@pytest.mark.parametrize(("mechanism", "joints"), [(three_rps(), 1.02), (three_rrr("planar"), 1.0)], ids=["3-RPS", "3-RRR"])
+def test_the_pose_of_every_mode_leads_back_to_it(mechanism, joints):
+    """Limbs on other branches than the reference's too: a leg that has turned over, an elbow on the other side. A start at
+    another mode is noted only if another one is reached."""
+    values = np.array([joints * c.reference[0] + 0.01 * k for k, c in enumerate(mechanism.actuated)])
+    found = symkin.modes(mechanism, joints=values)
+    assert len(found) >= 2
+    for mode in found:
+        again = symkin.solve(mechanism, joints=values, start=mode.pose)
+        assert same_pose(again.solution, mode, mechanism.size, 1e-7)
+        assert not again.notes
+
+
+def test_a_start_that_leads_far_away_is_noted():
+    """No mode lies near a pose upside down and far off; the result says how far it went."""
+    mechanism = symkin.load("zhang2009")
+    found = symkin.solve(mechanism, start=[0, 0, 900, 1, 0, 0, 0])
+    assert any("mm" in note and "configuration that it led to" in note for note in found.notes)
 
 
 def test_a_start_of_joints_chooses_the_working_mode():

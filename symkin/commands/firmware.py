@@ -41,7 +41,8 @@ def firmware(
     from symkin.firmware.options import Options
     from symkin.model.file import load
 
-    pose = numbers_from(home, "home")
+    mechanism = load(mech)
+    pose = numbers_from(home, "home", mechanism.angle_unit)
     options = Options(real.value, home_relative, geometry.value, None if pose is None else tuple(pose))
-    for path in write_folder(load(mech), output, options):
+    for path in write_folder(mechanism, output, options):
         print(path)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from symkin.commands.options import MechArgument
+from symkin.commands.options import MechArgument, check_output
 
 
 class Format(StrEnum):
@@ -40,6 +40,7 @@ def jacobian(
     from symkin.model.file import load
     from symkin.motion.jacobian import jacobian as symbolic
 
+    check_output(output, mech)
     text = jacobian_text(symbolic(load(mech), kind.value), language.value)
     if output is None:
         print(text, end="")

@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -42,9 +43,8 @@ class Interrupted(Exception):  # noqa: N818 - no error: the user's wish
     """Ctrl-C in a command whose work is not lost; the text says what is kept."""
 
 
-def numbers_from(text: str | None, what: str, angle_unit: str | None = None) -> list[float] | None:
-    """Numbers, or arithmetic, from a comma-separated list; None stays None. Without the unit of angles, sin, cos and tan are
-    refused."""
+def numbers_from(text: str | None, what: str, angle_unit: str) -> list[float] | None:
+    """Numbers, or arithmetic, from a comma-separated list; None stays None. sin, cos and tan take `angle_unit`."""
     if text is None:
         return None
     if not text.strip():
@@ -56,6 +56,18 @@ def numbers_from(text: str | None, what: str, angle_unit: str | None = None) -> 
         except InputError as error:
             raise InputError(f"--{what}: value {k} = {error}; values are separated by commas") from None
     return numbers
+
+
+def check_output(output: Path | None, *inputs: Path | str | None) -> None:
+    """Refuse, before a long computation, an output that cannot be written or would replace what is read."""
+    if output is None:
+        return
+    if output.is_dir() or not output.resolve().parent.is_dir():
+        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
+    if any(given is not None and Path(given).exists() and Path(given).resolve() == output.resolve() for given in inputs):
+        raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
+    if output.suffix == ".toml":
+        raise InputError(f"-o: {str(output)!r} is the name of a mechanism file; give another suffix")
 
 
 def print_result(as_json: bool, to_json: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:

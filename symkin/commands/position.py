@@ -56,8 +56,8 @@ def modes(
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
-            joints=numbers_from(joints, "joints"),
-            pose=numbers_from(pose, "pose"),
+            joints=numbers_from(joints, "joints", mechanism.angle_unit),
+            pose=numbers_from(pose, "pose", mechanism.angle_unit),
             method=method.value,
             starts=starts,
             seed=seed,
@@ -84,9 +84,11 @@ def solve(
     from symkin.position.solve import solve as solve_one
     from symkin.view.table import solve_text
 
+    mechanism = load(mech)
+    unit = mechanism.angle_unit
     result = solve_one(
-        load(mech), joints=numbers_from(joints, "joints"), pose=numbers_from(pose, "pose"), start=numbers_from(start, "start"),
-        solver=solver.value, check=False,
+        mechanism, joints=numbers_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
+        start=numbers_from(start, "start", unit), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_json, lambda: solve_text(result))
     raise typer.Exit(0 if result.solution is not None else 3)

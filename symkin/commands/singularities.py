@@ -21,6 +21,7 @@ from symkin.commands.options import (
     whole_number,
 )
 from symkin.errors import InputError, SolveError
+from symkin.model.written_number import written_number
 
 
 def singularities(
@@ -55,8 +56,9 @@ def singularities(
         from symkin.view.plot import check_picture_path
 
         check_picture_path(plot)
-    sides = _window(window)
-    given = numbers_from(joints, "joints"), numbers_from(pose, "pose"), numbers_from(start, "start")
+    unit = mechanism.angle_unit
+    sides = _window(window, unit)
+    given = numbers_from(joints, "joints", unit), numbers_from(pose, "pose", unit), numbers_from(start, "start", unit)
     try:
         solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
     except SolveError as error:
@@ -81,7 +83,7 @@ def singularities(
     print_result(as_json, loci.to_json, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
 
 
-def _window(text: str | None) -> list[tuple[float, float]] | None:
+def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
     """Two pairs low:high."""
     if text is None:
         return None
@@ -89,7 +91,7 @@ def _window(text: str | None) -> list[tuple[float, float]] | None:
     for part in text.split(","):
         try:
             low, high = part.split(":")
-            pairs.append((float(low), float(high)))
-        except ValueError:
+            pairs.append((written_number(low, angle_unit), written_number(high, angle_unit)))
+        except (ValueError, InputError):
             raise InputError(f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as -100:100,-50:50") from None
     return pairs

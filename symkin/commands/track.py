@@ -11,6 +11,7 @@ from symkin.commands.options import (
     JsonOption,
     MechArgument,
     StartOption,
+    check_output,
     numbers_from,
     print_result,
     progress_bar,
@@ -44,18 +45,21 @@ def track(
     from symkin.tracking.track_csv import read_trajectory, write_track
 
     mechanism = load(mech)
-    _check_files(output, plot)
+    check_output(output, mech, csv)
+    if plot is not None:
+        from symkin.view.plot import check_picture_path
+
+        check_picture_path(plot)
     if csv is not None:
         if begin is not None or end is not None:
             raise InputError("both --csv and --from or --to are given; give one of them")
         path = read_trajectory(mechanism, csv, poses=poses)
     else:
-        path = _straight(begin, end, poses)
+        path = _straight(begin, end, poses, mechanism.angle_unit)
         samples = 101 if samples is None else samples
+    begun = numbers_from(start, "start", mechanism.angle_unit)
     with progress_bar("samples") as progress:
-        found = follow_mode(
-            mechanism, **path, start=numbers_from(start, "start"), samples=samples, limits=not ignore_limits, progress=progress
-        )
+        found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
         write_track(found, output)
     if plot is not None and found.samples:
@@ -67,18 +71,8 @@ def track(
     raise typer.Exit(0 if found.reached else 3)
 
 
-def _straight(begin: str | None, end: str | None, poses: bool) -> dict[str, Any]:
+def _straight(begin: str | None, end: str | None, poses: bool, unit: str) -> dict[str, Any]:
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
         raise InputError(f"{missing} is missing; a path is --from and --to, or --csv FILE")
-    return {"poses" if poses else "joints": [numbers_from(begin, "from"), numbers_from(end, "to")]}
-
-
-def _check_files(output: Path | None, plot: Path | None) -> None:
-    """Refuse files that cannot be written before a long computation."""
-    if output is not None and (output.is_dir() or not output.resolve().parent.is_dir()):
-        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
-    if plot is not None:
-        from symkin.view.plot import check_picture_path
-
-        check_picture_path(plot)
+    return {"poses" if poses else "joints": [numbers_from(begin, "from", unit), numbers_from(end, "to", unit)]}

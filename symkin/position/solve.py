@@ -23,6 +23,7 @@ from symkin.position.solution import (
     make_solution,
     pose_of,
 )
+from symkin.position.start_notes import start_notes
 from symkin.position.starts import (
     is_singular,
     off_singularity,
@@ -71,6 +72,8 @@ def solve(
                 result = replace(result, notes=(*result.notes, _MOVED))
         else:
             result = solve_problem(problem, given, chosen, begin)
+            if result.solution is not None:
+                result = replace(result, notes=(*result.notes, *start_notes(result.solution, given.kind, start)))
     if check and result.solution is None:
         raise SolveError(result.message, result)
     return result

@@ -10,15 +10,15 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, joint_values, pose_coordinates, pose_from
-from symkin.position.levenberg import levenberg_marquardt
-from symkin.position.problem import Problem, build_problem
+from symkin.position.passive import fit_passive
+from symkin.position.problem import Problem
 from symkin.position.system import System
 from symkin.spatial.pose import Pose
 
 
 def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose | None) -> np.ndarray:
-    """Unknowns at the start. For a direct problem passive joints are fitted to the start's pose, each limb on the
-    branch of the reference configuration."""
+    """Unknowns at the start. Passive joints are fitted to joints and pose, one given, the other the start's, so that the pose or
+    the joints of a mode lead to it; where limbs have several branches there, to those nearest to the reference."""
     mechanism, closure = problem.mechanism, problem.closure
     if start is None and mechanism.example is not None:
         start = _example_start(mechanism, given)
@@ -33,6 +33,8 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
             numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
             for c, number in zip(mechanism.actuated, numbers, strict=True):
                 values[closure.slices[c.name]] = number
+            _set(values, problem, closure.role("pose"), given.values)
+            values = fit_passive(mechanism, values)
         return problem.take(values, problem.system.unknowns)
     if start is not None:
         coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
@@ -40,12 +42,17 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
             raise InputError(
                 f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}"
             )
-        place = 0
-        for c in closure.role("pose"):
-            values[closure.slices[c.name]] = coordinates[place : place + c.width]
-            place += c.width
-        values = _fit_passive(mechanism, values, coordinates)
+        _set(values, problem, closure.role("pose"), coordinates)
+        _set(values, problem, closure.role("actuated"), given.values)
+        values = fit_passive(mechanism, values)
     return problem.take(values, problem.system.unknowns)
+
+
+def _set(values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate], numbers: np.ndarray) -> None:
+    place = 0
+    for c in coordinates:
+        values[problem.closure.slices[c.name]] = numbers[place : place + c.width]
+        place += c.width
 
 
 def off_singularity(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -97,18 +104,6 @@ def _named(coordinates: Sequence[Coordinate], values: np.ndarray) -> list[tuple[
         pairs.append((c, float(values[start])))
         start += c.width
     return pairs
-
-
-def _fit_passive(mechanism: Mechanism, values: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    inverse = build_problem(mechanism, "inverse")
-    if not inverse.closure.role("passive"):
-        return values
-    begin = inverse.take(values, inverse.system.unknowns)
-    batch = levenberg_marquardt(inverse.system, begin[None], pose)
-    fitted = inverse.assemble(batch.points[0], pose)
-    for c in inverse.closure.role("passive"):
-        values[inverse.closure.slices[c.name]] = fitted[inverse.closure.slices[c.name]]
-    return values
 
 
 def _example_start(mechanism: Mechanism, given: Given) -> Sequence[float] | None:

@@ -14,6 +14,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import SINGULAR, Solution, pose_of
 from symkin.position.solve import solve
+from symkin.position.start_notes import start_notes
 from symkin.singularities.singularity import classify
 from symkin.spatial.pose import Pose
 from symkin.tracking.follow import Branch, Place, follow
@@ -21,7 +22,7 @@ from symkin.tracking.formula import evaluate, is_formula
 from symkin.tracking.joint_limits import Limit, LimitWatch
 from symkin.tracking.meeting_modes import meeting_modes
 from symkin.tracking.track_result import Sample, Stop, Track, ground
-from symkin.tracking.track_start import check_start, start_notes
+from symkin.tracking.track_start import check_start
 from symkin.tracking.trajectory import Trajectory, make_trajectory
 
 _SINGULAR_START = 1e6
@@ -67,7 +68,8 @@ def _track(
     if mode is None:
         stop = Stop("no start", 0, 0.0, None, failure)
         return Track(trajectory, problem, (), stop, False, None, 0, 0.0, 0.0, "nothing was followed", time.perf_counter() - begin)
-    trajectory = replace(trajectory, notes=(*trajectory.notes, *start_notes(mode, trajectory.kind, start)))
+    if start is not None and not isinstance(start, Solution):
+        trajectory = replace(trajectory, notes=(*trajectory.notes, *start_notes(mode, trajectory.kind, start)))
     unknown = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns] or [np.zeros(0)])
     watch = LimitWatch(problem, trajectory, off=not limits)
     first = Place(0, 0.0, unknown, None)

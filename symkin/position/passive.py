@@ -1,0 +1,84 @@
+"""Passive joints for joints and a pose that are both given, if only roughly: the branch of each limb that a start means."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.closure import build_closure
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.system import System, split_blocks
+
+_STARTS = 24
+"""Starts of each limb: the values given, and others with random angles."""
+_AS_GOOD = 2.0
+"""Branches that leave at most this many times the least closure error are equals; the nearest to the values given is taken."""
+
+
+def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
+    """Values of all variables, the passive ones such that each limb closes as well as it can with its actuated joints and
+    the pose held; of branches that close equally well, the one nearest to `values`."""
+    closure, found = build_closure(mechanism), values.copy()
+    parts = limbs(mechanism)
+    known = np.concatenate([values[closure.slices[c.name]] for role in ("actuated", "pose") for c in closure.role(role)])
+    for part in parts:
+        here = np.concatenate([values[closure.slices[c.name]] for c in part.unknowns])
+        fitted = _best(part, here, known)
+        for c, place in zip(part.unknowns, part.slices, strict=True):
+            found[closure.slices[c.name]] = fitted[place]
+    return found
+
+
+@lru_cache(maxsize=128)
+def limbs(mechanism: Mechanism) -> tuple[System, ...]:
+    """The rows of each limb that has passive joints: these unknown, actuated joints and pose known."""
+    closure = build_closure(mechanism)
+    passive = closure.role("passive")
+    if not passive:
+        return ()
+    known = [closure.variables[closure.slices[c.name]] for role in ("actuated", "pose") for c in closure.role(role)]
+    unknown = [closure.variables[closure.slices[c.name]] for c in passive]
+    rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
+    return split_blocks(System(passive, ca.vertcat(*unknown), ca.vertcat(*known), rows, errors, closure.size))
+
+
+def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
+    batch = levenberg_marquardt(part, _starts(part, here), known)
+    errors = np.linalg.norm(part.linearise(batch.points, known)[0], axis=1)
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    least = float(errors.min())
+    if not np.isfinite(least):
+        return here
+    good = np.flatnonzero(errors <= _AS_GOOD * least + 1e-6 * part.size)
+    return np.asarray(batch.points[min(good, key=lambda k: _distance(part, here, batch.points[k]))])
+
+
+def _starts(part: System, here: np.ndarray) -> np.ndarray:
+    """The values given first; then angles uniform, lengths as they are."""
+    rng = np.random.default_rng(0)
+    starts = np.tile(here, (_STARTS, 1))
+    for c, place in zip(part.unknowns, part.slices, strict=True):
+        if c.kind == "quaternion":
+            q = rng.normal(size=(_STARTS - 1, 4))
+            starts[1:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
+        elif c.kind == "angle":
+            starts[1:, place] = rng.uniform(-np.pi, np.pi, (_STARTS - 1, 1))
+    return starts
+
+
+def _distance(part: System, a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference of a coordinate: angles without whole turns (rad), lengths by the size."""
+    return max(_apart(c, a[place], b[place], part.size) for c, place in zip(part.unknowns, part.slices, strict=True))
+
+
+def _apart(c: Coordinate, a: np.ndarray, b: np.ndarray, size: float) -> float:
+    if c.kind == "quaternion":
+        return 2 * math.acos(min(1.0, abs(float(a @ b))))
+    if c.kind == "angle":
+        return abs(math.remainder(float(a[0] - b[0]), 2 * math.pi))
+    return abs(float(a[0] - b[0])) / (1.0 if c.is_angular else size)
