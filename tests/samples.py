@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
 from symkin import Joint, Limb, Mechanism, Rod, RodLimb
+from symkin.model.file import parse
 
 Z = (0.0, 0.0, 1.0)
 seeds = st.integers(0, 2**32 - 1).map(np.random.default_rng)
@@ -112,6 +115,13 @@ def five_bar() -> Mechanism:
 
 
 RRR_BASE, RRR_PLATFORM, RRR_LINKS = 100.0, 30.0, (60.0, 65.0)
+
+
+def readme_five_bar(motion: str = "spatial") -> Mechanism:
+    """The README's: bases 150 apart, cranks 100 that stand upright at 0, couplers 150."""
+    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", readme, re.M | re.S)
+    return parse(text.replace("[platform]", f'[platform]\nmotion = "{motion}"'), "README.md")
 
 
 def three_rrr(motion: str = "spatial") -> Mechanism:

@@ -9,22 +9,13 @@ import firmware_tools as tools
 import numpy as np
 import pytest
 import test_firmware_joints as joint_types
-from test_readme import BLOCKS
 
 import samples
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
-from symkin.model.file import parse
-
-
-def five_bar(platform: str):
-    """The README's five-bar, with this head of its [platform]."""
-    (text,) = [text for kind, text in BLOCKS if kind == "toml"]
-    return parse(text.replace("[platform]", platform), "README.md")
-
 
 MECHANISMS = {
-    "five-bar": (lambda: five_bar('[platform]\nmotion = "planar"'), 0.9, 60.0),
+    "five-bar": (lambda: samples.readme_five_bar("planar"), 0.9, 60.0),
     "3-RRR": (lambda: samples.three_rrr("planar"), 0.9, 70.0),
     "six cranks": (joint_types.rods_at_the_end, 0.9, 70.0),
 }
@@ -58,7 +49,7 @@ def _numbers(values):
 def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path):
     """A line on which det of the matrix at the guess changes its sign between the guess's joint values and the given ones: the
     tip that the circles of the couplers reach continuously is (0.0338, 238.4711), the other one (2.207, -47.385)."""
-    library = _library(five_bar("[platform]"), tmp_path)
+    library = _library(samples.readme_five_bar(), tmp_path)
     guess = _numbers([-23.45668092865065, -92.46047606222544, 0.0, -0.15146385226797096, 0.0, 0.0, 0.9884627972038941])
     goal, pose = _numbers([-0.3111966769802995, 0.28774171547505556]), _numbers([0.0] * 7)
     status = library.five_bar_direct(None, goal, guess, pose, None)

@@ -11,7 +11,7 @@ import pytest
 
 import symkin
 from laws import closes, frame, same_angle, same_pose
-from samples import Z, circles, delta, five_bar, parallel_rrr, pieper, three_rps, three_rrr, turning
+from samples import Z, circles, delta, five_bar, parallel_rrr, pieper, readme_five_bar, three_rps, three_rrr, turning
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.problem import build_problem
 from symkin.tracking.cubic import Curve
@@ -197,6 +197,26 @@ def test_flat_parallelogram_is_a_bifurcation(motion):
     assert abs(found.end.actuated[0]) < 1e-9
     assert found.stop.meeting is not None
     assert {found.stop.meeting.own, *found.stop.meeting.others} == {1, 2}
+
+
+@pytest.mark.parametrize("motion", ["planar", "spatial"])
+@pytest.mark.parametrize("samples", [None, 101])
+def test_a_path_that_ends_at_a_bifurcation_names_it(motion, samples):
+    """The flat position as the last row, the path undivided or in a hundred short intervals."""
+    found = track(bars(100.0, 40.0, 100.0, 40.0, motion), joints=[[1.0], [0.0]], samples=samples, name_modes=False)
+    assert found.stop is not None
+    assert found.stop.kind == "bifurcation"
+    assert abs(found.end.actuated[0]) < 1e-9
+
+
+@pytest.mark.parametrize("samples", [None, 2, 101, 1001])
+def test_joints_that_meet_are_placed_in_intervals_of_any_length(samples):
+    """A five-bar whose cranks bring the couplers' lower ends together, where the platform turns freely about them: cranks 100,
+    bases 150 apart, cranks at -a and a from upright meet at sin a = 0.75; to 1e-9 rad."""
+    found = track(readme_five_bar("planar"), joints=[[-60.0, 60.0], [-40.0, 40.0]], samples=samples, name_modes=False)
+    assert found.stop is not None
+    assert found.stop.kind == "bifurcation"
+    assert abs(math.radians(found.end.actuated[1]) - math.asin(0.75)) < 1e-9
 
 
 @pytest.mark.parametrize("gap", [1e-9, 1e-8, 1e-4])

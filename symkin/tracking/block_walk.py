@@ -47,7 +47,8 @@ _HALVINGS = 40
 _CLOSE = 1e-9
 """So near a turning point (share of an interval) it is taken without a last tube."""
 _BEFORE = 1e-4
-"""So near a bifurcation (share of an interval), to which no tube leads, the branch stops."""
+"""So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad), to which no tube leads, the
+branch stops."""
 TOGETHER = 1e-9
 """Blocks that stop within this share of an interval stop at the same place."""
 
@@ -128,7 +129,8 @@ class Walk:
         while self.station.u < until and self.stop is None:
             station = self.station
             if h < _SHORTEST or effort > _MOST_EFFORT or not station.is_regular:
-                self.stop = BlockStop("unproved", station.u)
+                if not (station.is_regular and self._meets_singular_point(until)):
+                    self.stop = BlockStop("unproved", station.u)
                 return
             if h < _SHRUNK * searched and h < 0.5 * (until - station.u):
                 searched = h
@@ -199,7 +201,9 @@ class Walk:
         if found is None or self.is_clear:
             return False
         tube = arrival(self.interval, a.y, a.slope, a.half, found) if found.kind == "turning point" else None
-        if tube is None and found.u - a.u > (_BEFORE if found.kind == "bifurcation" else _CLOSE):
+        away = found.u - a.u
+        near = _CLOSE if found.kind != "bifurcation" else _BEFORE / min(1.0, _speed(a))
+        if tube is None and away > near:
             return False
         self.stop = BlockStop("singular", found.u, singular=found, arrival=tube)
         return True
