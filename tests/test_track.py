@@ -12,6 +12,7 @@ from test_follow import bars
 
 import symkin
 from laws import closes
+from symkin import InputError
 from symkin.csv_table import read_table
 from symkin.tracking.track import track
 from symkin.tracking.track_csv import read_trajectory, write_track
@@ -124,6 +125,7 @@ def test_repeated_rows_stand_still(tmp_path, capsys):
         (["--from", EXAMPLE, "--to", EXAMPLE.replace("347.0", "-3")], "leg2 = -3"),
         (["--from", EXAMPLE, "--to", EXAMPLE, "--poses"], "6 values given, 7"),
         (["--from", EXAMPLE, "--to", NEAR, "--samples", "1"], "samples = 1"),
+        (["--from", EXAMPLE, "--to", NEAR, "--samples", "10000000"], "from 2 to 1000000"),
         (["--from", EXAMPLE, "--to", NEAR, "--start", "1,2"], "start: 2 values"),
         (["--from", EXAMPLE, "--to", NEAR, "--plot", "nowhere.xyz"], "nowhere.xyz"),
         (["--csv", "missing.csv", "--from", EXAMPLE], "give one of them"),
@@ -148,6 +150,18 @@ def test_mistakes_are_one_line(capsys, arguments, words):
         ("x[mm],y[mm],z[mm],qw,qx,qy\n1,2,3,1,0,0\n", "'qz' is missing"),
         (",".join(f"leg{k}[mm]" for k in range(1, 7)) + "\n", "no rows"),
         (",".join(f"leg{k}[mm]" for k in range(1, 7)) + "\n1,2,3,4,5,nan\n", "line 2"),
+        (
+            "t[s],"
+            + ",".join(f"leg{k}[mm]" for k in range(1, 7))
+            + "\n0"
+            + ",9" * 6
+            + "\n\n2"
+            + ",9" * 6
+            + "\n1"
+            + ",9" * 6
+            + "\n",
+            "line 5, column 't'",
+        ),
     ],
 )
 def test_wrong_tables_leave_the_output_alone(tmp_path, capsys, text, words):
@@ -219,3 +233,20 @@ def test_limits_may_be_ignored(tmp_path, capsys):
     assert (stopped[0], stopped[1]["stop"]["limit"]) == (3, "leg1")
     assert stopped[1]["samples"][-1]["joints"]["leg1"] == pytest.approx(150.0, abs=1e-6)
     assert run_json(capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--ignore-limits")[0] == 0
+
+
+def test_a_start_beyond_a_limit_is_said_to_be(capsys, tmp_path):
+    """A joint that begins outside its limits does not meet them."""
+    mechanism = bars(100.0, 40.0, 100.0, 40.0, limits=(-0.5, 0.5))
+    (tmp_path / "bars.toml").write_text(mechanism.to_toml())
+    status, found = run_json(capsys, "track", str(tmp_path / "bars.toml"), "--from", "1", "--to", "0")
+    assert status == 3
+    assert "lies beyond its limit 0.5 rad at the start" in found["statement"]
+
+
+@pytest.mark.parametrize("verb", [symkin.solve, symkin.modes, symkin.jacobian, symkin.track])
+@pytest.mark.parametrize("wrong", ["zhang2009", 3])
+def test_a_name_is_no_mechanism(verb, wrong):
+    """The verbs of Python refuse what is not a mechanism in a sentence, which names `load` for a name."""
+    with pytest.raises(InputError, match=r"symkin\.load\('zhang2009'\)" if wrong == "zhang2009" else "int"):
+        verb(wrong)

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from symkin.errors import MechanismError
+from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb
@@ -230,3 +230,10 @@ def _check_serial(mechanism: Mechanism) -> None:
             raise MechanismError(f"joint {joint.name!r}: all joints of a serial arm are actuated; types R, P and H are allowed")
     if mechanism.motion != "spatial":
         raise MechanismError("motion is a key of a platform; a serial arm has none")
+
+
+def require_mechanism(value: object) -> None:
+    """Raises InputError where something else stands in place of a mechanism: its name, or a solution."""
+    if not isinstance(value, Mechanism):
+        named = f"; symkin.load({value!r}) gives it" if isinstance(value, str) else ""
+        raise InputError(f"mechanism is of type {type(value).__name__}; a Mechanism is needed{named}")

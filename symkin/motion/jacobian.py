@@ -13,7 +13,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.motion.differential import differentiate, pose_rates, quaternion_rates
 from symkin.motion.jacobian_expressions import Expressions
 from symkin.motion.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
@@ -179,6 +179,7 @@ class Jacobian:
 def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:
     """A symbolic Jacobian of a mechanism: kind "direct", "inverse", "analytic" or "passive", as `Jacobian` says; with
     `parameters` the geometry stays symbols. Raises InputError for a kind that is unknown or that the mechanism lacks."""
+    require_mechanism(mechanism)
     if kind not in KINDS:
         raise InputError(f"kind = {kind!r} is unknown; allowed: {', '.join(KINDS)}")
     return _built(mechanism, kind, parameters)

@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
@@ -33,6 +33,7 @@ class Given:
 
 def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None) -> Given:
     """Joints make a direct problem, a pose an inverse one; neither: the example's, else the reference's joints."""
+    require_mechanism(mechanism)
     if joints is not None and pose is not None:
         raise InputError(
             "both joints and a pose are given; joints make a direct problem, a pose an inverse one: give one of them"

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import require_mechanism
 
 
 def check_types(mechanism: Any, grid: Any, directory: Any, **others: Any) -> None:
     """Raises InputError; `others` are the arguments `poses`, `certify`, `at`, `executor`, `dask` and `progress`."""
-    _need(isinstance(mechanism, Mechanism), "mechanism", mechanism, "a Mechanism is needed, as symkin.load gives it")
+    require_mechanism(mechanism)
     wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
     _need(isinstance(grid, Mapping), "grid", grid, wanted)
     _need(isinstance(directory, str | os.PathLike), "directory", directory, "the path of a folder is needed")

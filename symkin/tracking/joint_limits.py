@@ -7,7 +7,7 @@ subtracted along the whole path.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,11 +28,12 @@ _HALVINGS = 60
 @dataclass(frozen=True)
 class Limit:
     """A limit of a joint that the branch meets: the coordinate's name and the value; `turns` (rad) are the whole turns that are
-    subtracted from the coordinate."""
+    subtracted from the coordinate; `is_passed`: the start lies beyond it."""
 
     name: str
     value: float
     turns: float = 0.0
+    is_passed: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class LimitWatch:
             value = float(values[self.problem.closure.slices[c.name].start])
             self.turns[c.name] = _turns(c, value)
             if found is None and self._excess(c, value) > 0.0:
-                found = self._limit(c, value)
+                found = replace(self._limit(c, value), is_passed=True)
         return found
 
     def given(self, row: int) -> tuple[float, Limit] | None:

@@ -169,7 +169,11 @@ def _limit_text(limit: Limit | None, trajectory: Trajectory) -> str:
     mechanism = trajectory.mechanism
     c = next(c for c in build_problem(mechanism, trajectory.kind).closure.coordinates if c.name == limit.name)
     value = mechanism.angle_out(limit.value) if c.is_angular else limit.value
-    text = f"{limit.name} meets its limit {value:g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}"
+    how = "lies beyond its limit" if limit.is_passed else "meets its limit"
+    text = (
+        f"{limit.name} {how} {value:g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}"
+        + " at the start" * limit.is_passed
+    )
     turns = round(limit.turns / (2 * math.pi))
     return text + (f", {abs(turns)} whole turn{'s' * (abs(turns) > 1)} apart" if turns else "")
 

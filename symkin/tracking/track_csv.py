@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,9 @@ def read_trajectory(mechanism: Mechanism, path: str | Path, *, poses: bool = Fal
     if not len(table):
         raise InputError(f"{path}: there are no rows below the header; at least one sample is needed")
     times = table.numbers("t", "time", "s") if "t" in table.columns else None
+    back = next((k for k, (a, b) in enumerate(pairwise(times or []), start=1) if b < a), None)
+    if back is not None:
+        raise InputError(f"{path}, line {table.lines[back]}, column 't': the time goes back; times must rise or stay")
     if poses or (not any(c.name in table.columns for c in mechanism.actuated) and "x" in table.columns):
         columns = [table.numbers(name, "length", mechanism.length_unit) for name in _POSITION]
         columns += [table.numbers(name) for name in _QUATERNION]

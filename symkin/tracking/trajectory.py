@@ -18,13 +18,15 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import joint_values, pose_coordinates, pose_from
 from symkin.position.problem import Kind, build_problem
 from symkin.spatial.pose import Pose
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
+_MOST_SAMPLES = 10**6
+"""Samples that a path may be divided into: each one is solved and kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,7 @@ def make_trajectory(
 ) -> Trajectory:
     """A path through rows of actuated joint values (direct problem) or poses (inverse problem), in the mechanism's units.
     With `count`, each interval is divided so that about that many samples stand on the whole path. Raises InputError."""
+    require_mechanism(mechanism)
     if (joints is None) == (poses is None):
         raise InputError("a path is given either by joint values (direct problem) or by poses (inverse problem)")
     rows = list(joints if joints is not None else poses if poses is not None else [])
@@ -184,8 +187,8 @@ def _times(times: Sequence[float] | None, count: int) -> np.ndarray | None:
 
 def _refined(trajectory: Trajectory, count: int) -> Trajectory:
     intervals = len(trajectory) - 1
-    if count < 2:
-        raise InputError(f"samples = {count}; at least 2 are needed")
+    if not isinstance(count, int | np.integer) or not 2 <= count <= _MOST_SAMPLES:
+        raise InputError(f"samples = {count}; a whole number from 2 to {_MOST_SAMPLES} is needed")
     if intervals < 1 or count <= len(trajectory):
         return trajectory
     parts = math.ceil((count - 1) / intervals)
