@@ -282,7 +282,7 @@ def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
     joints = [c.reference[0] for c in mechanism.actuated]
     loci = singular_loci(symkin.solve(mechanism, joints=joints).solution, ("d1", "d2"), ranges=window, starts=20)
     (axes,) = figure_of_loci(loci).axes
-    assert "no locus in this window" in [text.get_text() for text in axes.texts]
+    assert "no locus was met in this window" in [text.get_text() for text in axes.texts]
     box = axes.get_position()
     assert min(box.width, box.height) > 0.3
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from symkin.errors import SolveError
 from symkin.model.mechanism import Mechanism
@@ -26,7 +27,8 @@ def configuration(
     Raises SolveError where no configuration is reached, InputError for values that do not fit."""
     result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
     if result.solution is not None:
-        return result.solution
+        noted = (n for n in result.notes if n not in result.solution.notes)
+        return replace(result.solution, notes=(*result.solution.notes, *noted))
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
     begin = start_values(problem, given, start)

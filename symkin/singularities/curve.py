@@ -13,6 +13,8 @@ CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""
 _NO_TANGENT = 1e-7
 """A point has one tangent where of the rows' Jacobian one singular value, and no more, is below this times the largest."""
+_REGULAR = 1e-4
+"""Where the last singular value but one is below this times the largest, a zero is nearly a multiple one."""
 _TURN = 0.95
 """Least cosine between the tangents of neighbouring points: steps are shortened where the curve bends more."""
 _SHORTEST, _LONGEST = 1e-7, 0.1
@@ -54,6 +56,12 @@ def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
     if padded[-1] > _NO_TANGENT * padded[0] or padded[-2] <= _NO_TANGENT * padded[0]:
         return None
     return np.asarray(right[-1])
+
+
+def is_regular(system: System, z: np.ndarray) -> bool:
+    """Whether a point of a curve is far from crossings and other places without one tangent."""
+    singular = np.linalg.svd(system.linearise_one(z, np.zeros(0))[1], compute_uv=False)
+    return len(singular) >= system.freedom - 1 and bool(singular[system.freedom - 2] > _REGULAR * singular[0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.singularities.curve import Curve, correct, tangent
+from symkin.singularities.curve import Curve, correct, is_regular, tangent
 from symkin.singularities.locus_system import LocusSystem
 
 _STILL = 1e-6
 """A unit tangent whose part in the plane is below this is a motion with the inputs held, which has no cusp."""
-_REGULAR = 1e-4
-"""The last singular value but one of the curve's equations, over the largest, is above this at a cusp."""
 _LONGER = 5
 """How often the bracket is made longer by a tenth: the curve is longer than its chord."""
 _STEPS = 60
@@ -41,10 +39,7 @@ def _stands(system: LocusSystem, z: np.ndarray) -> bool:
     """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
     regular: crossings of curves have no one tangent."""
     t = tangent(system.curve, z)
-    if t is None or float(np.linalg.norm(t[system.uv_columns])) > _STILL:
-        return False
-    singular = np.linalg.svd(system.curve.linearise_one(z, np.zeros(0))[1], compute_uv=False)
-    return bool(singular[system.curve.freedom - 2] > _REGULAR * singular[0])
+    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= _STILL and is_regular(system.curve, z)
 
 
 def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None:

@@ -2,9 +2,9 @@
 
 Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions in which the number of
 real assembly modes is constant, and have cusps where three modes meet. Seeds: random configurations over the plane are
-closed, lifted by the null vector of their smallest singular value (`locus_system`) and brought onto the curve by
+closed, lifted by null vectors of small singular values (`locus_system`) and brought onto the curve by
 Levenberg-Marquardt; then the curve is traced (`curve`). A closed curve that no seed reaches is missed: `starts` says how
-many seeds there were, `hits` how often each curve was met.
+many random configurations there were, `hits` how many of them led to each curve.
 """
 
 from __future__ import annotations
@@ -16,28 +16,30 @@ from typing import Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
-from symkin.singularities.curve import Curve, Window, trace
-from symkin.singularities.cusps import with_cusps
-from symkin.singularities.locus import SAME_PICTURE, Locus, make_locus, merged, picture_distance
-from symkin.singularities.locus_seeds import inside, seeds_of
+from symkin.singularities.locus import Locus, make_locus, merged
+from symkin.singularities.locus_seeds import seeds_of
 from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.working_mode import same_mode
+from symkin.singularities.traced import traced_curves
 
 DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
-_FINENESS = 1 / 150
-"""Longest step of a curve in the plane, of the window's sides."""
 _FEW_HITS = 2
-"""Where some curve was met by no more seeds than this, another may have been met by none."""
-MISSING = "some curves were met by one or two seeds only: curves may be missing; raise --starts"
+"""Where some curve was met by no more starts than this, another may have been met by none."""
+MISSING = "some curves were met by one or two starts only: curves may be missing; raise --starts"
 """What is said then, in the text and in the picture."""
+NONE_MET = "no curve was met, which does not prove that there is none: curves may be missing; raise --starts"
+"""What is said where curves were sought and none was found."""
+EVERYWHERE = "the rank is lost everywhere over this plane; there are no curves"
+"""What is said of a kind that every configuration over the plane has."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loci:
-    """All curves found over a plane through a configuration; `ranges` are the window's sides in the mechanism's units."""
+    """All curves found over a plane through a configuration; `ranges` are the window's sides in the mechanism's units. `notes`
+    say what the search cannot: that curves may be missing, that a rank is lost all over the plane."""
 
     plane: Plane
     ranges: tuple[tuple[float, float], tuple[float, float]]
@@ -114,9 +116,9 @@ def singular_loci(
     curves: list[Locus] = []
     notes: list[str] = []
     for system in locus_systems(chosen, kinds):
-        found, note = _curves(system, window, starts, np.random.default_rng(seed))
+        found, said = _curves(system, window, starts, np.random.default_rng(seed))
         curves.extend(found)
-        notes.extend([note] if note else [])
+        notes.extend(said)
     outside = tuple(
         (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
@@ -125,6 +127,8 @@ def singular_loci(
     kept = merged(curves, found_sides)
     if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
         notes.append(MISSING)
+    if not kept and not any(note.endswith(EVERYWHERE) for note in notes):
+        notes.append(NONE_MET)
     return Loci(chosen, (outside[0], outside[1]), kept, starts, seed, tuple(dict.fromkeys(notes)))
 
 
@@ -133,10 +137,8 @@ def _check_pose(plane: Plane) -> None:
     freedoms = generic_ranks(plane.mechanism).outputs
     wanted = sum(c.freedom for c in plane.closure.role("pose"))
     if freedoms < wanted:
-        raise InputError(
-            f"plane = {', '.join(plane.names)!r}: the platform of {plane.mechanism.name} has {freedoms} freedoms of {wanted}, so that "
-            "two pose coordinates cannot vary alone; allowed: two actuated joints, or pose coordinates of a declared motion"
-        )
+        sentence = condition_sentence(plane.mechanism, "two pose coordinates", "two actuated joints", freedoms, wanted)
+        raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
 
 
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
@@ -171,55 +173,28 @@ def _side(plane: Plane, k: int, given: Sequence[float]) -> tuple[float, float]:
 # --- curves ----------------------------------------------------------------------------------------------
 
 
-def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> tuple[list[Locus], str | None]:
-    """Distinct curves through the seeds, and what to say where there are none to be had."""
-    curves: list[tuple[Curve, np.ndarray, np.ndarray, int]] = []
-    view, isolated = _view(system, window), 0
+def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> tuple[list[Locus], list[str]]:
+    """Distinct curves through the seeds, and what to say of the search."""
     found = seeds_of(system, window, starts, rng)
-    seeds, name = found.points, system.kind + (f" of {system.limb}" if system.limb else "")
     if not found.closed:
-        return [], f"{name}: none of {starts} starts closes over the window"
+        return [], [f"{system.name}: none of {starts} starts closes over the window"]
+    notes = _everywhere(system)
     if found.everywhere:
-        return [], f"{name}: a freedom that no actuated joint decides, everywhere; there are no curves"
-    modes = same_mode(system, np.array(seeds)) if seeds else np.zeros(0, dtype=bool)
-    for k in sorted(range(len(seeds)), key=lambda k: not modes[k]):
-        place = _place(system, curves, seeds[k], bool(modes[k]), window)
-        if place is not None:
-            curves[place] = (*curves[place][:3], curves[place][3] + 1)
-            continue
-        curve = trace(system.curve, seeds[k], view)
-        if curve is None:
-            isolated += 1
-        else:
-            curve, cusps = with_cusps(system, curve)
-            curves.append((curve, cusps, same_mode(system, curve.points), 1))
-    note = f"{name}: {isolated} seeds lie on no curve (crossings, isolated or everywhere singular)" if isolated else None
-    return [make_locus(system, *parts) for parts in curves], note
+        return [], [*notes, f"{system.name}: {EVERYWHERE}"]
+    traced, isolated = traced_curves(system, found, window)
+    if isolated:
+        notes.append(
+            f"{system.name}: {isolated} starts ended on no curve (crossings, isolated points, or sets of more than one dimension)"
+        )
+    return [make_locus(t.system, t.curve, t.cusps, t.in_mode, len(t.starts)) for t in traced], notes
 
 
-def _view(system: LocusSystem, window: np.ndarray) -> Window:
-    """The window for tracing: steps of at most 1/150 of its sides in the plane."""
-    sides = window[:, 1] - window[:, 0]
-    scale = np.array([system.curve.size if c.is_angular else 1.0 for c in system.plane.coordinates])
-
-    def cap(t: np.ndarray) -> float:
-        speed = float(np.max(np.abs(t[system.uv_columns]) / (scale * sides)))
-        return _FINENESS / speed if speed > 0.0 else np.inf
-
-    return Window(lambda z: inside(z[system.uv], window), cap, len(system.free) + 2)
-
-
-def _place(
-    system: LocusSystem,
-    curves: Sequence[tuple[Curve, np.ndarray, np.ndarray, int]],
-    z: np.ndarray,
-    in_mode: bool,
-    window: np.ndarray,
-) -> int | None:
-    """Number of the curve whose picture has a seed; a seed in the configuration's working mode asks for one that has it too."""
-    sides = window[:, 1] - window[:, 0]
-    for k, (curve, _, mode, _) in enumerate(curves):
-        away, nearest = picture_distance(curve.points[:, system.uv], curve.closed, sides, z[None, system.uv])
-        if away[0] < SAME_PICTURE and (not in_mode or mode[nearest[0]]):
-            return k
-    return None
+def _everywhere(system: LocusSystem) -> list[str]:
+    """What moves at every configuration: curves are where more does."""
+    count = system.loss.free_motions
+    if not count:
+        return []
+    motions = f"{count} freedom{'' if count == 1 else 's'} everywhere; curves are where there are more"
+    if system.kind == "type 1":
+        return [f"{system.name}: its joints move with the platform at rest in {motions}"]
+    return [f"{system.name}: the mechanism moves with the actuated joints held in {motions}"]

@@ -12,16 +12,19 @@ from symkin.singularities.locus_system import LocusSystem
 from symkin.singularities.self_motion import has_self_motion
 
 SAME_PICTURE = 5e-4
-"""Curves whose points are all within this of another curve (of the window's sides) have one picture."""
+"""Curves whose points are within this of another curve (of the window's sides) have one picture."""
+_MOST, _ASIDE = 0.9, 0.01
+"""So many of the points at least, and the others within this: a polyline cuts off sharp tips, and its ends lie up to a step
+outside the window. A step is 1/150 of the sides."""
 _NONE = 1e-6
-"""A part of a unit null vector below this counts as zero."""
+"""A distance below this, of the window's sides, counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Locus:
     """One curve: `points` (n, 2) in the plane and `configurations` (n, width of the unknowns `names`), every one a zero.
 
-    Where the null vector moves passive joints only, the kind is "passive". `hits` counts the seeds. Curves of
+    Where passive joints alone lose the rank, the kind is "passive". `hits` counts the starts. Curves of
     other working modes and mirror images with the same picture are not listed again.
 
     `in_mode` (n,) says which points belong to the working mode of the plane's configuration (all of them, where that
@@ -45,7 +48,7 @@ class Locus:
     @property
     def is_point(self) -> bool:
         """The curve stands in one point of the plane."""
-        return _stands(self.points)
+        return stands(self.points)
 
     def loose_ends(self, ranges: Sequence[Sequence[float]]) -> np.ndarray:
         """Ends (n, 2) of an open curve inside the window, where tracing could not go on; cusps are not counted."""
@@ -64,19 +67,20 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
     """A traced curve in the mechanism's units; `cusps` are numbers of its points."""
     mechanism = system.plane.mechanism
     factors = np.array([mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in system.plane.coordinates])
-    shares = curve.points[:, system.uv.stop :][:, system.telling] / system.curve.size
-    kind = system.kind if float(np.abs(shares).max()) > _NONE else "passive"
+    w = curve.points[:, system.uv.stop :] / system.curve.size
+    kind = "passive" if system.loss.is_passive(curve.points[:, : system.uv.stop], w) else system.kind
     values, _ = system.curve.linearise(curve.points, np.zeros(0))
     names = (*(c.name for c in system.free), *system.plane.names)
     points = curve.points[:, system.uv] * factors
     return Locus(
         kind, system.limb, points, curve.closed, in_mode, points[cusps if kind == "type 2" else cusps[:0]],
         names, curve.points[:, : system.uv.stop], float(np.max(np.abs(values))), hits,
-        _stands(points) and has_self_motion(system, curve.points[len(points) // 2]),
+        stands(points) and has_self_motion(system, curve.points[len(points) // 2]),
     )  # fmt: skip
 
 
-def _stands(points: np.ndarray) -> bool:
+def stands(points: np.ndarray) -> bool:
+    """Whether points (n, 2) of a curve are one place of the plane."""
     return bool(np.ptp(points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(points).max())))
 
 
@@ -97,11 +101,11 @@ def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
 
 
 def _has_picture(other: Locus, curve: Locus, sides: np.ndarray) -> bool:
-    """Whether every point of `curve` lies on the polyline of `other`."""
+    """Whether `curve` lies on the polyline of `other`, but for points where that is too coarse."""
     if other.kind != curve.kind or (other.limb != curve.limb and curve.kind != "passive") or other.is_point != curve.is_point:
         return False
     away, _ = picture_distance(other.points, other.closed, sides, curve.points)
-    return bool(np.all(away < SAME_PICTURE))
+    return bool(np.mean(away < SAME_PICTURE) >= _MOST and np.all(away < _ASIDE))
 
 
 def picture_distance(line: np.ndarray, closed: bool, sides: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

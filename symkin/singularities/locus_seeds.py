@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,14 +17,18 @@ _NULL = 1e-9
 """A smallest singular value of J below this is zero."""
 _CLOSED = 1e-8
 """A start is closed when no row exceeds this times the size; the curve's own correction follows."""
+_OTHERS = 3
+"""Beside the null vector of the smallest singular value a start tries one of so many next ones: of joints that are nearly
+parallel everywhere, or of units far apart, the smallest one never leads to a curve."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seeds:
-    """Points of the curves in the window, how many starts closed the loops, and whether J has a null vector at most of them:
-    then the mechanism moves so everywhere, and there are no curves."""
+    """Points of the curves in the window and the number of the start that each came from; how many starts closed the loops,
+    and whether J has lost rank at most of them: then there are no curves, the whole plane is singular."""
 
     points: list[np.ndarray]
+    starts: list[int]
     closed: int
     everywhere: bool
 
@@ -32,18 +37,32 @@ def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.rando
     """Seeds from random closed configurations over the window (inside units)."""
     closed = _closed_starts(system, window, starts, rng)
     if not len(closed):
-        return Seeds([], 0, False)
+        return Seeds([], [], 0, False)
     lifted, smallest = zip(*(system.lift(z) for z in closed), strict=True)
     if float(np.median(smallest)) < _NULL:
-        return Seeds([], len(closed), True)
-    batch = levenberg_marquardt(system.curve, np.array(lifted), np.zeros(0), max_iterations=60, tolerance=1e-10)
-    points = []
-    for z in batch.points[batch.converged]:
+        return Seeds([], [], len(closed), True)
+    begin, numbers = _begin(lifted)
+    batch = levenberg_marquardt(system.curve, begin, np.zeros(0), max_iterations=60, tolerance=1e-10)
+    points, origins = [], []
+    for z, number in zip(batch.points[batch.converged], numbers[batch.converged], strict=True):
         point = correct(system.curve, system.curve.fold(system.curve.unit(z)[None])[0])
-        if point is not None:
-            point[system.uv] = _towards(system, point[system.uv], window)
-            points.extend([point] if inside(point[system.uv], window) else [])
-    return Seeds(points, len(closed), False)
+        if point is not None and system.loss.is_lost(point[: system.uv.stop]):
+            point = _towards(system, point, window)
+            if inside(point[system.uv], window):
+                points.append(point)
+                origins.append(int(number))
+    return Seeds(points, origins, len(closed), False)
+
+
+def _begin(lifted: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """All starts with their first null vector, then all with another one in turn (of every radius), and the starts' numbers."""
+    numbers = np.arange(len(lifted))
+    begin = [vectors[0] for vectors in lifted]
+    others = min(_OTHERS, len(lifted[0]) - 1)
+    if not others:
+        return np.array(begin), numbers
+    begin += [vectors[1 + k // len(_RADII) % others] for k, vectors in enumerate(lifted)]
+    return np.array(begin), np.tile(numbers, 2)
 
 
 def inside(uv: np.ndarray, window: np.ndarray) -> bool:
@@ -64,10 +83,14 @@ def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np
     return np.array([z for z in ends if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.size])
 
 
-def _towards(system: LocusSystem, uv: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """Angles of the plane that lie outside the window, moved by whole turns towards it."""
-    turned = uv.copy()
+def _towards(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> np.ndarray:
+    """Angles of the plane that lie outside the window, moved by whole turns towards it. Rows of an orientation change sign with
+    a turn, and with them a w that relates rows: it is taken anew there."""
+    turned = point.copy()
+    uv = turned[system.uv]
     for k, (c, (low, high)) in enumerate(zip(system.plane.coordinates, window, strict=True)):
         if c.kind == "angle" and not low <= uv[k] <= high:
-            turned[k] = low + np.remainder(uv[k] - low, 2 * np.pi)
+            uv[k] = low + np.remainder(uv[k] - low, 2 * np.pi)
+    if not np.array_equal(turned, point) and system.loss.free_motions:
+        return np.asarray(system.lift(turned[: system.uv.stop])[0][0])
     return turned

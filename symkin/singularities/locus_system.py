@@ -6,14 +6,15 @@ and J the part of dF/d(q, x, X) that must not lose rank,
     F = 0,   J w = 0,   (w.w - 1) / 2 = 0
 
 describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, folds and cusps included. Type 2: all rows,
-columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Every equation is solved, also
-where J is not square, so that points of the curve are true zeros.
+columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Where J w = 0 has solutions
+everywhere, w shows a loss of the generic rank in another way (`rank_loss`). Every equation is solved, also where J is not
+square, so that points of the curve are true zeros.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import casadi as ca
@@ -23,9 +24,10 @@ from symkin.errors import InputError
 from symkin.model.closure import Closure, build_closure
 from symkin.model.joint import Coordinate, Kind
 from symkin.model.mechanism import Mechanism
-from symkin.position.mobility import whole_system
+from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.solution import Solution
 from symkin.position.system import System
+from symkin.singularities.rank_loss import RankLoss, generic_matrix
 from symkin.spatial.rotation import multiply, quaternion_from_axis_angle
 
 LocusKind = Literal["type 1", "type 2"]
@@ -122,8 +124,7 @@ def _joint_values(
 @dataclass(frozen=True, eq=False)
 class LocusSystem:
     """One curve's equations: `curve` in the unknowns (free coordinates, u, v, w) and `closed`, F = 0 alone, in
-    the free coordinates, u and v; `kernel` evaluates J at (free, u, v). `limb` is set for type 1. `telling`
-    are the entries of w that tell the kind: pose for type 2, actuated joints for type 1; w of passive joints alone is neither."""
+    the free coordinates, u and v; `loss` holds J at (free, u, v) and its generic rank. `limb` is set for type 1."""
 
     plane: Plane
     kind: LocusKind
@@ -131,8 +132,11 @@ class LocusSystem:
     free: tuple[Coordinate, ...]
     curve: System
     closed: System
-    kernel: ca.Function
-    telling: list[int]
+    loss: RankLoss
+
+    @property
+    def name(self) -> str:
+        return self.kind + (f" of {self.limb}" if self.limb else "")
 
     @property
     def uv(self) -> slice:
@@ -154,32 +158,49 @@ class LocusSystem:
         return np.concatenate([*parts, [c.reference[0] for c in self.plane.coordinates]])
 
     def lift(self, closed: np.ndarray) -> tuple[np.ndarray, float]:
-        """A closed configuration with w the right singular vector of the smallest singular value of J, and that value."""
-        matrix = np.asarray(self.kernel(closed))
-        _, singular, right = np.linalg.svd(matrix)
-        smallest = float(singular[-1]) if matrix.shape[0] >= matrix.shape[1] else 0.0
-        return np.concatenate([closed, self.curve.size * right[-1]]), smallest
+        """A closed configuration with each w of `RankLoss.vectors` (r, width), and the smallest singular value."""
+        vectors, singular = self.loss.vectors(closed)
+        return np.hstack([np.tile(closed, (len(vectors), 1)), self.curve.size * vectors]), float(singular[0])
+
+    def through(self, z: np.ndarray) -> tuple[LocusSystem, np.ndarray]:
+        """The equations for tracing from a seed, and the seed in them: these, with rows chosen at the seed where they are chosen
+        at all. Where J has lost more than one rank there, C w = 0 too, with the rows of C spanning the null vectors at the seed
+        that are orthogonal to its own: w has no other one to turn to."""
+        place, w, here = z[: self.uv.stop], z[self.uv.stop :], self
+        if self.loss.chooses_rows:
+            loss, w = self.loss.around(place, w)
+            here = replace(self, loss=loss, curve=_curve(self.closed, loss.kernel(self.closed.unknown), loss))
+        null = here.loss.null_space(place)
+        if len(null) > 1:
+            others = np.linalg.svd((null @ w)[None])[2][1:] @ null
+            kept = ca.DM(others) @ here.curve.unknown[self.uv.stop :]
+            rows, errors = ca.vertcat(here.curve.rows, kept), ca.vertcat(here.curve.errors, kept)
+            here = replace(here, curve=replace(here.curve, rows=rows, errors=errors))
+        return here, np.concatenate([place, w])
 
 
 def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]:
     """Type 2 once, type 1 for each limb with an actuated joint. A kind that cannot occur has no system."""
     closure, systems = plane.closure, []
     whole = whole_system(closure)
+    generic = [whole.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
     columns = [c for c in closure.coordinates for _ in range(c.freedom)]
     if "type 2" in kinds and not closure.mechanism.serial:
         kept = [k for k, c in enumerate(columns) if c.role != "actuated"]
-        systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept))
+        systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic))
     if "type 1" in kinds:
         pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
         for limb in closure.mechanism.limbs:
             rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
             own = [k for k, c in enumerate(columns) if c.role != "pose" and pattern[rows, closure.slices[c.name]].any()]
             if any(columns[k].role == "actuated" for k in own):
-                systems.append(_system(plane, whole, "type 1", limb.name, rows, own))
-    return systems
+                systems.append(_system(plane, whole, "type 1", limb.name, rows, own, generic))
+    return [system for system in systems if system.loss.rank]
 
 
-def _system(plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows: list[int], columns: list[int]) -> LocusSystem:
+def _system(
+    plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows: list[int], columns: list[int], generic: list[np.ndarray]
+) -> LocusSystem:
     """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
     closure, size = plane.closure, plane.closure.size
     per_freedom = [c for c in closure.coordinates for _ in range(c.freedom)]
@@ -189,19 +210,22 @@ def _system(plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows
     used = rows if alone else list(range(int(closure.rows.shape[0])))
     closed_rows = _substituted(plane, whole.rows[used, 0])
     jacobian = _substituted(plane, whole.jacobian[rows, columns])
-    w = ca.SX.sym("w", len(columns))
-    fixed = plane.stacked(free)
-    nothing = ca.SX(0, 1)
-    extended = ca.vertcat(closed_rows, jacobian @ w, (ca.dot(w, w) / size - size) / 2)
-    weights = tuple(Coordinate(f"w.{k}", "length", "passive") for k in range(len(columns)))
-    unknown = ca.vertcat(fixed, plane.symbols, w)
-    return LocusSystem(
-        plane, kind, limb, free,
-        System((*free, *plane.coordinates, *weights), unknown, nothing, extended, extended, size),
-        System((*free, *plane.coordinates), ca.vertcat(fixed, plane.symbols), nothing, closed_rows, closed_rows, size),
-        ca.Function("kernel", [ca.vertcat(fixed, plane.symbols)], [ca.densify(jacobian)], {"cse": True}),
-        [k for k, column in enumerate(columns) if per_freedom[column].role == ("pose" if kind == "type 2" else "actuated")],
+    fixed, nothing = ca.vertcat(plane.stacked(free), plane.symbols), ca.SX(0, 1)
+    role = "pose" if kind == "type 2" else "actuated"
+    loss = RankLoss(
+        ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}), generic_matrix(generic, rows, columns),
+        [k for k, column in enumerate(columns) if per_freedom[column].role == role],
     )  # fmt: skip
+    closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
+    return LocusSystem(plane, kind, limb, free, _curve(closed, jacobian, loss), closed, loss)
+
+
+def _curve(closed: System, jacobian: ca.SX, loss: RankLoss) -> System:
+    """F = 0, what says that J loses rank, and the length of w."""
+    w, size = ca.SX.sym("w", loss.rank), closed.size
+    weights = tuple(Coordinate(f"w.{k}", "length", "passive") for k in range(loss.rank))
+    rows = ca.vertcat(closed.rows, loss.equations(jacobian, w), (ca.dot(w, w) / size - size) / 2)
+    return System((*closed.unknowns, *weights), ca.vertcat(closed.unknown, w), closed.known, rows, rows, size)
 
 
 def _substituted(plane: Plane, expression: ca.SX) -> ca.SX:

@@ -32,6 +32,7 @@ from symkin.singularities.configuration import configuration
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
+from symkin.singularities.standing import everywhere, notes_on
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 
@@ -59,13 +60,15 @@ CONDITIONS = {
 class Singularity:
     """What the velocity equations say at one configuration.
 
-    `kinds` are keys of KINDS, `conditions` Zlatanov's names; both empty where the configuration is regular. `distances`
+    `kinds` are keys of KINDS, `conditions` Zlatanov's names: what differs here from a generic configuration of the same
+    mechanism, both empty where nothing does. Such a configuration is regular only where `loose`, the platform's freedoms
+    that the actuated joints leave everywhere when they are held, is 0. `distances`
     holds, for each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere)
     of its matrix with rows of unit length, angles times the size: the 2-norm of the smallest change of these rows that
     makes the configuration singular, between 0 and 1 for each limb. They depend on the platform origin, and on neither
     units nor the base frame. `singular_values` are those of the direct map q' -> t (lengths; angles times the size),
-    `manipulability` their product (Yoshikawa 1985), infinite at type 2. `twists` are the platform's motions with the
-    actuated joints held (type 2), or with all of them free where a constraint is lost; `wrenches` what the platform
+    `manipulability` their product (Yoshikawa 1985), infinite where the platform moves with the actuated joints held (type 2, or
+    `loose`). `twists` are these motions, or those with all joints free where a constraint is lost; `wrenches` what the platform
     bears without the actuated joints' help where an output is impossible; `inputs` the joint rates with the platform at
     rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do.
     """
@@ -85,8 +88,19 @@ class Singularity:
     notes: tuple[str, ...] = ()
 
     @property
+    def everywhere(self) -> dict[str, int]:
+        """Freedoms of each kind that every configuration has, where there are any; kinds and distances count further ones."""
+        return everywhere(self.generic)
+
+    @property
+    def loose(self) -> int:
+        """Freedoms that the platform has at every configuration with all actuated joints held."""
+        return self.everywhere.get("type 2", 0)
+
+    @property
     def is_singular(self) -> bool:
-        return bool(self.kinds)
+        """Whether the platform or some joints move more freely than the actuated joints say, here or everywhere."""
+        return bool(self.kinds) or self.loose > 0
 
     @property
     def distance(self) -> float:
@@ -122,18 +136,30 @@ class Singularity:
 
 
 def singularity(
-    mechanism: Mechanism,
+    mechanism: Mechanism | Solution,
     *,
     joints: Sequence[float] | None = None,
     pose: Sequence[float] | Pose | None = None,
     start: Sequence[float] | Pose | None = None,
     tolerance: float = TOLERANCE,
 ) -> Singularity:
-    """Classify the configuration that `solve` reaches from the same arguments.
+    """Classify the configuration that `solve` reaches from the same arguments, or a Solution that is there already:
+
+        symkin.singularity(mechanism, joints=[...])
+        symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
 
     At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
     SolveError where no configuration is reached, InputError for values that do not fit.
     """
+    if isinstance(mechanism, Solution):
+        if not (joints is None and pose is None and start is None):
+            raise InputError("a Solution is classified as it is: give joints, pose and start with a mechanism only")
+        return classify(mechanism, tolerance)
+    if not isinstance(mechanism, Mechanism):
+        raise InputError(
+            f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as `symkin.solve(...).solution` "
+            "or one of `symkin.modes(...)`"
+        )
     return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance)
 
 
@@ -148,8 +174,8 @@ def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
     kinds = _kinds(closure, ranks, generic, conditions)
     return Singularity(
         solution, equations, ranks, generic, conditions, kinds, distances(closure, equations, generic),
-        _direct_map(equations, ranks, generic, tolerance), *_shown(solution, equations, kinds, conditions, tolerance),
-        _notes(closure, ranks, generic),
+        _direct_map(equations, ranks, generic, tolerance), *_shown(solution, equations, ranks, kinds, conditions, tolerance),
+        notes_on(closure, ranks, generic),
     )  # fmt: skip
 
 
@@ -185,28 +211,20 @@ def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tole
     motions = feasible_motions(equations, tolerance)
     outputs, inputs = np.split(motions, [equations.twist.shape[1]], axis=1)
     count = min(generic.outputs, generic.inputs)
-    if ranks.twist < generic.twist or ranks.inputs < generic.inputs:
+    if ranks.motions > ranks.inputs or ranks.twist < generic.twist or ranks.inputs < generic.inputs:
         return np.full(count, np.inf)
     jacobian = np.linalg.pinv(inputs, rcond=RANK_TOLERANCE) @ outputs
     values = np.linalg.svd(jacobian, compute_uv=False)[:count]
     return np.asarray(np.where(values > tolerance, values, 0.0))
 
 
-def _notes(closure: Closure, ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
-    notes = []
-    if closure.mechanism.motion != "spatial":
-        notes.append(f"the platform's motion is declared {closure.mechanism.motion}: constraint singularities are not looked for")
-    if generic.inputs < len(closure.mechanism.actuated):
-        notes.append(f"only {generic.inputs} of {len(closure.mechanism.actuated)} actuated joints are independent")
-    if generic.motions > generic.inputs:
-        notes.append(f"freedoms that are not actuated, everywhere: {generic.motions - generic.inputs}")
-    if ranks.motions + ranks.idle != generic.motions + generic.idle:
-        notes.append(f"freedoms of motion here {ranks.motions + ranks.idle}, elsewhere {generic.motions + generic.idle}")
-    return tuple(notes)
-
-
 def _shown(
-    solution: Solution, equations: LimbwiseEquations, kinds: tuple[str, ...], conditions: tuple[str, ...], tolerance: float
+    solution: Solution,
+    equations: LimbwiseEquations,
+    ranks: Ranks,
+    kinds: tuple[str, ...],
+    conditions: tuple[str, ...],
+    tolerance: float,
 ) -> tuple[tuple[NamedScrew, ...], tuple[NamedScrew, ...], tuple[dict[str, float], ...], tuple[NamedScrew, ...]]:
     """The twists, wrenches and joint rates that show the singularity, and a basis of the feasible twists."""
     motions = feasible_motions(equations, tolerance)
@@ -216,6 +234,8 @@ def _shown(
         twists = small_null_space(equations.twist, tolerance) @ equations.motion.T
     elif "constraint" in kinds:
         twists = small_null_space(equations.constraints, tolerance) @ equations.motion.T
+    elif ranks.motions > ranks.inputs:
+        twists = small_null_space(equations.twist, tolerance) @ equations.motion.T
     if "IO" in conditions:
         wrenches = small_null_space(outputs, tolerance) @ equations.motion.T
     if "type 1" in kinds:

@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.view.box import COLOURS, style
-from symkin.view.loci_text import held_text
+from symkin.view.loci_text import held_text, without_curves
 from symkin.view.plot import check_picture_path
 
 if TYPE_CHECKING:
@@ -70,28 +70,27 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
         ends = curve.loose_ends(loci.ranges)
         if len(ends):
             axes.plot(*ends.T, "x", color=KIND_COLOURS[curve.kind], ms=6, mew=1.4, label="tracing ends", zorder=4)
-    _say(axes, loci)
     u, v = (_out(loci, k) for k in range(2))
     if all(low <= value <= high for value, (low, high) in zip((u, v), loci.ranges, strict=True)):
         axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+    if not loci.curves:
+        apart = 0.25 if v > float(np.mean(loci.ranges[1])) else 0.75
+        look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
+        axes.text(0.5, apart, without_curves(loci), ha="center", va="center", **look)
     axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
     names = [f"{name} [{unit}]" for name, unit in zip(loci.plane.names, loci.units, strict=True)]
-    axes.set_xlabel(names[0], color=COLOURS["text"], parse_math=False)
+    axes.set_xlabel(names[0] + _caption(loci), color=COLOURS["text"], parse_math=False)
     axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
     if loci.units[0] == loci.units[1] and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW:
         axes.set_aspect("equal")
     axes.grid(color=COLOURS["grid"], lw=0.6)
 
 
-def _say(axes: Any, loci: Loci) -> None:
-    """In the picture: that there is no locus, or that some may be missing."""
-    from symkin.singularities.loci import MISSING
+def _caption(loci: Loci) -> str:
+    """Below the axes, where no curve is: that some may be missing."""
+    from symkin.singularities.loci import MISSING, NONE_MET
 
-    look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6}
-    if not loci.curves:
-        axes.text(0.5, 0.5, "no locus in this window", ha="center", va="center", fontsize=12, **look)
-    if MISSING in loci.notes:
-        axes.text(0.01, 0.01, "curves may be missing; raise --starts", ha="left", va="bottom", fontsize=7.5, **look)
+    return "\ncurves may be missing; raise --starts" if {MISSING, NONE_MET} & set(loci.notes) else ""
 
 
 def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:

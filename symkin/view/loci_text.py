@@ -25,11 +25,20 @@ def loci_text(loci: Loci) -> str:
     lines = [f"{loci.plane.mechanism.name}: singularity loci over {window}; {held_text(loci)}"]
     lines += [f"{k}: {_curve_text(loci, curve)}" for k, curve in enumerate(loci.curves, start=1)]
     if not loci.curves:
-        lines.append("no locus was met in the window")
+        lines.append(without_curves(loci))
     if any(not curve.in_mode.all() for curve in loci.curves if not curve.is_point):
         lines.append(_THIN)
     lines.append(f"{loci.starts} starts, seed {loci.seed}; a curve that no start reaches is not listed")
     return "\n".join([*lines, *(f"note: {note}" for note in loci.notes)])
+
+
+def without_curves(loci: Loci) -> str:
+    """What loci without a curve mean."""
+    from symkin.singularities.loci import EVERYWHERE
+
+    if any(note.endswith(EVERYWHERE) for note in loci.notes):
+        return "every configuration in this window is singular"
+    return "no locus was met in this window"
 
 
 def held_text(loci: Loci) -> str:
@@ -60,8 +69,8 @@ def _curve_text(loci: Loci, curve: Locus) -> str:
         return f"{head}, {what}, at {_place(curve.points[0])}"
     cusps = "".join(f", cusp at {_place(point)}" for point in curve.cusps)
     ends = "".join(f", its tracing ends inside the window at {_place(point)}" for point in curve.loose_ends(loci.ranges))
-    seeds = f"{curve.hits} seed{'' if curve.hits == 1 else 's'}"
-    return f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by {seeds}{cusps}{ends}"
+    starts = f"{curve.hits} start{'' if curve.hits == 1 else 's'}"
+    return f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by {starts}{cusps}{ends}"
 
 
 def _place(point: object) -> str:

@@ -17,22 +17,37 @@ def singularity_text(found: Singularity) -> str:
     from symkin.singularities.singularity import CONDITIONS, KINDS
 
     mechanism = found.solution.mechanism
-    head = ", ".join(found.kinds) + " singularity" if found.kinds else "regular"
+    head = ", ".join(found.kinds) + " singularity" if found.kinds else "no further singularity" if found.loose else "regular"
     names = f" ({', '.join(CONDITIONS[name] for name in found.conditions)})" if found.conditions else ""
-    lines = [_solution_text(found.solution), f"{head}{names}"]
+    lines = [_solution_text(found.solution), *_loose(found), f"{head}{names}"]
     lines += [f"  {kind}: {KINDS[kind]}" for kind in found.kinds]
-    distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
+    distances = ", ".join(f"{kind} {plain(value):.3g}{_beyond(found, kind)}" for kind, value in found.distances.items())
     lines.append(f"distance (0 singular; rows of unit length, angles times the size {mechanism.size:.6g}): {distances}")
     lines.append(
         f"direct map, joint rates to twist: condition {found.condition:.4g}, manipulability {found.manipulability:.4g}; "
         f"inverse map {found.inverse_manipulability:.4g}"
     )
-    held = "with the actuated joints held" if "type 2" in found.kinds else "with the actuated joints free"
+    free = "constraint" in found.kinds and "type 2" not in found.kinds
+    held = "with the actuated joints free" if free else "with the actuated joints held"
     lines += [f"platform motion {held}: {screw}" for screw in found.twists]
     lines += [f"borne without the actuated joints: {screw}" for screw in found.wrenches]
     lines += [f"joint rates with the platform at rest: {_rates(rates)}" for rates in found.inputs]
-    lines += [f"note: {note}" for note in found.notes]
+    lines += [f"note: {note}" for note in (*found.solution.notes, *found.notes)]
     return "\n".join(lines)
+
+
+def _loose(found: Singularity) -> list[str]:
+    """What the actuated joints never decide."""
+    if not found.loose:
+        return []
+    freedoms = f"{found.loose} freedom{'' if found.loose == 1 else 's'}"
+    return [f"singular everywhere: with all actuated joints held the platform keeps {freedoms} at every configuration"]
+
+
+def _beyond(found: Singularity, kind: str) -> str:
+    """The freedoms that a distance does not count."""
+    count = found.everywhere.get(kind, 0)
+    return f" (from more than the {count} everywhere)" if count else ""
 
 
 def singularity_json(found: Singularity) -> dict[str, Any]:
@@ -46,6 +61,7 @@ def singularity_json(found: Singularity) -> dict[str, Any]:
         "configuration": found.solution.to_json(),
         "kinds": list(found.kinds),
         "conditions": list(found.conditions),
+        "everywhere": found.everywhere,
         "distances": dict(found.distances),
         "condition": _finite(found.condition),
         "manipulability": _finite(found.manipulability),
