@@ -25,7 +25,7 @@ UNITS: dict[str, tuple[str, float]] = {
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-_HEADER = re.compile(r"([A-Za-z_][\w.]*)(?:\[(\w+)\])?")
+_HEADER = re.compile(r"([A-Za-z_][\w.]*)\s*(?:\[(\w+)\])?")
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,16 @@ class Table:
         for name in self.columns:
             if name not in known:
                 raise InputError(f"{self.path}: column {name!r} is unknown; allowed: {', '.join(known)}")
+
+    def copies(self) -> tuple[tuple[int, int], ...]:
+        """Rows (from 0) that repeat an earlier one in every cell, numbers by their values, with that one."""
+        first: dict[tuple[object, ...], int] = {}
+        found = []
+        for k, row in enumerate(zip(*(c.cells for c in self.columns.values()), strict=True)):
+            earlier = first.setdefault(tuple(map(_value, row)), k)
+            if earlier != k:
+                found.append((k, earlier))
+        return tuple(found)
 
     def _column(self, name: str) -> Column:
         if name not in self.columns:
@@ -158,6 +168,15 @@ def replace_text(path: str | Path, text: str) -> None:
     except OSError as error:
         Path(temporary).unlink(missing_ok=True)
         raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
+
+
+def _value(cell: str) -> float | str:
+    """The number in a cell, else its text."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return cell.strip()
+    return value if math.isfinite(value) else cell.strip()
 
 
 def _umask() -> int:

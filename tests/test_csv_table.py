@@ -26,6 +26,20 @@ def test_units_convert(tmp_path):
     assert t.lines == (3, 5)
 
 
+@pytest.mark.parametrize("header", ["leg1 [m],theta [deg]", " leg1[m] , theta  [deg] "])
+def test_a_space_may_stand_before_the_unit(tmp_path, header):
+    """Names and units are those without the space."""
+    read = table(tmp_path, f"{header}\n1,90\n")
+    assert read.numbers("leg1", "length", "mm") == [1000.0]
+    assert read.columns["theta"].unit == "deg"
+
+
+def test_copies_are_rows_with_the_same_values(tmp_path):
+    """A row that repeats an earlier one in every cell, however its numbers are written, is told with that one; others are not."""
+    read = table(tmp_path, "group,leg1[m]\na,1\nb,1\na,1.0\na,1e0\na,1.01\n")
+    assert read.copies() == ((2, 0), (3, 0))
+
+
 @given(st.lists(st.tuples(st.floats(allow_nan=False, allow_infinity=False), st.integers()), max_size=5))
 def test_written_numbers_are_read(tmp_path_factory, rows):
     """Reading what was written gives the same doubles."""

@@ -7,17 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.plausible import FAR, moved_far
 from symkin.calibration.residuals import only_rounding
+from symkin.calibration.statistics import UNLIKELY
 
 if TYPE_CHECKING:
     from symkin.calibration.result import Calibration
 
-_UNLIKELY = 1e-3
-"""Tail probability of chi-square beyond which the stated noise does not explain the residuals."""
 _ILL = 1e6
 """Condition of the identification Jacobian above which digits of the parameters are lost."""
-_FAR = 0.2
-"""A change of a parameter by more than this share of the size is worth a look."""
 _NAMED = 5
 
 
@@ -44,6 +42,10 @@ def _postures(fit: Calibration) -> Iterator[str]:
             f"not used: the direct problem of posture {listed([labels[k] for k in fit.unsolved])} was not solved, neither at "
             "the nominal nor at the identified geometry; check the joint readings or give starts"
         )
+    judged = {o.posture for o in (*fit.outliers, *fit.given_up)}
+    silent = [labels[k] for k in fit.silent if k not in judged]
+    if silent:
+        yield f"not used: posture {listed(silent)} holds no reading beside the joints (a group of two postures or more, or a sensor's)"
     if fit.changed_mode:
         yield f"posture {listed([labels[k] for k in fit.changed_mode])} crossed a singularity and changed its assembly mode"
     groups = fit.measurements.groups
@@ -60,20 +62,22 @@ def _fit(fit: Calibration) -> Iterator[str]:
         yield "there are no degrees of freedom left: the residuals are zero for any noise and nothing is checked; add postures"
     elif fit.p_value is None:
         yield "standard deviations are missing: those of the parameters are scaled by the residuals, and chi-square tests nothing"
-    elif fit.p_value < _UNLIKELY:
+    elif fit.p_value < UNLIKELY:
         ratio = fit.chi_square / fit.degrees
         yield (
             f"not believable with the stated noise: chi-square per degree of freedom is {ratio:.3g}, probability {fit.p_value:.1g}; "
             "the noise is larger than stated or the model lacks something"
         )
-    elif 1.0 - fit.p_value < _UNLIKELY:
-        yield f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}: the stated noise is too large"
-    size = fit.mechanism.size
+    elif 1.0 - fit.p_value < UNLIKELY:
+        yield (
+            f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}: the stated noise is too large, and the "
+            "standard deviations with it"
+        )
     if is_exact(fit):
         yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
-    far = [p.name for p in fit.parameters if not p.held and abs(p.change) > _FAR * (size if p.kind == "length" else 1.0)]
+    far = [p.name for p in moved_far(fit)]
     if far:
-        yield f"{listed(far)} moved by more than {100 * _FAR:.0f} % of the size (angles: {_FAR} rad); check units and nominal values"
+        yield f"{listed(far)} moved by more than {100 * FAR:.0f} % of the size (angles: {FAR} rad); check units and nominal values"
 
 
 def is_exact(fit: Calibration) -> bool:

@@ -29,6 +29,9 @@ __all__ = ["METHODS", "OUTLIER_RULES", "Calibration", "Parameter", "Residual", "
 METHODS = ("nested", "lifted", "ipopt")
 _OTHER = {"nested": "lifted", "lifted": "nested"}
 """The form that is tried where one does not converge: they cross curved valleys in different ways."""
+_LONGER, _NEAR, _SMALL = 5, 3.0, 1e-3
+"""An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many standard
+deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 _GROSS = 0.1
 """Outliers whose statistic is this share of the largest, or more, are taken out together."""
@@ -98,7 +101,13 @@ def _screened(
 def _fit(
     mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int
 ) -> Fitted:
-    """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate."""
+    """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate. Postures without
+    a reading beside the joints take no part."""
+    heard = measurements.read
+    if heard.any() and not heard.all():
+        found = _fit(mechanism, measurements.subset(heard), options, method, limit, seed)
+        numbers = np.flatnonzero(heard)
+        return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~heard))
     problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
     start = parameters_from_poses(problem.model, measurements)
     p = problem.model.nominal if start is None else start
@@ -122,10 +131,19 @@ def _fit(
         if other.status == "ok":
             notes.append(f"the {method} form did not converge ({result.status}); the {_OTHER[method]} form was used")
             result = other
+    if result.status == "max_iterations" and _is_near(part, result):
+        longer = _estimate(part, result.state.z, method, _LONGER * limit, result.state.p)
+        result = replace(longer, iterations=result.iterations + longer.iterations)
     if result.null_space.shape[1]:
         result = least_change(part, result, "nested")
     begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
     return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes))
+
+
+def _is_near(problem: CalibrationProblem, result: Estimate) -> bool:
+    """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
+    scatter = float(np.sqrt(result.state.cost / problem.readings.count))
+    return scatter < (_NEAR if problem.readings.known else _SMALL * problem.model.closure.size)
 
 
 def _estimate(problem: CalibrationProblem, z: np.ndarray, method: str, limit: int, p: np.ndarray | None = None) -> Estimate:

@@ -113,13 +113,16 @@ class ColumnReader:
         return values
 
     def _note_repeats(self, values: np.ndarray) -> None:
+        """Note rows with the joint readings of an earlier one and other cells besides; whole copies are left out (`DataFile`)."""
+        whole = {row for row, _ in self.table.copies()}
         _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
-        repeats = np.flatnonzero(first[inverse.ravel()] != np.arange(len(values)))
-        if repeats.size and len(first) > 1:
+        earlier = first[inverse.ravel()]
+        repeats = [int(k) for k in np.flatnonzero(earlier != np.arange(len(values))) if int(k) not in whole]
+        if repeats and len(first) > 1:
             lines = self.table.lines
             self.notes.append(
-                f"{repeats.size} rows repeat the joint readings of an earlier one exactly (line {lines[repeats[0]]} those of line "
-                f"{lines[first[inverse.ravel()[repeats[0]]]]}, ...): copies are no new measurements, and make sigma too small"
+                f"{len(repeats)} rows repeat the joint readings of an earlier one exactly (line {lines[repeats[0]]} those of line "
+                f"{lines[earlier[repeats[0]]]}, ...): copies are no new measurements, and make sigma too small"
             )
 
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:

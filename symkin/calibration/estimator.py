@@ -18,7 +18,7 @@ from symkin.calibration.ideal import ideal
 from symkin.calibration.model import Evaluation
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Form, Linearised, linearise
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.calibration.steps import admitted, damped_step, design, null_directions
 
 _PREDICTED = 1e-4
 """A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
@@ -31,6 +31,18 @@ _PATIENCE = 4
 valleys are crossed faster so than along their floor."""
 _LONGEST = 0.5
 """A nested step that moves a parameter by more than this (of the size) is damped: no geometry is so far off."""
+_FIRST, _LEAST_DAMPING = 1e-4, 1e-15
+"""Damping after the first undamped step that failed, and that below which there is none: directions that readings hardly tell have
+squared singular values so much smaller than the columns' lengths."""
+_KEPT = 3
+"""Steps during which the damping stays after less of it was refused: trying again costs an evaluation each time."""
+_NEGLIGIBLE, _SLOW = 1e-7, 4
+"""The iteration ends, too, when so many damped steps in a row each lower the cost by less than this share, far below its chance
+fluctuation: a parameter that readings tell to second order only lets the linear model promise more for ever."""
+_PROBE, _ACCELERATED = 0.1, 0.4
+"""Share of a damped step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
+_RESTORED = 2
+"""Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
 _CONSTRAINT = 1e6
 """Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
 
@@ -135,36 +147,66 @@ def _minimise(
 ) -> Estimate:
     size = problem.model.closure.size
     state = evaluate(problem, p, z, form, covariance)
+    if state.leftover is not None:
+        state = settled(problem, p, z, form, covariance)
     null_space = null_directions(ideal_design(problem, state))
-    best, since, damping, last, status = state, 0, 0.0, np.inf, "max_iterations"
-    iteration = 0
-    for iteration in range(1, limit + 1):  # noqa: B007 - the last value is reported
-        step = _step(state, null_space, damping)
+    best, since, patience, damping, last, status = state, 0, _PATIENCE, 0.0, np.inf, "max_iterations"
+    slow, refused, iteration = 0, 0, 0
+    for iteration in range(1, limit + 1):
+        step = damped_step(state, null_space, damping)
         length = float(np.max(np.abs(step), initial=0.0)) / size
         if not np.isfinite(length):
             status = "stalled"
             break
+        if damping > 0.0 and length < _LONGEST:
+            step = _bent(problem, state, step, null_space, damping, form, covariance, nested=method == "nested")
         tail = length < _TAIL and damping == 0.0
         if tail and (length < _SETTLED or length > 0.5 * last):
             status, best = "ok", state
             break
         far = method == "nested" and length > _LONGEST
-        trial = None if far else _moved(problem, state, step, form, covariance, nested=method == "nested")
+        trial = None if far else _moved(problem, state, step, null_space, form, covariance, nested=method == "nested")
         better = trial is not None and (tail or _merit(trial) < _merit(best))
         if trial is not None and not (method == "lifted" or np.array_equal(trial.signs, best.signs)):
             trial = None
-        if trial is not None and (better or method == "lifted" or (damping == 0.0 and since < _PATIENCE)):
+        if trial is not None and (better or method == "lifted" or (damping == 0.0 and since < patience)):
             last = length if damping == 0.0 else np.inf
             since = 0 if better else since + 1
-            state, damping = trial, (0.1 * damping if damping > 1e-6 else 0.0)
+            gained = _merit(best) - _merit(trial)
+            if better:
+                slow = slow + 1 if 0.0 < damping <= _FIRST and gained < _NEGLIGIBLE * _merit(trial) else 0
+                damping = _eased(damping, gained / _predicted(state, step), iteration - refused if refused else None)
+            state = trial
             best = state if better or method == "lifted" else best
+            if slow >= _SLOW:
+                status = "ok"
+                break
         elif method == "lifted" or damping > 1e8 or tail:
             status = "stalled"
             break
         else:
-            state, since, damping = best, _PATIENCE if since else 0, max(10.0 * damping, 1e-4)
+            patience, refused = (0 if since else patience), iteration
+            state, since, damping = best, 0, max(10.0 * damping, _FIRST if damping == 0.0 else 0.0)
     state = best
     return Estimate(settled(problem, state.p, state.z, form, covariance), status, iteration, null_space)
+
+
+def _eased(damping: float, ratio: float, since_refused: int | None) -> float:
+    """The damping after a step that lowered the cost by `ratio` times what the linear model said: not less where less was refused
+    just before, and less by a smaller factor where it was refused at all; 0 when it is next to nothing."""
+    if ratio < 0.25:
+        factor = 2.0
+    elif since_refused is None:
+        factor = 0.01 if ratio > 0.9 else 0.1
+    else:
+        factor = 1.0 if since_refused < _KEPT else 0.1
+    return factor * damping if factor * damping > _LEAST_DAMPING else 0.0
+
+
+def _predicted(state: State, step: np.ndarray) -> float:
+    """By how much the linear model lowers the cost in a step."""
+    after = state.fit.vector + state.fit.matrix @ step
+    return max(state.cost - float(after @ after), 1e-300)
 
 
 def settled(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None) -> State:
@@ -182,9 +224,22 @@ def settled(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: For
 
 
 def _moved(
+    problem: CalibrationProblem, state: State, step: np.ndarray, null_space: np.ndarray, form: Form,
+    covariance: np.ndarray | None, *, nested: bool,
+) -> State | None:  # fmt: skip
+    """The state after a step, postures moved along and rows left over met again; None where a direct problem has no solution."""
+    trial = _stepped(problem, state, step, form, covariance, nested=nested)
+    for _ in range(_RESTORED):
+        if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
+            break
+        trial = _stepped(problem, trial, admitted(trial, null_space)[1], form, covariance, nested=nested)
+    return trial
+
+
+def _stepped(
     problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
 ) -> State | None:
-    """The state after a step, postures moved along; None where a direct problem has no solution there."""
+    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
@@ -207,14 +262,6 @@ def _merit(state: State) -> float:
     return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
 
 
-def design(state: State) -> np.ndarray:
-    """dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
-    if state.leftover is None:
-        return state.fit.matrix
-    rows = state.leftover[1].reshape(-1, state.fit.matrix.shape[1])
-    return np.vstack([constraint_rows(rows, state), state.fit.matrix])
-
-
 def ideal_design(problem: CalibrationProblem, state: State) -> np.ndarray:
     """The design where the readings of each group agree (see `ideal`): its null space is what no reading tells."""
     return design(ideal_state(problem, state))
@@ -225,64 +272,18 @@ def ideal_state(problem: CalibrationProblem, state: State) -> State:
     return evaluate(other, state.p, z, "means")
 
 
-def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
-    """Orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
-    _, singular, right = np.linalg.svd(rows, full_matrices=False)
-    kept = (
-        right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)] if len(singular) and singular[0] > 1e-9 else right[:0]
-    )
-    return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
-
-
-def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Singular values (P,) of a matrix with P columns, its right singular vectors as rows (P, P), and its rank."""
-    if matrix.shape[0] > matrix.shape[1]:
-        matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
-    _, singular, right = np.linalg.svd(matrix, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(matrix.shape[1] - len(singular))])
-    return singular, right, int(np.sum(singular > RANK_TOLERANCE * np.max(singular, initial=1e-300)))
-
-
-def null_directions(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (P, k) along which no residual changes, to first order."""
-    _, right, rank = spectrum(matrix)
-    return right[rank:].T
-
-
-def _step(state: State, null_space: np.ndarray, damping: float) -> np.ndarray:
-    """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null space and the leftover
-    rows met."""
-    matrix, right = state.fit.matrix, -state.fit.vector
-    basis, particular = _admitted(state, null_space)
-    if basis is not None:
-        matrix, right = matrix @ basis, right - matrix @ particular
-    width = matrix.shape[1]
-    triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
-    r, b = triangle[:width, :width], triangle[:width, width]
-    if not np.all(np.isfinite(triangle)):
-        return np.full(state.fit.matrix.shape[1], np.inf)
-    if r.shape[0] < width or np.min(np.abs(np.diag(r)), initial=np.inf) == 0.0:
-        solution = np.linalg.lstsq(r, b, rcond=None)[0]
-    elif damping > 0.0:
-        normal = r.T @ r
-        diagonal = np.diag(normal)
-        solution = np.linalg.solve(normal + damping * np.diag(np.maximum(diagonal, 1e-12 * np.max(diagonal))), r.T @ b)
-    else:
-        solution = np.linalg.solve(r, b)
-    return np.asarray(solution if basis is None else particular + basis @ solution)
-
-
-def _admitted(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Basis of the steps that are allowed and one step that meets the leftover rows: all steps where it is None."""
-    count = state.fit.matrix.shape[1]
-    zero = np.zeros(count)
-    if state.leftover is None and null_space.shape[1] == 0:
-        return None, zero
-    rows, right = null_space.T, np.zeros(null_space.shape[1])
-    if state.leftover is not None:
-        rows = np.vstack([rows, state.leftover[1].reshape(-1, count)])
-        right = np.concatenate([right, -state.leftover[0].reshape(-1)])
-    left, singular, across = np.linalg.svd(rows, full_matrices=True)
-    kept = int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), 1e-9))) if len(singular) else 0
-    particular = across[:kept].T @ ((left[:, :kept].T @ right) / singular[:kept])
-    return across[kept:].T, particular
+def _bent(
+    problem: CalibrationProblem, state: State, step: np.ndarray, null_space: np.ndarray, damping: float, form: Form,
+    covariance: np.ndarray | None, *, nested: bool,
+) -> np.ndarray:  # fmt: skip
+    """A damped step with half of its geodesic acceleration (Transtrum and Sethna 2012), which follows a curved valley: the second
+    derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that is no small correction."""
+    probe = _stepped(problem, state, _PROBE * step, form, covariance, nested=nested)
+    if probe is None:
+        return step
+    curved = 2.0 * ((probe.fit.vector - state.fit.vector) / _PROBE - state.fit.matrix @ step) / _PROBE
+    if not np.all(np.isfinite(curved)):
+        return step
+    half = 0.5 * damped_step(state, null_space, damping, curved)
+    lengths = np.linalg.norm(state.fit.matrix, axis=0)
+    return step + half if np.linalg.norm(lengths * half) < _ACCELERATED * np.linalg.norm(lengths * step) else step

@@ -24,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.calibration.believable import listed
 from symkin.calibration.columns import (
     DISTANCE,
     INCLINATION,
@@ -52,7 +53,8 @@ DistancePoints = tuple[Sequence[float], Sequence[float]]
 class DataFile:
     """What a file holds: measurements in radians and the mechanism's length unit, the line of each posture, the names of
     its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
-    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations."""
+    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations, `euler` the Euler angles
+    of any sequence, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
 
     path: str
     measurements: Measurements
@@ -62,6 +64,31 @@ class DataFile:
     open_euler: np.ndarray | None
     wedges: np.ndarray | None
     notes: tuple[str, ...]
+    euler: np.ndarray | None = None
+    copies: tuple[tuple[int, int], ...] = ()
+
+    def subset(self, rows: np.ndarray) -> DataFile:
+        """Some of the rows, by number from 0."""
+
+        def part(table: np.ndarray | None) -> np.ndarray | None:
+            return None if table is None else table[rows]
+
+        return replace(
+            self, measurements=self.measurements.subset(rows), lines=tuple(self.lines[k] for k in rows),
+            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=(),
+        )  # fmt: skip
+
+    def without_copies(self) -> DataFile:
+        """Without the rows that repeat an earlier one in every cell, and a note that names their lines: a copy is no new measurement,
+        and would make degrees of freedom too many and standard deviations too small."""
+        if not self.copies:
+            return self
+        kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
+        pairs = [f"line {self.lines[row]} of line {self.lines[first]}" for row, first in self.copies]
+        if len(kept) == 1:
+            raise InputError(f"{self.path}: all rows are copies of line {self.lines[0]}; one posture determines no geometry")
+        note = f"left out, copies of earlier rows in every cell: {listed(pairs)}; a copy is no new measurement"
+        return replace(self.subset(kept), notes=(note, *self.notes))
 
     def with_sequence(self, sequence: str) -> Measurements:
         """The measurements with the open Euler angles read in a sequence."""
@@ -102,7 +129,9 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     )
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
-    return DataFile(str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes))
+    return DataFile(
+        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, table.copies()
+    )  # fmt: skip
 
 
 def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:

@@ -11,17 +11,10 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.estimator import (
-    Estimate,
-    State,
-    estimate,
-    ideal_design,
-    joint_covariance,
-    null_directions,
-    settled,
-)
+from symkin.calibration.estimator import Estimate, State, estimate, ideal_design, joint_covariance, settled
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, neighbours, whitening
+from symkin.calibration.steps import null_directions
 
 _OPTIONS = {
     "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",

@@ -102,6 +102,18 @@ class Measurements:
         width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
         return None if value is None else _spread(value, (len(self), width))
 
+    @property
+    def read(self) -> np.ndarray:
+        """Which postures (n,) hold any reading beside the joints; a group of one posture is none."""
+        tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
+        found = np.zeros(len(self), dtype=bool)
+        for table in (*tables, *(d.values[:, None] for d in self.distances)):
+            found |= np.any(np.isfinite(table), axis=1)
+        if self.groups is not None:
+            numbers, counts = np.unique(self.groups[self.groups != NO_GROUP], return_counts=True)
+            found |= np.isin(self.groups, numbers[counts > 1])
+        return found
+
     def subset(self, postures: Sequence[int] | np.ndarray) -> Measurements:
         """The readings of some postures, by number from 0 or by mask."""
         index = np.arange(len(self))[np.asarray(postures)]

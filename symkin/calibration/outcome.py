@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,8 +23,8 @@ from symkin.model.mechanism import Mechanism
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """An estimate over the postures `used`, those `unsolved`, and the sign of det F_z of each used one where the
-    estimation began."""
+    """An estimate over the postures `used`, those `unsolved`, the sign of det F_z of each used one where the estimation
+    began, and postures without a reading, `silent`."""
 
     problem: CalibrationProblem
     result: Estimate
@@ -32,6 +32,7 @@ class Fitted:
     unsolved: np.ndarray
     begin: np.ndarray
     notes: tuple[str, ...] = ()
+    silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
 
 def report(
@@ -57,6 +58,7 @@ def report(
         screening.outliers, screening.unchecked, tuple(found.used.tolist()), tuple(found.unsolved.tolist()),
         tuple(crossed.tolist()), problem.model.poses(state.z, state.p), method, found.result.status,
         found.result.iterations, elapsed, given_up=screening.given_up,
+        silent=tuple(found.silent.tolist()),
     )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *believe(calibration, removed=removed)]

@@ -14,11 +14,11 @@ import numpy as np
 
 from symkin.calibration.closing import Configurations
 from symkin.calibration.exchange import CRITERIA, Candidates, Criterion, Exchange
+from symkin.calibration.problem import default_parameters
 from symkin.calibration.sensitivity import lever, pose_slopes, reading_slopes, without_frames
 from symkin.calibration.simulate import Noise, check_readings, group_numbers, random_postures
 from symkin.calibration.workspace import Workspace
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.position.rank import RANK_TOLERANCE
 
@@ -165,7 +165,7 @@ class _Task:
     ) -> None:  # fmt: skip
         self.workspace, self.readings, self.noise = workspace, tuple(readings), noise
         self.mechanism = workspace.mechanism
-        self.names = tuple(build_closure(self.mechanism).parameter_names if parameters is None else parameters)
+        self.names = default_parameters(self.mechanism) if parameters is None else tuple(parameters)
         tests = workspace.draw(workspace.inclinations(_TESTS, rng), rng, held=False)
         slopes, frames = pose_slopes(self.mechanism, tests, self.names)
         self.length = lever(self.mechanism)

@@ -18,9 +18,11 @@ from symkin.errors import SymkinError
 
 _POSES = 200
 """Poses of the workspace at which standard deviations are computed."""
-_BLIND = 1e-4
-"""A unit direction of parameters moves the pose when the aligned pose slope along it is more than this; slopes of parameters
-that matter are about 1, and null spaces are known to about 1e-6."""
+_OFF = 1e-3
+"""Share of the size by which the nominal geometry may be off along a direction that no reading tells."""
+_BLIND = (1e-4, 1e-2)
+"""Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard deviation:
+slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +55,14 @@ def pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
     names, scales = fit.problem.names, fit.problem.model.scales
     slopes, frames = pose_slopes(identified, made, names)
     slopes = without_frames(slopes, frames, lever(identified))
-    blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > _BLIND)
     scaled = fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
     variance = np.einsum("nkp,pq,nkq->nk", slopes, scaled, slopes)
+    sigma = np.sqrt(np.maximum(variance, 0.0))
+    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / (_OFF * fit.mechanism.size)
+    blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > np.clip(spread, *_BLIND))
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
-    return PoseSigma(made.poses, np.sqrt(np.maximum(variance, 0.0)), blind, where, outside)
+    return PoseSigma(made.poses, sigma, blind, where, outside)
 
 
 def _poses(workspace: Workspace, joints: np.ndarray, seed: int) -> tuple[Configurations, str]:

@@ -65,7 +65,7 @@ def build_calibration(
         if name in bound and name not in fixed:
             raise InputError(
                 f"parameter {name!r} is bound by the platform's {mechanism.motion} motion: moved alone, its limb could not carry "
-                "the platform through that motion; leave it out, or declare the motion spatial"
+                "the platform through that motion; leave it out of the parameters to identify, hold it, or declare the motion spatial"
             )
     for name in fixed:
         if name not in names:

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from symkin.calibration.believable import is_exact
 from symkin.calibration.calibrate import Calibration, Parameter
 from symkin.calibration.prediction import PoseSigma
 from symkin.calibration.residuals import ANGULAR
 from symkin.calibration.sequence import SequenceChoice
+from symkin.calibration.statistics import UNLIKELY
 
 _LARGEST = 6
 """Changes and outliers that the short text shows."""
-_UNLIKELY = 1e-3
-"""Tail probability of chi-square below which the stated noise does not explain the residuals."""
 _BEYOND = 0.2
 """Share of the workspace's poses beyond the measured joint values that is worth a note."""
 _FRAME = "frame"
@@ -37,11 +37,12 @@ class FitReport:
     suspicions: tuple[str, ...]
     notes: tuple[str, ...]
     sigma: PoseSigma
+    refusal: str | None = None
 
     @property
     def usable(self) -> bool:
-        """Converged, and every combination that moves poses was observable."""
-        return self.fit.status == "ok" and not self.sigma.blind and bool(self.fit.used)
+        """Converged, every combination that moves poses was observable, and the readings fit the geometry (no `refusal`)."""
+        return self.fit.status == "ok" and not self.sigma.blind and bool(self.fit.used) and self.refusal is None
 
     @property
     def believable(self) -> bool:
@@ -64,26 +65,47 @@ class FitReport:
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
         if self.sigma.blind:
             return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
+        if self.refusal is not None:
+            return f"NOT USABLE: {self.refusal}{why}"
         return "NOT BELIEVABLE: " + (self.suspicions[0] if self.suspicions else self._doubt())
 
     def _doubt(self) -> str:
         fit = self.fit
         if fit.degrees <= 0:
             return "no degree of freedom is left to check it; add postures"
-        if fit.p_value is not None and fit.p_value <= _UNLIKELY:
+        if fit.p_value is not None and is_exact(fit):
+            return "the residuals are rounding only, far below the stated noise: a plan, or a simulation without noise?"
+        if fit.p_value is not None and fit.p_value >= 1.0 - UNLIKELY:
+            return (
+                f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}; the stated noise is too large, and the "
+                "standard deviations with it"
+            )
+        if fit.p_value is not None and fit.p_value <= UNLIKELY:
             return f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise larger than stated, outliers, or a model that lacks something"
         if fit.given_up:
             return "too many readings do not belong; see the notes"
         if fit.unsolved:
             return f"{len(fit.unsolved)} of {len(fit.measurements)} postures do not close"
         if self.sequence is not None and not self.sequence.clear:
-            return "several Euler sequences fit almost equally"
+            return "these data cannot tell the Euler sequence: several fit almost equally"
+        if not fit.identifiability.is_clear:
+            return "the rank is not clear: something is told by the readings to second order only; hold it, or choose postures that differ more"
         return "see the notes"
 
     @property
     def all_notes(self) -> tuple[str, ...]:
-        sequence = () if self.sequence is None else (str(self.sequence),)
-        return (*sequence, *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
+        return (*self._sequence(), *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
+
+    def _sequence(self) -> tuple[str, ...]:
+        """The Euler sequence that was found; not stated where the readings fit in none."""
+        if self.sequence is None:
+            return ()
+        return (str(self.sequence) if self._fits else self.sequence.none_fits,)
+
+    @property
+    def _fits(self) -> bool:
+        """Whether the readings fit some geometry, all of it observable or not."""
+        return self.fit.status == "ok" and self.refusal is None
 
     def _beyond(self) -> tuple[str, ...]:
         """What is known of poses outside the measured postures, where they are many."""
@@ -151,7 +173,7 @@ class FitReport:
         if self.fit.degrees <= 0 and self.fit.p_value is None:
             return "standard deviation of poses: unknown, no degree of freedom is left"
         stated = ""
-        if self.fit.p_value is not None and self.fit.p_value <= _UNLIKELY:
+        if self.fit.p_value is not None and not UNLIKELY < self.fit.p_value < 1.0 - UNLIKELY:
             times = math.sqrt(self.fit.chi_square / self.fit.degrees)
             stated = f"; with the noise as stated, while the residuals are {times:.3g} times as large"
         return (
@@ -182,9 +204,10 @@ class FitReport:
             "mechanism": m.name, "data": self.data, "command": self.command, "length_unit": m.length_unit, "angle_unit": m.angle_unit,
             "verdict": self.verdict, "believable": self.believable, "usable": self.usable, "status": fit.status,
             "iterations": fit.iterations, "method": fit.method, "postures": len(fit.measurements), "used": len(fit.used),
-            "unsolved": [labels[k] for k in fit.unsolved], "changed_mode": [labels[k] for k in fit.changed_mode],
+            "unsolved": [labels[k] for k in fit.unsolved], "silent": [labels[k] for k in fit.silent],
+            "changed_mode": [labels[k] for k in fit.changed_mode],
             "chi_square": _finite(fit.chi_square), "degrees": fit.degrees, "p_value": _finite(fit.p_value),
-            "euler_sequence": None if self.sequence is None else {
+            "euler_sequence": None if self.sequence is None or not self._fits else {
                 "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
                 "runner_up": self.sequence.runner_up, "runner_up_chi_square": _finite(self.sequence.runner_up_chi_square),
                 "clear": self.sequence.clear,

@@ -14,6 +14,7 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.outliers import Outlier
 from symkin.calibration.parameters import ParameterKind
 from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.statistics import UNLIKELY
 from symkin.model.mechanism import Mechanism
 
 
@@ -54,7 +55,8 @@ class Calibration:
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
     `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are postures whose
     direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped in silence.
-    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out.
+    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out, `silent` postures
+    without any reading beside the joints, which are not used.
     """
 
     mechanism: Mechanism
@@ -80,6 +82,7 @@ class Calibration:
     elapsed_s: float
     notes: tuple[str, ...] = field(default=())
     given_up: tuple[Outlier, ...] = ()
+    silent: tuple[int, ...] = ()
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -97,9 +100,9 @@ class Calibration:
 
     @property
     def believable(self) -> bool:
-        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains, but for
-        some outliers."""
-        fits = self.p_value is None or self.p_value > 1e-3
+        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains (neither larger
+        nor smaller than it lets expect), but for some outliers."""
+        fits = self.p_value is None or UNLIKELY < self.p_value < 1.0 - UNLIKELY
         whole = not self.unsolved and not self.given_up
         return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
 

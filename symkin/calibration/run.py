@@ -9,17 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from symkin.calibration.believable import listed
 from symkin.calibration.calibrate import Calibration, calibrate
 from symkin.calibration.closing import started
 from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.group_slips import wrong_groups
 from symkin.calibration.measurements import Distance, Measurements
-from symkin.calibration.parameters import parameter_names
+from symkin.calibration.parameters import bound_by_motion, parameter_names
+from symkin.calibration.plausible import is_beyond, refusal
 from symkin.calibration.prediction import pose_sigma
+from symkin.calibration.problem import default_parameters
 from symkin.calibration.report import FitReport
-from symkin.calibration.sequence import find_sequence
-from symkin.calibration.suspicions import suspicions
+from symkin.calibration.sequence import described, find_sequence
+from symkin.calibration.suspicions import misfit, suspicions
 from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
@@ -48,25 +51,45 @@ def fit_file(
     `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
-    names = tuple(build_closure(mechanism).parameter_names) if parameters is None else matching(mechanism, parameters)
-    held = dict.fromkeys((*(() if hold is None else matching(mechanism, hold)), *frame_names(mechanism, frames)))
+    names = default_parameters(mechanism) if parameters is None else matching(mechanism, parameters)
+    held = dict.fromkeys((*(() if hold is None else _matched(mechanism, hold)), *frame_names(mechanism, frames)))
     fixed = tuple(name for name in held if name in names)
+    data = replace(data, notes=(*data.notes, *_left_out(mechanism, parameters or EVERYTHING, names))).without_copies()
     data = replace(data, measurements=started(mechanism, with_sigmas(data, sigmas or {})))
     options = {**options, "parameters": names, "fixed": fixed}
     choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
     fit = _fitted(mechanism, data, measurements, seed, options)
     slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements)
-    if not slips and (fit.status != "ok" or fit.given_up):
+    if not slips and not fit.believable:
         slips = wrong_groups(mechanism, measurements)
-    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed))
+        if not slips and (fit.status != "ok" or is_beyond(fit)):
+            slips = _wrong_sequence(mechanism, data, options)
+    refused = None if fit.believable else refusal(fit, misfit(mechanism, measurements), slips)
+    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), refused)
+
+
+def _wrong_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
+    """Whether the Euler angles fit another sequence than the one that the header names; a sentence or none."""
+    if data.sequence is None or data.euler is None:
+        return ()
+    try:
+        choice = find_sequence(mechanism, replace(data, open_euler=data.euler), **options)
+    except InputError:
+        return ()
+    if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
+        return ()
+    return (
+        f"the Euler angles look to be of another sequence than {data.sequence}, which the header names: {described(choice.sequence)} fits, with "
+        f"chi-square {choice.chi_square:.4g} at {choice.best.degrees} degrees of freedom",
+    )
 
 
 def _fitted(mechanism: Mechanism, data: DataFile, measurements: Measurements, seed: int, options: dict[str, Any]) -> Calibration:
     try:
         return calibrate(mechanism, measurements, seed=seed, **options)
     except InputError as error:
-        slips = suspicions(mechanism, measurements)
+        slips = suspicions(mechanism, measurements) or _wrong_sequence(mechanism, data, options)
         if not slips:
             raise InputError(f"{data.path}: {error}") from None
         raise NotFittedError(f"{data.path}: {error}", slips) from None
@@ -93,7 +116,13 @@ def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
 
 def matching(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
     """Parameter names that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every parameter
-    of the closure. Raises InputError for a pattern that matches nothing."""
+    of the closure. What a declared motion binds is only matched by its whole name. Raises InputError for a pattern that matches
+    nothing."""
+    bound = bound_by_motion(mechanism) - {part.strip() for part in patterns.split(",")}
+    return tuple(name for name in _matched(mechanism, patterns) if name not in bound)
+
+
+def _matched(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
     known, own = parameter_names(mechanism), set(build_closure(mechanism).parameter_names)
     wanted: set[str] = set()
     for pattern in (part.strip() for part in patterns.split(",")):
@@ -105,6 +134,17 @@ def matching(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
             )
         wanted |= found
     return tuple(name for name in known if name in wanted)
+
+
+def _left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) -> tuple[str, ...]:
+    """A note on what the patterns match and the declared motion binds."""
+    missing = [name for name in _matched(mechanism, patterns) if name not in names]
+    if not missing:
+        return ()
+    return (
+        f"not identified, bound by the {mechanism.motion} motion of the platform: {listed(missing)}; to identify them, declare the "
+        "motion spatial",
+    )
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -19,7 +19,11 @@ from symkin.calibration.estimator import estimate
 from symkin.calibration.files import DataFile, euler_quaternions
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.plausible import BEYOND
 from symkin.calibration.problem import CalibrationProblem, build_calibration
+from symkin.calibration.residuals import ANGULAR
+from symkin.calibration.statistics import UNLIKELY, chi_square_tail, f_tail
+from symkin.calibration.steps import design, spectrum
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
@@ -28,34 +32,84 @@ _ROWS = 60
 _FITTED = 4
 """Sequences, the best by their residuals before the fit, that are fitted."""
 _CLEAR = 4.0
-"""The runner-up's chi-square must be this many times the best one's for the choice to be clear."""
+"""The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
+_UNCLOSED = 0.1
+"""A posture that does not close counts as one whose readings are off by this share of the size (angles: radians), and no posture
+counts as more: the sequence that explains most of the postures is wanted, and not the one that leaves out what it does not."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A trial fit: chi-square over all postures, those that do not close counted as `_UNCLOSED` says, its degrees of freedom, and
+    whether standard deviations are known."""
+
+    chi_square: float
+    degrees: int
+    known: bool
+
+    @property
+    def score(self) -> float:
+        """Chi-square per degree of freedom."""
+        return self.chi_square / self.degrees
+
+    def better_than(self, other: Trial) -> bool:
+        """Whether the data tell the two apart: far more than noise can make of equal fits, and the other is worse than noise."""
+        ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
+        if self.known:
+            return ratio > _CLEAR and chi_square_tail(other.chi_square, other.degrees) < UNLIKELY
+        return ratio > _CLEAR and f_tail(ratio, other.degrees, self.degrees) < UNLIKELY
 
 
 @dataclass(frozen=True)
 class SequenceChoice:
-    """The sequence that fits and those that read the same from these data; chi-square of the trial fits of it and of the
-    runner-up (None where no other could be fitted), over the same `postures`."""
+    """The sequence that fits and those that read the same from these data; the trial fits of it and of the runner-up (None where
+    no other could be fitted), over the same `postures`."""
 
     sequence: str
     same: tuple[str, ...]
-    chi_square: float
+    best: Trial
     runner_up: str | None
-    runner_up_chi_square: float | None
+    second: Trial | None
     postures: int
 
     @property
+    def chi_square(self) -> float:
+        return self.best.chi_square
+
+    @property
+    def runner_up_chi_square(self) -> float | None:
+        return None if self.second is None else self.second.chi_square
+
+    @property
     def clear(self) -> bool:
-        return self.runner_up_chi_square is None or self.runner_up_chi_square > _CLEAR * self.chi_square
+        return self.second is None or self.best.better_than(self.second)
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether even the best leaves residuals beyond any noise."""
+        return self.best.known and self.best.score > BEYOND**2
+
+    @property
+    def none_fits(self) -> str:
+        """What is said where the fit in this sequence is not to be used."""
+        return (
+            f"no Euler sequence led to a fit that can be used; the nearest was {described(self.sequence)}, chi-square per degree of "
+            f"freedom {self.best.score:.3g}"
+        )
 
     def __str__(self) -> str:
         also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
         other = "no other sequence could be fitted"
-        if self.runner_up is not None:
-            other = f"the next best, {self.runner_up}, has {self.runner_up_chi_square:.4g}"
-        doubt = "" if self.clear else "; the choice is not clear: name the sequence in the header, or take larger angles"
+        if self.second is not None:
+            other = f"the next best, {self.runner_up}, has {self.second.chi_square:.4g} with {self.second.degrees}"
+        doubt = (
+            ""
+            if self.clear
+            else "; these data cannot tell the sequence: name it in the header, or take more postures and larger angles"
+        )
         return (
-            f"the angles fit the Euler sequence {described(self.sequence)}{also}: chi-square {self.chi_square:.4g} over "
-            f"{self.postures} postures, {other}{doubt}"
+            f"the angles fit the Euler sequence {described(self.sequence)}{also}: chi-square {self.chi_square:.4g} with "
+            f"{self.best.degrees} degrees of freedom over {self.postures} postures, {other}{doubt}"
         )
 
 
@@ -79,14 +133,25 @@ def find_sequence(
     trials = {family[0]: data.with_sequence(family[0]).subset(rows) for family in families}
     starts = {s: _start(mechanism, trials[s], options) for s in trials}
     ranked = sorted((s for s in trials if starts[s].solved.any()), key=lambda s: starts[s].misfit)
-    fitted: dict[str, float] = {}
-    for done, sequence in enumerate(ranked[:_FITTED]):
-        if progress is not None:
-            progress(done, _FITTED)
-        fitted[sequence] = starts[sequence].fitted(mechanism, options)
-    if not fitted:
+    if not ranked:
         raise InputError(f"{data.path}: no Euler sequence leads to a fit; check units and the order of the columns")
-    best, *others = sorted(fitted, key=lambda s: fitted[s])
+    fitted: dict[str, Trial] = {}
+    untold = False
+    for sequence in ranked:
+        if progress is not None:
+            progress(len(fitted), _FITTED)
+        trial = starts[sequence].fitted(mechanism, options)
+        if trial is not None:
+            fitted[sequence] = trial
+        untold |= trial is None and bool(starts[sequence].solved.all())
+        if len(fitted) == _FITTED:
+            break
+    if untold or not fitted:
+        raise InputError(
+            f"{data.path}: {len(data.measurements)} postures have no more readings than there are parameters, so that every Euler "
+            "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold parameters, or add postures"
+        )
+    best, *others = sorted(fitted, key=lambda s: fitted[s].score)
     same = next(family for family in families if family[0] == best)[1:]
     second = others[0] if others else None
     return SequenceChoice(best, same, fitted[best], second, None if second is None else fitted[second], len(rows))
@@ -118,11 +183,25 @@ class _Start:
     solved: np.ndarray
     misfit: float
 
-    def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> float:
-        """Chi-square of a fit over the postures that close, as much larger as postures are missing."""
+    def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> Trial | None:
+        """A fit over the postures that close, the others counted as misfit; None where all readings leave no degree of freedom."""
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
-        vector = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state.fit.vector
-        return float(vector @ vector) * len(self.solved) / int(self.solved.sum())
+        state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
+        if not np.all(np.isfinite(state.fit.vector)):
+            return None
+        rank, whole = spectrum(design(state))[2], _problem(mechanism, self.measurements, options)
+        if whole.readings.count <= rank:
+            return None
+        most = _most(whole)
+        squares = np.minimum(np.sum(state.fit.residuals**2, axis=1), most[self.solved])
+        chi_square = float(np.sum(squares) + np.sum(most[~self.solved]))
+        return Trial(chi_square, whole.readings.count - rank, whole.readings.known)
+
+
+def _most(problem: CalibrationProblem) -> np.ndarray:
+    """What each posture counts at most (n,): its readings off by `_UNCLOSED` of the size, over their standard deviations."""
+    weights = [1.0 if kind in ANGULAR else problem.model.closure.size for kind, _ in problem.model.columns]
+    return np.asarray(np.sum((_UNCLOSED * problem.readings.weight * np.array(weights)) ** 2, axis=1))
 
 
 def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> CalibrationProblem:
@@ -138,6 +217,6 @@ def _start(mechanism: Mechanism, measurements: Measurements, options: dict[str, 
     with np.errstate(all="ignore"):
         z, solved = newton_postures(model, start_points(model, measurements), measurements.joints, p)
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
-    weight = np.array([1.0 if kind in ("position", "distance") else model.closure.size for kind, _ in model.columns])
+    weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)
     return _Start(measurements, p, z, solved, float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)))

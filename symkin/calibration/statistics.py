@@ -10,6 +10,9 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import neighbours
 from symkin.position.rank import RANK_TOLERANCE
 
+UNLIKELY = 1e-3
+"""Tail probability on either side of chi-square beyond which the stated noise does not explain the residuals."""
+
 
 def chi_square_tail(value: float, degrees: int) -> float:
     """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""

@@ -7,14 +7,16 @@ nominal geometry. A slip is named when the readings then agree with it many time
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 
+from symkin.calibration.closing import started
 from symkin.calibration.direct import newton_postures, start_points
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.plausible import better_part
 from symkin.calibration.problem import build_calibration
 from symkin.calibration.residuals import linearise
 from symkin.errors import SymkinError
@@ -25,6 +27,8 @@ _ROWS = 40
 """Postures that are looked at, spread evenly over the file."""
 _BETTER = 3.0
 """A slip is worth a sentence when it makes the misfit smaller by this factor."""
+_STILL = 1e-4
+"""Joints that spread by less than this share of the size (angles: radians), and of ten times their value, are at rest."""
 _OTHERS, _DECADES = 3, 2.0
 """Joints of a kind from which one can be told from the others, and decades by which another unit must bring it nearer to them."""
 _LENGTHS = {1000.0: "a factor of 1000 too small (m taken for mm?)", 0.001: "a factor of 1000 too large (mm taken for m?)"}
@@ -41,16 +45,45 @@ def suspicions(mechanism: Mechanism, measurements: Measurements) -> tuple[str, .
     if groups is not None and len(measurements) > _ROWS:
         rows = np.flatnonzero(np.isin(groups, np.unique(groups[rows])))[: 4 * _ROWS]
     bare = _bare(measurements.subset(rows))
+    if len(rows) > 1 and _never_moves(mechanism, bare):
+        return (_never_moved(mechanism, bare),)
     found = [*_units(mechanism, bare)] or [*_one_unit(mechanism, bare)]
     if not found:
-        as_read, unit = misfit(mechanism, bare), mechanism.length_unit
-        slips = sorted((misfit(mechanism, changed), text) for text, changed in _slips(mechanism, bare))
-        found = [
-            f"{text}: the misfit at the nominal geometry would fall from {as_read:.3g} to {value:.3g} {unit} (angles times the size)"
-            for value, text in slips
-            if value * _BETTER < as_read
-        ]
+        found = [*_better(mechanism, bare, _slips(mechanism, bare))]
+        if bare.position is not None:
+            alone = started(mechanism, replace(bare, orientation=None))
+            found += _better(mechanism, alone, _position_slips(alone, bare.position))
     return tuple(found[:3])
+
+
+def _never_moves(mechanism: Mechanism, m: Measurements) -> bool:
+    """Whether every joint stays where it is but for noise: its spread is nothing beside the size and, of a length, which may be
+    in another unit, beside its value."""
+    mean = np.abs(np.mean(m.joints, axis=0))
+    most = [1.0 if c.is_angular else min(mechanism.size, 10.0 * mean[k]) for k, c in enumerate(mechanism.actuated)]
+    return bool(np.all(np.std(m.joints, axis=0) <= _STILL * np.array(most)))
+
+
+def _never_moved(mechanism: Mechanism, m: Measurements) -> str:
+    spread = []
+    for angular, unit, out in ((False, mechanism.length_unit, float), (True, mechanism.angle_unit, mechanism.angle_out)):
+        columns = [k for k, c in enumerate(mechanism.actuated) if c.is_angular == angular]
+        if columns:
+            spread.append(f"{out(float(np.max(np.std(m.joints[:, columns], axis=0)))):.2g} {unit}")
+    return (
+        f"the posture never changes: the joint readings spread by {' and '.join(spread)} only; one posture determines no geometry, "
+        "measure many that differ"
+    )
+
+
+def _better(mechanism: Mechanism, m: Measurements, slips: Iterable[tuple[str, Measurements]]) -> list[str]:
+    """Sentences for the slips that would make the misfit much smaller, best first."""
+    as_read, unit = misfit(mechanism, m), mechanism.length_unit
+    return [
+        f"{text}: the misfit at the nominal geometry would fall from {as_read:.3g} to {value:.3g} {unit} (angles times the size)"
+        for value, text in sorted((misfit(mechanism, changed), text) for text, changed in slips)
+        if value * _BETTER < as_read
+    ]
 
 
 def _units(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
@@ -107,8 +140,7 @@ def misfit(mechanism: Mechanism, measurements: Measurements) -> float:
         squares = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
     size = model.closure.size
     squares = np.where(solved, squares, problem.readings.values.shape[1] * size**2)
-    better = np.sort(squares)[: max(1, math.ceil(0.8 * len(squares)))]
-    return float(np.sqrt(np.mean(better)))
+    return better_part(squares)
 
 
 def _bare(m: Measurements) -> Measurements:
@@ -133,11 +165,32 @@ def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measure
     if m.position is not None:
         for factor, text in _LENGTHS.items():
             yield f"the positions look {text}", replace(m, position=m.position * factor)
+    if m.orientation is not None:
+        inverse = m.orientation * (1.0, -1.0, -1.0, -1.0)
+        yield "the orientations look inverted (base seen from the platform)", replace(m, orientation=inverse)
+        yield "qw looks to stand last, not first", replace(m, orientation=np.roll(m.orientation, 1, axis=1))
     if m.distances:
         for factor, text in _LENGTHS.items():
             yield f"the distances look {text}", replace(m, distances=[replace(d, values=factor * d.values) for d in m.distances])
     if m.inclination is not None:
         yield "the columns alpha and beta look exchanged", replace(m, inclination=m.inclination[:, ::-1])
+
+
+def _position_slips(m: Measurements, position: np.ndarray) -> Iterator[tuple[str, Measurements]]:
+    """Columns x, y, z in another order, or one of them with its sign turned; judged without orientations, which may be read in the
+    wrong sequence besides."""
+    read = [k for k in range(3) if np.any(np.isfinite(position[:, k]))]
+    for order in permutations(read):
+        moved = [k for k, other in zip(read, order, strict=True) if k != other]
+        changed = np.array(position)
+        changed[:, read] = position[:, order]
+        names, others = (", ".join("xyz"[k] for k in columns) for columns in (read, order))
+        if len(moved) == 2:
+            yield f"the columns {'xyz'[moved[0]]} and {'xyz'[moved[1]]} look exchanged", replace(m, position=changed)
+        elif moved:
+            yield f"the columns {names} look exchanged: {names} seem to stand in {others}", replace(m, position=changed)
+    for k in read:
+        yield f"the sign of {'xyz'[k]} looks reversed", replace(m, position=position * np.where(np.arange(3) == k, -1.0, 1.0))
 
 
 def _possible(actuated: tuple[Coordinate, ...], joints: np.ndarray) -> bool:

@@ -99,12 +99,14 @@ def fit(
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)
         print(f"{mechanism.name}: {error}")
+        _note_earlier(output, mechanism)
         raise typer.Exit(3) from None
     written = write_fit(report, output)
     print(report.summary())
     print("written: " + ", ".join(str(path) for path in written))
     if not report.usable:
         print(f"no mechanism file was written: {report.verdict}")
+        _note_earlier(output, mechanism)
     raise typer.Exit(0 if report.usable else 3)
 
 
@@ -246,6 +248,13 @@ def _noise(
         1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
         noise_quantity(orientation, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
     )  # fmt: skip
+
+
+def _note_earlier(output: Path, mechanism: Mechanism) -> None:
+    """Say which files of the folder an earlier, usable fit has left: they are kept and are not of this fit."""
+    for left in (output / f"{mechanism.name}.toml", output / "pose_sigma.png"):
+        if left.exists():
+            print(f"note: {left} is of an earlier fit, not of this one")
 
 
 def _split(readings: str) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from symkin.view.box import COLOURS, style
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from symkin.calibration.calibrate import Calibration
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 _DPI = 130
 _MOST_BARS = 60
 """Parameters that one picture shows, those that changed most."""
+_SEEN, _HIGH = 40.0, 2.0
+"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn; above so many times the highest bar
+it is cut off."""
 _KINDS = {"group": "#2f7fc1", "inclination": "#e8743b", "position": "#3a9d5d", "orientation": "#8c5fbf", "distance": "#b5892b"}
 _AXES_OF = {
     "group": "inclination in its group", "inclination": "inclination", "position": "position", "orientation": "orientation",
@@ -54,20 +58,31 @@ def residual_figure(fit: Calibration) -> Figure:
     title = "Residuals" + (f"; {len(flagged)} outliers left out (lines)" if flagged else "")
     left.set_title(title, loc="left")
     if len(values):
-        right.hist(
-            values,
-            bins=min(40, max(8, len(values) // 8)),
-            range=(-reach, reach),
-            density=True,
-            orientation="horizontal",
-            color="#9cc3e4",
-        )
-        t = np.linspace(-reach, reach, 200)
-        right.plot(np.exp(-0.5 * t * t) / np.sqrt(2 * np.pi), t, color=COLOURS["text"], lw=1.2, label="normal")
-        left.legend(loc="upper right", frameon=False, ncols=3)
-        right.legend(loc="upper right", frameon=False)
-    right.set(ylim=(-reach, reach), xlabel="density")
+        left.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=3, borderaxespad=0.2)
+    _distribution(right, values, reach)
     return figure
+
+
+def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
+    """Readings by the size of their residual, and how many the normal distribution has there: N w exp(-t^2 / 2) / sqrt(2 pi) for N
+    readings and bins of width w, or a band over its three standard deviations where it is too narrow to be drawn."""
+    from matplotlib.ticker import MaxNLocator
+
+    if len(values):
+        counts, edges = np.histogram(values, bins=min(40, max(8, len(values) // 8)), range=(-reach, reach))
+        width = float(edges[1] - edges[0])
+        axes.barh(edges[:-1], counts, height=width, align="edge", color="#9cc3e4", label="residuals")
+        t = np.linspace(-reach, reach, 400)
+        normal = len(values) * width * np.exp(-0.5 * t * t) / np.sqrt(2 * np.pi)
+        if reach < _SEEN:
+            axes.set_xlim(right=1.05 * min(max(counts.max(), normal.max()), _HIGH * counts.max()))
+            axes.plot(normal, t, color=COLOURS["text"], lw=1.2, label="normal")
+        else:
+            axes.axhspan(-3.0, 3.0, color=COLOURS["text"], lw=1.5, label="normal, three sigma")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2, borderaxespad=0.2, handlelength=1.2)
+    axes.set(ylim=(-reach, reach), xlabel="number of readings")
+    axes.set_xlim(left=0)
+    axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
 
 
 def parameter_figure(fit: Calibration) -> Figure:

@@ -1,0 +1,92 @@
+"""Is a converged fit a calibration at all, or a geometry bent until wrong readings fit as well as they can?
+
+Noise that is stated too small or a model that lacks something leaves residuals some times as large as expected; such a fit is
+not believable, and yet nearer to the truth than nominal. Readings that mean something else (columns exchanged, a sign, another
+sequence) leave residuals far beyond any noise, and move the geometry by a large share of its size to reach even these.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.calibration.residuals import ANGULAR
+
+if TYPE_CHECKING:
+    from symkin.calibration.result import Calibration, Parameter, Residual
+
+FAR = 0.2
+"""A change of a parameter by more than this share of the size (angles: radians) is no correction of a nominal geometry."""
+BEYOND = 30.0
+"""Residuals so many times as large as the noise stated come from no noise: an instrument's is known better than to a decade."""
+_COARSE = 1e-3
+"""Where no noise is stated, residuals above this share of the size are coarser than any instrument that calibrates."""
+_NO_BETTER = 0.5
+"""Residuals above this share of the nominal geometry's say that the parameters do not explain the readings."""
+_BETTER_PART = 0.8
+"""Share of the postures, those that fit better, by which fits are compared: single bad rows do not count."""
+
+
+def refusal(fit: Calibration, at_nominal: float, suspicions: Sequence[str]) -> str | None:
+    """Why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the nominal
+    geometry (see `residual_misfit`)."""
+    beyond = _beyond(fit)
+    if beyond is None:
+        return None
+    moved = moved_far(fit)
+    if moved:
+        largest = max(moved, key=lambda p: _share(fit, p))
+        how = "of the size" if largest.kind == "length" else "of a radian" if largest.kind == "angle" else "of one"
+        return (
+            f"{beyond}, although {largest.name} moved by {100 * _share(fit, largest):.0f} % {how}: no geometry near the nominal one fits "
+            "these readings"
+        )
+    misfit = residual_misfit(fit.residuals, fit.mechanism.size)
+    if misfit > _NO_BETTER * at_nominal:
+        unit = fit.mechanism.length_unit
+        return (
+            f"{beyond}, hardly less than those of the nominal geometry ({misfit:.3g} {unit} after {at_nominal:.3g} {unit}, angles times "
+            "the size): the parameters do not explain the readings"
+        )
+    return beyond if suspicions else None
+
+
+def is_beyond(fit: Calibration) -> bool:
+    """Whether residuals are larger than any noise would make them."""
+    return _beyond(fit) is not None
+
+
+def moved_far(fit: Calibration) -> list[Parameter]:
+    """Free parameters that moved by more than `FAR`."""
+    return [p for p in fit.parameters if not p.held and _share(fit, p) > FAR]
+
+
+def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
+    """Root mean square of a posture's residuals, angles times the size (length unit), over the better four fifths."""
+    squares: dict[int, float] = {}
+    for r in residuals:
+        squares[r.posture] = squares.get(r.posture, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
+    return better_part(np.array(list(squares.values())))
+
+
+def better_part(squares: np.ndarray) -> float:
+    """Root of the mean of the smaller four fifths of some squares (n,)."""
+    kept = np.sort(squares)[: max(1, math.ceil(_BETTER_PART * len(squares)))]
+    return float(np.sqrt(np.mean(kept))) if len(kept) else 0.0
+
+
+def _beyond(fit: Calibration) -> str | None:
+    """The sentence that says how far residuals are beyond noise, None where they are not."""
+    if fit.p_value is not None and fit.degrees > 0:
+        times = math.sqrt(fit.chi_square / fit.degrees)
+        return f"the residuals are {times:.3g} times as large as the noise stated" if times > BEYOND else None
+    share = residual_misfit(fit.residuals, fit.mechanism.size) / fit.mechanism.size
+    return f"the residuals are {100 * share:.2g} % of the size" if share > _COARSE else None
+
+
+def _share(fit: Calibration, p: Parameter) -> float:
+    """The change of a parameter over the size (lengths), in radians or plain."""
+    return abs(p.change) / (fit.mechanism.size if p.kind == "length" else 1.0)
