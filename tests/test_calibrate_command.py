@@ -284,3 +284,16 @@ def test_other_content_of_the_folder_stays(capsys, tmp_path, data):
     assert (tmp_path / "notes.txt").read_text() == "mine"
     assert {p.name for p in tmp_path.iterdir()} >= FILES
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+def test_outputs_do_not_replace_what_is_read(capsys, tmp_path, data):
+    """`simulate -o` with the plan's name, and `plan -o` with the mechanism's: refused, both files stay."""
+    plan, mechanism = tmp_path / "plan.csv", tmp_path / "m.toml"
+    plan.write_text(data.read_text())
+    mechanism.write_text(symkin.load("ren2008").to_toml())
+    before = plan.read_text(), mechanism.read_text()
+    for arguments in (["simulate", "ren2008", "--plan", plan, "-o", plan], ["plan", mechanism, "-o", mechanism]):
+        status, out, err = run(capsys, "calibrate", *arguments)
+        assert (status, out) == (2, "")
+        assert "is read by this command" in err
+    assert (plan.read_text(), mechanism.read_text()) == before

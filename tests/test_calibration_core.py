@@ -21,7 +21,6 @@ from symkin import InputError
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import evaluate
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.mapped import build_mapped
 from symkin.calibration.measurements import Distance, Measurements
@@ -29,6 +28,7 @@ from symkin.calibration.model import build_model
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import build_calibration, default_parameters
 from symkin.calibration.residuals import FORMS
+from symkin.calibration.state import evaluate
 from symkin.model.closure import build_closure
 from symkin.model.file import parse
 
@@ -83,8 +83,9 @@ def test_methods_agree(form):
 
 def test_ipopt_alone_reaches_the_minimum():
     """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved the same program."""
-    from symkin.calibration.estimator import estimate, settled
+    from symkin.calibration.estimator import estimate
     from symkin.calibration.lifted import build_program
+    from symkin.calibration.state import settled
 
     rng = np.random.default_rng(5)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)

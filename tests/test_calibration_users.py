@@ -14,12 +14,13 @@ from inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import estimate, evaluate_readings, slopes
+from symkin.calibration.estimator import estimate
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.linear import LinearModel, admissible, linear_model
 from symkin.calibration.problem import build_calibration
 from symkin.calibration.residuals import deviations, group_basis, linearise
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
+from symkin.calibration.state import evaluate_readings, slopes
 from symkin.calibration.workspace import Workspace
 from symkin.cli import main
 

@@ -17,13 +17,13 @@ from inclinometer import (
 from samples import five_bar
 from symkin import InputError
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import evaluate
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.identifiability import identifiability
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.motions import named_motions
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import build_calibration, default_parameters
+from symkin.calibration.state import evaluate
 from symkin.model.closure import build_closure
 from symkin.position.problem import build_problem
 

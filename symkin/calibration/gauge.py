@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.calibration.estimator import Estimate, estimate, ideal_design
+from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.state import ideal_design
 from symkin.calibration.steps import null_directions
 from symkin.errors import InputError
 from symkin.model.limb import RodLimb

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import State, estimate, ideal_state
+from symkin.calibration.estimator import estimate
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.motions import named_motions
 from symkin.calibration.problem import CalibrationProblem, build_calibration
+from symkin.calibration.state import State, ideal_state
 from symkin.calibration.steps import design, spectrum
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism

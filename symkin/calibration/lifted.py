@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.estimator import Estimate, State, estimate, ideal_design, joint_covariance, settled
+from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, neighbours, whitening
+from symkin.calibration.state import State, ideal_design, joint_covariance, settled
 from symkin.calibration.steps import null_directions
 
 _OPTIONS = {

@@ -14,9 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
-from symkin.calibration.estimator import State, evaluate_readings, ideal_design, joint_covariance, slopes
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
+from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance, slopes
 from symkin.calibration.steps import null_directions
 from symkin.position.rank import RANK_TOLERANCE
 

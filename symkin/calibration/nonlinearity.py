@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.calibration.estimator import State, evaluate, joint_covariance, settled
 from symkin.calibration.linear import admissible
 from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.state import State, evaluate, joint_covariance, settled
 
 CURVED = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""

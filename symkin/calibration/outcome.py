@@ -8,7 +8,7 @@ import numpy as np
 
 from symkin.calibration.believable import believe, is_exact, listed
 from symkin.calibration.corrected import is_writable
-from symkin.calibration.estimator import Estimate, State, evaluate
+from symkin.calibration.estimator import Estimate
 from symkin.calibration.identifiability import judge
 from symkin.calibration.linear import LinearModel, linear_model
 from symkin.calibration.measurements import Measurements
@@ -17,6 +17,7 @@ from symkin.calibration.outliers import Screening
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.result import Calibration, Parameter, Residual
+from symkin.calibration.state import State, evaluate
 from symkin.calibration.statistics import chi_square_tail, covariance
 from symkin.model.mechanism import Mechanism
 

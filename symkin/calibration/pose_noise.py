@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import slopes
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import build_model
 from symkin.calibration.result import Calibration
+from symkin.calibration.state import slopes
 from symkin.errors import InputError
 
 

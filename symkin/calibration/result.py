@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from symkin.calibration.corrected import with_parameters
-from symkin.calibration.estimator import State
 from symkin.calibration.identifiability import Identifiability
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outliers import Outlier
 from symkin.calibration.parameters import ParameterKind
 from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.state import State
 from symkin.calibration.statistics import UNLIKELY
 from symkin.model.mechanism import Mechanism
 

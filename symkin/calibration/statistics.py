@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.calibration.estimator import State, evaluate, joint_covariance
 from symkin.calibration.linear import admissible
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import neighbours
+from symkin.calibration.state import State, evaluate, joint_covariance
 from symkin.position.rank import RANK_TOLERANCE
 
 UNLIKELY = 1e-3

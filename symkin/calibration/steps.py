@@ -9,7 +9,7 @@ import numpy as np
 from symkin.position.rank import RANK_TOLERANCE
 
 if TYPE_CHECKING:
-    from symkin.calibration.estimator import State
+    from symkin.calibration.state import State
 
 
 def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:

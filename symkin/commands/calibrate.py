@@ -36,7 +36,7 @@ from symkin.commands.calibrate_options import (
     SpinOption,
     TiltOption,
 )
-from symkin.commands.options import MechArgument, SeedOption
+from symkin.commands.options import MechArgument, SeedOption, check_output
 from symkin.commands.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
 from symkin.errors import InputError
 
@@ -146,6 +146,7 @@ def simulate(
     from symkin.calibration.simulate import group_numbers, planned_postures, random_postures, read
     from symkin.model.file import load
 
+    check_output(output, mech, truth, plan)
     mechanism = load(mech)
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
@@ -205,6 +206,7 @@ def plan(
     from symkin.calibration.run import matching
     from symkin.model.file import load
 
+    check_output(output, mech)
     mechanism = load(mech)
     _check_read(groups != 0, _split(readings), noise_group)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)

@@ -1,0 +1,111 @@
+"""A trial of the least-squares problem: residuals and their derivative at parameters and postures, every posture condensed.
+
+Poses couple to the parameters only (block-arrow structure): dz = -F_z^+ (F + F_p dp) at each posture, so that its readings
+become h - A F + (h_p - A F_p) dp with A = h_z F_z^+, the implicit derivative, and only p is left. Rows that the unknown
+coordinates cannot meet (overconstrained mechanisms) are left over: they constrain p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.calibration.direct import newton_postures, signs, solved_steps
+from symkin.calibration.ideal import ideal
+from symkin.calibration.model import Evaluation
+from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.residuals import Form, Linearised, linearise
+from symkin.calibration.steps import design
+
+PREDICTED = 1e-4
+"""A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Parameters p (free, unscaled), unknown coordinates z (n, width), residuals and dr/dp (per scaled parameter), the
+    closure's pending correction (n, f), rows left over and their derivative (n, m, P), signs of det F_z."""
+
+    p: np.ndarray
+    z: np.ndarray
+    fit: Linearised
+    values: Evaluation
+    pending: np.ndarray
+    leftover: tuple[np.ndarray, np.ndarray] | None
+    signs: np.ndarray
+
+    def follow(self, step: np.ndarray) -> np.ndarray:
+        """Tangent steps (n, f) that keep the postures closed while the scaled parameters take a step."""
+        return np.asarray(-self.pending - solved_steps(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0])
+
+    @property
+    def cost(self) -> float:
+        return float(np.dot(self.fit.vector, self.fit.vector))
+
+
+def evaluate(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None = None
+) -> State:
+    """Closure and readings at (p, z), condensed to p."""
+    e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+    pending = solved_steps(e.rows_z, e.rows[:, :, None])[:, :, 0]
+    readings, slopes, leftover = _condensed(e, pending)
+    fit = linearise(form, problem.readings, readings, slopes, covariance)
+    return State(p, z, fit, e, pending, leftover, signs(e.rows_z))
+
+
+def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+    """Readings corrected for the closure (n, K), their derivative (n, K, P), and what an overconstrained closure leaves."""
+    if e.rows_z.shape[1] == e.rows_z.shape[2]:
+        weights = solved_steps(e.rows_z.transpose(0, 2, 1), e.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
+        return e.readings - (weights @ e.rows[:, :, None])[:, :, 0], e.readings_p - weights @ e.rows_p, None
+    follow = solved_steps(e.rows_z, e.rows_p)
+    left = e.rows - (e.rows_z @ pending[:, :, None])[:, :, 0], e.rows_p - e.rows_z @ follow
+    return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
+
+
+def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
+    """Closure and readings of a state, without the condensation."""
+    return problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions)
+
+
+def slopes(e: Evaluation) -> np.ndarray:
+    """dh/dp (n, K, P) with the postures following."""
+    return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]
+
+
+def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """Covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
+    sigma = problem.measurements.sigma("joint")
+    model, joints = problem.model, problem.measurements.joints
+    width = len(model.columns)
+    if sigma is None:
+        return np.zeros((len(joints), width, width))
+    e = evaluate_readings(problem, state)
+    by_joint = e.readings_z @ solved_steps(e.rows_z, model.rows_by_joint(state.z, joints, state.p)) * sigma[:, None, :]
+    return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
+
+
+def settled(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None) -> State:
+    """The state with the closure met to rounding."""
+    state = evaluate(problem, p, z, form, covariance)
+    for _ in range(2):
+        largest = np.max(np.abs(state.pending), initial=0.0)
+        if not 1e-15 * problem.model.closure.size < largest < np.inf:
+            break
+        if largest > PREDICTED * problem.model.closure.size:
+            z, _ = newton_postures(problem.model, z, problem.measurements.joints, p)
+            state = evaluate(problem, p, z, form, covariance)
+        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
+    return state
+
+
+def ideal_design(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """The design where the readings of each group agree (see `ideal`): its null space is what no reading tells."""
+    return design(ideal_state(problem, state))
+
+
+def ideal_state(problem: CalibrationProblem, state: State) -> State:
+    other, z = ideal(problem, state.p, state.z)
+    return evaluate(other, state.p, z, "means")
