@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import subprocess
 
 import firmware_tools as tools
 import numpy as np
 import pytest
 import test_firmware_joints as joint_types
+from test_follow import bars
 
 import samples
+import symkin
+from symkin import Joint, Limb, Mechanism
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
 
@@ -74,3 +78,44 @@ def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
         np.testing.assert_allclose(back[:], goal, atol=1e-2)
         assert direct(None, _numbers(goal), pose, again, None) == 0
     assert answered > 100
+
+
+def _short_coupler():
+    """A slider-crank whose crank of 100 is four degrees from where it stands square on its coupler of 10: there it must turn back."""
+    lean = math.radians(4.0)
+    pin = (100 * math.cos(lean), -100 * math.sin(lean))
+    slider = pin[0] + math.sqrt(100 - pin[1] ** 2)
+    crank = Joint("crank", "R", (0, 0, 0), samples.Z, actuated=True)
+    left = Limb("left", [crank, samples.turning("pin", *pin), samples.turning("gudgeon", slider, 0.0)])
+    right = Limb("right", [Joint("slide", "P", (0, 0, 0), (1, 0, 0))])
+    return Mechanism("short", [left, right], platform_position=(slider, 0.0, 0.0), motion="planar")
+
+
+@pytest.mark.parametrize("degrees", [3.9, 4.0, 4.1, 4.2, 4.3, 6.0])
+def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
+    """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own angle back."""
+    library = _library(_short_coupler(), tmp_path)
+    home = _numbers([_short_coupler().platform_position[0], 0, 0, 1, 0, 0, 0])
+    pose, back, given = _numbers([0.0] * 7), _numbers([0.0]), math.radians(degrees)
+    if library.short_direct(None, _numbers([given]), home, pose, None) == 0:
+        assert library.short_inverse(pose, back) == 0
+        assert abs(back[0] - given) < 1e-4
+
+
+@pytest.mark.parametrize("limits", [(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)])
+def test_limited_cranks_that_turn_over_half_a_turn(limits, tmp_path):
+    """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten degrees, and the inverse gives it
+    back, by whole turns within the limits."""
+    mechanism = bars(100.0, 30.0, 90.0, 60.0, limits=limits)
+    library = _library(mechanism, tmp_path)
+    start = symkin.solve(mechanism, joints=[1.0]).solution
+    pose, back = _numbers([*start.position, *start.quaternion]), _numbers([0.0])
+    answered = 0
+    for angle in np.arange(1.0, limits[1], math.radians(10)):
+        if library.bars_direct(None, _numbers([angle]), pose, pose, None) != 0:
+            break
+        answered += 1
+        assert library.bars_inverse(pose, back) == 0
+        assert limits[0] <= back[0] <= limits[1]
+        assert math.isclose(math.remainder(back[0] - angle, 2 * math.pi), 0.0, abs_tol=1e-6)
+    assert answered > 10

@@ -2146,11 +2146,12 @@ static zhao2000_real zhao2000_towards(const zhao2000_real at[4], const zhao2000_
     return 0.5 / widest;
 }
 
-/* Whether the limbs at the answer, solved as zhao2000_inverse does, have the given joint values; else a limb has passed a dead
- * centre on the way, which is a singularity, and the pose alone does not say where its joints are. */
+/* Whether the limbs at the answer, solved as zhao2000_inverse does, have the given joint values. Else a limb has passed a dead
+ * centre on the way, which is a singularity, or the line of poses from the reference does not lead to this one: the pose alone
+ * would not say where the limb stands. */
 static ZHAO2000_COLD zhao2000_status zhao2000_agrees(const zhao2000_real c[4], const zhao2000_real given[4])
 {
-    static const zhao2000_real near[4] = { 0.01, 0.01, 0.01, 2.4 };
+    static const zhao2000_real near[4] = { 4.21e-06, 4.21e-06, 4.21e-06, 0.00101 };
     zhao2000_real q[4] = { 0.0 };
     zhao2000_real passive[6] = { 0.0 };
     zhao2000_real turned[4];

@@ -5722,11 +5722,12 @@ static zhao2000_links_real zhao2000_links_towards(const zhao2000_links_real at[4
     return 0.5 / widest;
 }
 
-/* Whether the limbs at the answer, solved as zhao2000_links_inverse does, have the given joint values; else a limb has passed a dead
- * centre on the way, which is a singularity, and the pose alone does not say where its joints are. */
+/* Whether the limbs at the answer, solved as zhao2000_links_inverse does, have the given joint values. Else a limb has passed a dead
+ * centre on the way, which is a singularity, or the line of poses from the reference does not lead to this one: the pose alone
+ * would not say where the limb stands. */
 static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_agrees(const zhao2000_links_real c[7], const zhao2000_links_real given[4])
 {
-    static const zhao2000_links_real near[4] = { 0.01, 0.01, 0.01, 2.45 };
+    static const zhao2000_links_real near[4] = { 4.21e-06, 4.21e-06, 4.21e-06, 0.00103 };
     zhao2000_links_real q[4] = { 0.0 };
     zhao2000_links_real passive[9] = { 0.0 };
     zhao2000_links_real turned[4];

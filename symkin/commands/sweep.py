@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from symkin.commands.options import Interrupted, MechArgument, SeedOption, numbers_from, whole_number
+from symkin.errors import InputError
 
 
 class Quantity(StrEnum):
@@ -68,6 +69,8 @@ def sweep(
     ranges = read_ranges(grid, sampled=random is not None, angle_unit=unit)
     cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
     check_slices(cuts, ranges, sampled=random is not None)
+    if slices is not None and plot is None:
+        raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
     if plot is not None:
         from symkin.view.plot import check_picture_path
 

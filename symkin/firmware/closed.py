@@ -83,6 +83,11 @@ class ClosedMechanism:
         return system_kernel("direct", system, system.known, [c.is_angular for c in self.actuated], None, self.geometry.symbols)
 
     @property
+    def limited_angles(self) -> tuple[bool, ...]:
+        """Which actuated joints are angles with limits: where they stand in whole turns is told by these."""
+        return tuple(c.kind == "angle" and c.limits is not None for c in self.actuated)
+
+    @property
     def has_dead_centres(self) -> bool:
         """Whether a limb is more than a rod, whose length the pose decides."""
         return any(block.kernel is not None for block in self.blocks)

@@ -9,11 +9,8 @@ from symkin.firmware.closed import Block, ClosedMechanism, line_target, ranges
 from symkin.firmware.emit import Emitter, indent, indexed
 from symkin.firmware.factor import curvature, rounded
 from symkin.firmware.motion import COLUMNS, coordinates_text, pose_text
-from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
+from symkin.firmware.source import KernelSource, Tuning, common_values, copy, factored, fill, kernel_source
 from symkin.position.system import System
-
-_NEAR = 1e-2
-"""Joint values of two ways to stand that differ by less (rad, or of the size) are one: they meet at the dead centre."""
 
 
 def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, object]]:
@@ -39,7 +36,7 @@ def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, o
         kernel, name, real, geometry.names, matrices, line_target(real, nq, None), kappa, start_aim="w->aim", known_count=nq
     )
     values |= _direct_values(made, source, values)
-    text += source.text + _towards(made, values) + _agrees(made, values)
+    text += source.text + _towards(made, values) + _within(made, values) + _agrees(made, values, source.tuning)
     text += fill("direct.c", values) + "\n" + _inverse_text(made, values)
     return text, source, values
 
@@ -142,7 +139,8 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     nc = int(str(values["nc"]))
     enter = [f"{real.type} c[{nc}];", f"{real.type} passive[{values['np']}] = {{ {real.literal(0.0)} }};",  f"status = {name}_coordinates({ga}guess, c);",
              f"if (status == {name.upper()}_OK) {{", f"    status = {name}_limbs({ga}c, w->at, passive);",
-             *("    " + line for line in copy("w->x", "passive", passive) if passive), "}",
+             *("    " + line for line in copy("w->x", "passive", passive) if passive),
+             *([f"    {name}_within(w->at, joints);"] if any(made.limited_angles) else []), "}",
              f"if (status != {name.upper()}_OK) {{", f"    status = {name}_verdict(guess->position, 3, {name.upper()}_OUT_OF_RANGE);", "}",
              *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc))]  # fmt: skip
     literal = real.literal
@@ -155,12 +153,30 @@ def _direct_values(made: ClosedMechanism, source: KernelSource, values: dict[str
     }  # fmt: skip
 
 
-def _agrees(made: ClosedMechanism, values: dict[str, object]) -> str:
-    """NAME_agrees, where a pose may leave limbs more than one way to stand."""
+def _agrees(made: ClosedMechanism, values: dict[str, object], tuning: Tuning) -> str:
+    """NAME_agrees, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where errors of the
+    tolerance are their square roots in joint values: what differs by less is one."""
     if not made.has_dead_centres:
         return ""
-    near = [_NEAR * (1.0 if c.is_angular else made.closure.size) for c in made.actuated]
-    return fill("agrees.c", values | {"near": ", ".join(made.real.literal(rounded(v)) for v in near)})
+    size = made.closure.size
+    near = [4.0 * np.sqrt(tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
+    within = [f"{made.name}_within(q, given);"] if any(made.limited_angles) else []
+    return fill("agrees.c", values | {
+        "near": ", ".join(made.real.literal(rounded(float(v))) for v in near), "within_given": indent(within, 2),
+    })  # fmt: skip
+
+
+def _within(made: ClosedMechanism, values: dict[str, object]) -> str:
+    """NAME_within, where angles have limits."""
+    if not any(made.limited_angles):
+        return ""
+    literal = made.real.literal
+    limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
+    return fill("within.c", values | {
+        "limited": ", ".join("true" if flag else "false" for flag in made.limited_angles), "turn": literal(2 * np.pi),
+        "low": ", ".join(literal(float(low)) for low, _ in limits), "high": ", ".join(literal(float(high)) for _, high in limits),
+        "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+    })  # fmt: skip
 
 
 def _towards(made: ClosedMechanism, values: dict[str, object]) -> str:
@@ -211,8 +227,22 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
                 )
         lines += [f"if (status == {name.upper()}_OK) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
     return fill(
-        "closed.c", values | {"rates": indent(lines, 2), "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3)}
+        "closed.c",
+        values
+        | {
+            "within_middle": indent(_to_middle(made), 3),
+            "rates": indent(lines, 2),
+            "copy_joints": indent(copy("joints", "q", int(str(values["nq"]))), 3),
+        },
     )
+
+
+def _to_middle(made: ClosedMechanism) -> list[str]:
+    """Statements that move limited angles into their limits."""
+    if not any(made.limited_angles):
+        return []
+    middles = ", ".join(made.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits))) for c in made.actuated)
+    return [f"static const {made.real.type} middle[{len(made.actuated)}] = {{ {middles} }};", f"{made.name}_within(q, middle);"]
 
 
 def _plus(offset: int) -> str:

@@ -78,6 +78,9 @@ change of the matrix, by the state along the step and by the given values along 
 
 **Measured, not proved.** $c$ over all directions and all of the line is not computed."""
 
+_REDUNDANT_ARM = r"""**Measured, not proved.** The matrix has more columns than rows and reads the given pose; each step is the shortest one of the
+matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No theorem is claimed."""
+
 _RULE = r"""The rule is therefore: the whole line is tried and accepted at $\theta \le \tfrac14$; elsewhere it is cut into pieces, each
 accepted at $\theta \le \tfrac18$; after acceptance the next step must be at most $|s_0| / 8$; where pieces become shorter than
 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
@@ -89,8 +92,9 @@ _SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
 _DEAD_CENTRE = r"""
 
 A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the limb stands. So the limbs are
-solved at the answer, from the reference as `inverse` solves them: where they have other joint values than the given ones, the
-status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there."""
+solved at the answer, along the line of poses from the reference as `inverse` solves them: where they have other joint values
+than the given ones (by more than four square roots of the tolerance over the size), or that line leaves what the limb can take,
+the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there."""
 
 
 def _branch(program: Program) -> str:
@@ -99,7 +103,8 @@ def _branch(program: Program) -> str:
     dead = isinstance(kind, ClosedMechanism) and kind.has_dead_centres
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + (_DEAD_CENTRE if dead else "") + pieces[2]
-    return "\n\n".join([_BRANCH, f"{_BANACH if kernel.reads_known else _KANTOROVICH}\n{rule}"])
+    ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
+    return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
 
 
 def readme(program: Program) -> str:

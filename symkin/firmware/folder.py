@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
+from symkin.csv_table import replace_text
 from symkin.errors import InputError
 from symkin.firmware.derivation import readme
 from symkin.firmware.emit import Real, indent
@@ -28,10 +29,10 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[P
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options)
     try:
-        _check_files(folder, list(files))
+        _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
-            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+            replace_text(folder / name, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
     return [folder / name for name in files]
@@ -44,21 +45,26 @@ def check_folder(mechanism: Mechanism, folder: Path) -> None:
         raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
 
 
-def _check_files(folder: Path, names: list[str]) -> None:
-    """Raises InputError for files in the way that are not as the folder's manifest says they were written."""
+def _check_files(folder: Path, files: dict[str, str]) -> None:
+    """Raises InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
+    be, as after a run that was cut short."""
     written = _manifest_of(folder)
     digests = written.get("files", {})
     foreign = [
         name
-        for name in names
+        for name, text in files.items()
         if (folder / name).exists() and (name != "manifest.json" or not written)
-        and hashlib.sha256((folder / name).read_bytes()).hexdigest() != digests.get(name)
+        and hashlib.sha256((folder / name).read_bytes()).hexdigest() not in (digests.get(name), _digest(text))
     ]  # fmt: skip
     edited = [name for name in foreign if name in digests]
     if foreign:
         which = ", ".join(edited or foreign)
         what = "edited since they were written" if edited else "there already and not written by symkin"
         raise InputError(f"{folder}: would replace {which}, {what}; move them away, or give another folder with -o")
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _manifest_of(folder: Path) -> dict[str, Any]:
@@ -107,7 +113,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home": options.home,
         },
         "operations_per_iteration": program.main.operations,
-        "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
+        "files": {name: _digest(text) for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"
 

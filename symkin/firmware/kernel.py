@@ -67,10 +67,7 @@ class Kernel:
 
     @property
     def reads_known(self) -> bool:
-        """Whether J depends on the known values, not on the state alone. Asked of kernels that decide every step: where joints
-        are free, the shortest step by the matrix at the values aimed at follows the path more closely."""
-        if self.is_wide:
-            return False
+        """Whether J depends on the known values, not on the state alone."""
         whole = ca.substitute(self.jacobian, self.shared_symbols, self.shared)
         return bool(any(ca.which_depends(whole, self.known, 1, False)))
 

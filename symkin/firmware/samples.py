@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.model.joint import Coordinate
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import ACCEPTED
 
 _STEPS = 12
@@ -29,12 +29,12 @@ def configurations(
 ) -> list[Configuration]:
     """Distinct configurations, at most `count`, that the machine reaches from `home` (all variables) when its joints move
     in straight lines by up to `spread` times the size and `turn` radians, within their limits; lines that meet a
-    singularity are left out."""
+    singularity, or bring a limb past a dead centre, are left out."""
     rng = np.random.default_rng(seed)
     joints = direct.known_coordinates
     begin_known, begin = direct.take(home, joints), direct.take(home, direct.system.unknowns)
     reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.size) for c in joints])
-    found: list[Configuration] = []
+    signs, found = _limb_signs(direct, home), list[Configuration]()
     for _ in range(4 * count):
         if len(found) == count:
             break
@@ -42,9 +42,20 @@ def configurations(
         if any(np.all(np.abs(goal - other.known) <= _DISTINCT * reach) for other in found):
             continue
         z = followed(direct, begin, begin_known, goal)
-        if z is not None:
-            found.append(Configuration(direct.assemble(z, goal), z, goal))
+        if z is None:
+            continue
+        values = direct.assemble(z, goal)
+        if np.array_equal(_limb_signs(direct, values), signs):
+            found.append(Configuration(values, z, goal))
     return found
+
+
+def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
+    """Signs of the determinants of the limbs for a given pose: one changes where a limb has passed a dead centre."""
+    inverse = build_problem(direct.mechanism, "inverse")
+    known = inverse.take(values, inverse.known_coordinates)
+    matrices = [b.linearise_one(inverse.take(values, b.unknowns), known)[1] for b in inverse.blocks]
+    return np.array([np.sign(np.linalg.det(m)) for m in matrices if m.shape[0] == m.shape[1]])
 
 
 def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray) -> np.ndarray | None:

@@ -99,7 +99,7 @@ def kernel_source(
     inputs = [indexed("w->x", ns), indexed("w->k", nk), list(geometry)]
     literal = real.literal
     aim = f"{k}_target({'geometry, ' if struct else ''}w, to, aim);"
-    there = kernel.reads_known
+    there = kernel.reads_known and not kernel.is_wide  # shortest steps follow the path more closely by the matrix aimed at
     values = common_values(name, real, struct) | {
         "k": k, "n": n, "n1": n + 1, "m": m, "ns": ns, "nk": nk, "nto": known_count or nk,
         "na": m * n, "most": max(m, n),

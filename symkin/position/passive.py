@@ -15,7 +15,7 @@ from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.system import System, split_blocks
 
 _STARTS = 24
-"""Starts of each limb: the values given, and others with random angles."""
+"""Starts of a limb that the values given do not lead to a closed loop: these again, and others with random angles."""
 _AS_GOOD = 2.0
 """Branches that leave at most this many times the least closure error are equals; the nearest to the values given is taken."""
 
@@ -48,6 +48,9 @@ def limbs(mechanism: Mechanism) -> tuple[System, ...]:
 
 
 def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
+    near = levenberg_marquardt(part, here[None], known)
+    if near.largest_row[0] <= 1e-6 * part.size:
+        return np.asarray(near.points[0])
     batch = levenberg_marquardt(part, _starts(part, here), known)
     errors = np.linalg.norm(part.linearise(batch.points, known)[0], axis=1)
     errors = np.where(np.isfinite(errors), errors, np.inf)

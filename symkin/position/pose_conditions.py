@@ -18,6 +18,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import pose_coordinates
 from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.mobility import analyse_mobility, fewer_rows
 from symkin.position.system import System
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
@@ -65,8 +66,8 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
 def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
     """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
     frame = "tool" if mechanism.serial else "platform"
-    declared = mechanism.serial or mechanism.motion != "spatial"
-    motion = "" if declared else ", or pose coordinates of a declared motion"
+    named = None if mechanism.serial else fewer_rows(analyse_mobility(mechanism))
+    motion = "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
     return (
         f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "
         f"allowed: {instead}{motion}"

@@ -137,7 +137,7 @@ def _check_pose(plane: Plane) -> None:
     freedoms = generic_ranks(plane.mechanism).outputs
     wanted = sum(c.freedom for c in plane.closure.role("pose"))
     if freedoms < wanted:
-        sentence = condition_sentence(plane.mechanism, "two pose coordinates", "two actuated joints", freedoms, wanted)
+        sentence = condition_sentence(plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted)
         raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
 
 

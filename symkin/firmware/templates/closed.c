@@ -9,6 +9,7 @@
         if (status != @{P}_OK) {
             status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
         } else {
+@{within_middle}
             status = @{p}_check(@{ga}q);
         }
         if (status == @{P}_OK) {
