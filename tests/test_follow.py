@@ -209,6 +209,16 @@ def test_a_path_that_ends_at_a_bifurcation_names_it(motion, samples):
     assert abs(found.end.actuated[0]) < 1e-9
 
 
+@pytest.mark.parametrize("half", [0.1, 1e-3, 1e-4])
+@pytest.mark.parametrize("samples", [None, 101])
+def test_bifurcations_on_short_paths_are_named(half, samples):
+    """A path of a fraction of a degree through the flat position."""
+    found = track(bars(100.0, 40.0, 100.0, 40.0), joints=[[half], [-half]], samples=samples, name_modes=False)
+    assert found.stop is not None
+    assert found.stop.kind == "bifurcation"
+    assert abs(found.end.actuated[0]) < 1e-9
+
+
 @pytest.mark.parametrize("samples", [None, 2, 101, 1001])
 def test_joints_that_meet_are_placed_in_intervals_of_any_length(samples):
     """A five-bar whose cranks bring the couplers' lower ends together, where the platform turns freely about them: cranks 100,
@@ -511,7 +521,7 @@ def test_start_must_lie_on_the_path(zhang):
         ({"joints": [[1.0, 2.0]]}, "2 values given"),
         ({"joints": [[1.0], [1.1]], "times": [1.0, 0.0]}, "must not go back"),
         ({"joints": [[1.0], [1.1]], "times": [1.0]}, "1 values for 2 samples"),
-        ({"joints": [[1.0], [1.1]], "samples": 1}, "at least 2"),
+        ({"joints": [[1.0], [1.1]], "samples": 1}, "from 2 to"),
         ({"poses": [[0, 0, 9, 1, 0, 0, 0]]}, "planar motion"),
     ],
 )

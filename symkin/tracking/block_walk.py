@@ -202,8 +202,9 @@ class Walk:
             return False
         tube = arrival(self.interval, a.y, a.slope, a.half, found) if found.kind == "turning point" else None
         away = found.u - a.u
-        near = _CLOSE if found.kind != "bifurcation" else _BEFORE / min(1.0, _speed(a))
-        if tube is None and away > near:
+        moves = away * min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
+        near = moves <= _BEFORE if found.kind == "bifurcation" else away <= _CLOSE
+        if tube is None and not near:
             return False
         self.stop = BlockStop("singular", found.u, singular=found, arrival=tube)
         return True
