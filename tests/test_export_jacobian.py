@@ -276,7 +276,7 @@ def test_command_writes_the_file_or_stdout(tmp_path, capsys):
         (["zhang2009", "--format", "fortran"], "fortran"),
         (["zhang2009", "--format", "c", "--kind", "sideways"], "sideways"),
         (["zhang2009", "--format", "c", "--kind", "passive"], "no passive joint"),
-        (["zhang2009", "--format", "c", "-o", "/nowhere/at/all.c"], "/nowhere/at/all.c: the file cannot be written"),
+        (["zhang2009", "--format", "c", "-o", "/nowhere/at/all.c"], "/nowhere/at/all.c"),
         (["nothing", "--format", "c"], "nothing"),
         (["zhang2009"], "--format"),
     ],
