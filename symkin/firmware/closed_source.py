@@ -23,6 +23,7 @@ def closed_source(made: ClosedMechanism) -> tuple[str, KernelSource, dict[str, o
     values = common_values(name, real, geometry.at_run_time) | {
         "nq": nq, "ns": ns, "nc": sum(c.width for c in pose), "np": max(1, sum(c.width for c in made.passive)),
         "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201),
+        "turn": real.literal(2 * np.pi), "per_turn": real.literal(0.5 / np.pi), "many": real.literal(1e4), "minus_half": real.literal(-0.5),
     }  # fmt: skip
     text = fill("unit.c", values) + coordinates_text(geometry, real, values) + pose_text(geometry, real, values)
     text += fill("joints.c", values | {"positive": "", "ranges": ranges(made.actuated, real, made.closure.size)})
@@ -173,9 +174,7 @@ def _within(made: ClosedMechanism, values: dict[str, object]) -> str:
     literal = made.real.literal
     limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
     return fill("within.c", values | {
-        "limited": ", ".join("true" if flag else "false" for flag in made.limited_angles), "turn": literal(2 * np.pi),
-        "low": ", ".join(literal(float(low)) for low, _ in limits), "high": ", ".join(literal(float(high)) for _, high in limits),
-        "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+        "limited": ", ".join("true" if flag else "false" for flag in made.limited_angles), "low": ", ".join(literal(float(low)) for low, _ in limits), "high": ", ".join(literal(float(high)) for _, high in limits),
     })  # fmt: skip
 
 
@@ -184,8 +183,7 @@ def _towards(made: ClosedMechanism, values: dict[str, object]) -> str:
     angular = ", ".join("true" if c.is_angular else "false" for c in made.actuated)
     literal = made.real.literal
     return fill("towards.c", values | {
-        "turns": flags, "angular": angular, "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
-        "largest": literal(0.5), "many": literal(1e4), "minus_half": literal(-0.5),
+        "turns": flags, "angular": angular, "largest": literal(0.5),
     })  # fmt: skip
 
 

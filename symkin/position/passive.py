@@ -14,8 +14,8 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.system import System, split_blocks
 
-_STARTS = 24
-"""Starts of a limb that the values given do not lead to a closed loop: these again, and others with random angles."""
+_STARTS = 23
+"""Further starts, with random angles, of a limb that the values given do not lead to a closed loop."""
 _AS_GOOD = 2.0
 """Branches that leave at most this many times the least closure error are equals; the nearest to the values given is taken."""
 
@@ -51,26 +51,26 @@ def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
     near = levenberg_marquardt(part, here[None], known)
     if near.largest_row[0] <= 1e-6 * part.size:
         return np.asarray(near.points[0])
-    batch = levenberg_marquardt(part, _starts(part, here), known)
-    errors = np.linalg.norm(part.linearise(batch.points, known)[0], axis=1)
+    points = np.vstack([near.points, levenberg_marquardt(part, _starts(part, here), known).points])
+    errors = np.linalg.norm(part.linearise(points, known)[0], axis=1)
     errors = np.where(np.isfinite(errors), errors, np.inf)
     least = float(errors.min())
     if not np.isfinite(least):
         return here
     good = np.flatnonzero(errors <= _AS_GOOD * least + 1e-6 * part.size)
-    return np.asarray(batch.points[min(good, key=lambda k: _distance(part, here, batch.points[k]))])
+    return np.asarray(points[min(good, key=lambda k: _distance(part, here, points[k]))])
 
 
 def _starts(part: System, here: np.ndarray) -> np.ndarray:
-    """The values given first; then angles uniform, lengths as they are."""
+    """Angles uniform, lengths as they are."""
     rng = np.random.default_rng(0)
     starts = np.tile(here, (_STARTS, 1))
     for c, place in zip(part.unknowns, part.slices, strict=True):
         if c.kind == "quaternion":
-            q = rng.normal(size=(_STARTS - 1, 4))
-            starts[1:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
+            q = rng.normal(size=(_STARTS, 4))
+            starts[:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
         elif c.kind == "angle":
-            starts[1:, place] = rng.uniform(-np.pi, np.pi, (_STARTS - 1, 1))
+            starts[:, place] = rng.uniform(-np.pi, np.pi, (_STARTS, 1))
     return starts
 
 
