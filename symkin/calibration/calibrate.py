@@ -12,6 +12,7 @@ import numpy as np
 from symkin.calibration.closing import started
 from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
 from symkin.calibration.estimator import Estimate, estimate
+from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.gauge import least_change
 from symkin.calibration.lifted import estimate_by_ipopt
@@ -19,6 +20,7 @@ from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outcome import Fitted, report
 from symkin.calibration.outliers import LEVEL, Outlier, Screening, most_outliers, screen
+from symkin.calibration.parameters import FRAMES
 from symkin.calibration.problem import CalibrationProblem, NothingReadError, build_calibration
 from symkin.calibration.result import Calibration, Parameter, Residual
 from symkin.errors import InputError
@@ -63,7 +65,8 @@ def calibrate(
     _check_choices(method, outliers, level)
     begin = time.perf_counter()
     measurements.check(mechanism)
-    measurements = started(mechanism, measurements)
+    free = set(parameters or ()) - set(fixed)
+    measurements = started(mechanism, measurements, posed=not free & set(FRAMES))
     options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual}
     found = _fit(mechanism, measurements, options, method, max_iterations, seed)
     screening = Screening((), ())
@@ -117,6 +120,7 @@ def _fit(
             f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
             "and the order of joints, or give starts"
         )
+    p = frames_at(problem, postures.z, p, postures.solved)
     _check_determined(problem, postures, p)
     part, notes = _partial(problem, postures, options), []
     result = _estimate(part, postures.z[postures.solved], method, limit, p)

@@ -10,7 +10,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.direct import known_poses, signs, solved_steps
+from symkin.calibration.direct import known_poses, signs, solved_steps, without_poses
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
 from symkin.model.closure import Closure, build_closure
@@ -128,13 +128,14 @@ def home_pose(mechanism: Mechanism) -> Pose:
     return shown if here > _POORER * there else reference
 
 
-def started(mechanism: Mechanism, measurements: Measurements) -> Measurements:
+def started(mechanism: Mechanism, measurements: Measurements, *, posed: bool = True) -> Measurements:
     """The measurements with home as the start of the postures that have none and whose pose was not measured, where home is not
-    the reference: direct problems from a reference near a singularity end in any assembly mode."""
+    the reference: direct problems from a reference near a singularity end in any assembly mode. Measured poses are no starts where
+    they are seen through unknown frames (not `posed`)."""
     home = home_pose(mechanism)
     if home is mechanism.reference_pose or np.array_equal(home.matrix, mechanism.reference_pose.matrix):
         return measurements
-    bare = np.array([pose is None for pose in known_poses(measurements)])
+    bare = np.array([pose is None for pose in known_poses(measurements if posed else without_poses(measurements))])
     starts = np.full((len(measurements), 7), np.nan) if measurements.starts is None else measurements.starts.copy()
     starts[bare] = [*home.position, *home.quaternion]
     return replace(measurements, starts=starts)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -96,7 +96,10 @@ def signs(rows_z: np.ndarray) -> np.ndarray:
 
 
 def start_points(model: PostureModel, measurements: Measurements, *, measured: bool = False) -> np.ndarray:
-    """Unknowns (n, width) at the starts: the pose given or measured (only so if `measured`), else the reference."""
+    """Unknowns (n, width) at the starts: the pose given or measured (only so if `measured`), else the reference. Poses that are
+    seen through unknown frames are no starts."""
+    if model.observes_through_frames:
+        measurements = without_poses(measurements)
     closure, system = model.closure, model.system
     places = dict(zip((c.name for c in system.unknowns), system.slices, strict=True))
     begin = np.empty((len(measurements), system.width))
@@ -122,6 +125,11 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> list[n
         if table is not None:
             poses = [row if np.all(np.isfinite(row)) else old for row, old in zip(table, poses, strict=True)]
     return poses
+
+
+def without_poses(measurements: Measurements) -> Measurements:
+    """The measurements without positions and orientations."""
+    return replace(measurements, position=None, orientation=None)
 
 
 def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, count: int = 5) -> np.ndarray:

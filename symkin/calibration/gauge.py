@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.calibration.estimator import Estimate, estimate
+from symkin.calibration.parameters import FRAMES
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.state import ideal_design
 from symkin.calibration.steps import null_directions
 from symkin.errors import InputError
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.position.rank import RANK_TOLERANCE
 
 _ROUNDS = 40
 """Most corrections of the frames; each shrinks the departure by the curvature of the unobservable set."""
@@ -47,7 +49,8 @@ def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[s
 def least_change(problem: CalibrationProblem, result: Estimate, method: str) -> Estimate:
     """The same fit with parameters nearest to nominal: moved along the unobservable directions N until N^T (p - nominal)
     vanishes (scaled parameters), and refitted. Directions that were free at nominal and are told at the fit (parallel axes
-    that turn out not to be) are freed. Rigid frames are then a best fit of the joints to nominal (Procrustes)."""
+    that turn out not to be) are freed. Rigid frames are then a best fit of the joints to nominal (Procrustes); measuring frames,
+    which have no nominal place, take all of it."""
     model = problem.model
     size = model.closure.size
     if null_directions(ideal_design(problem, result.state)).shape[1] < result.null_space.shape[1]:
@@ -56,7 +59,7 @@ def least_change(problem: CalibrationProblem, result: Estimate, method: str) -> 
             result = Estimate(again.state, again.status, result.iterations + again.iterations, again.null_space)
     for _ in range(_ROUNDS):
         directions = null_directions(ideal_design(problem, result.state))
-        change = directions.T @ ((result.state.p - model.nominal) / model.scales)
+        change = _removable(directions, (result.state.p - model.nominal) / model.scales, model.names)
         if directions.shape[1] == 0 or np.max(np.abs(change), initial=0.0) < 1e-12 * size:
             break
         p = result.state.p - model.scales * (directions @ change)
@@ -66,3 +69,17 @@ def least_change(problem: CalibrationProblem, result: Estimate, method: str) -> 
             break
         result = Estimate(again.state, result.status, result.iterations, directions)
     return result
+
+
+def _removable(directions: np.ndarray, change: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """How much of each direction (P, k) a change of the parameters (P,) holds: what is taken away so that the mechanism's own
+    parameters change least, and then, with the freedom that is left, the measuring frames."""
+    measuring = np.array([name in FRAMES for name in names])
+    if not np.any(measuring):
+        return np.asarray(directions.T @ change)
+    left, singular, right = np.linalg.svd(directions[~measuring], full_matrices=True)
+    kept = int(np.sum(singular > RANK_TOLERANCE))
+    held = right[:kept].T @ ((left[:, :kept].T @ change[~measuring]) / singular[:kept])
+    free = right[kept:].T
+    rest = np.linalg.pinv(directions[measuring] @ free, rcond=RANK_TOLERANCE) @ (change - directions @ held)[measuring]
+    return np.asarray(held + free @ rest)

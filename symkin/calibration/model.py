@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.calibration.mapped import Mapped, build_mapped
 from symkin.calibration.measurements import Measurements
-from symkin.calibration.parameters import ParameterKind, nominal_parameters
+from symkin.calibration.parameters import FRAMES, ParameterKind, nominal_parameters
 from symkin.errors import InputError
 from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
@@ -89,7 +89,7 @@ class PostureModel:
     @property
     def observes_through_frames(self) -> bool:
         """Whether frames between the mechanism and what is measured are unknown."""
-        return any(n.startswith(("world.", "target.")) for n in self.names)
+        return any(n in FRAMES for n in self.names)
 
     def compile(self) -> None:
         """Compile the functions now, where there is a compiler; else they are when that pays (see `mapped`)."""

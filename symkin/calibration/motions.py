@@ -8,14 +8,18 @@ what the readings cannot tell, and has a name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import reduce
+from operator import matmul
 
 import numpy as np
 
 from symkin.calibration.model import PostureModel
+from symkin.model.dh import DHTable
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.rotation import multiply, rotate
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
 
 _AXES = ("x", "y", "z")
 _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
@@ -72,14 +76,86 @@ def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple
 
 
 def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    """The frame that readings are taken in, moved against the frame of the mechanism that it is fixed to."""
+    """The frame that readings are taken in, moved against the frame of the mechanism that it is fixed to; of the target frame also
+    the position alone, which is all that positions tell."""
+    for text, velocity, (t, w) in (*_base_twists(mechanism, values), *_platform_twists(mechanism, values)):
+        if text.startswith("world"):
+            yield text, velocity | _world_moved(values, t, w)
+            continue
+        moved = _target_moved(values, t, w)
+        yield text, velocity | moved
+        yield text, velocity | {name: v for name, v in moved.items() if ".position." in name}
+
+
+_Twisted = tuple[str, Velocity, tuple[np.ndarray, np.ndarray]]
+"""Text, velocity of the mechanism's parameters and the twist (t, w) that it gives one of the mechanism's ends."""
+
+
+def _base_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
     if mechanism.dh is not None:
+        for key, before, _, (t, w) in _elements(mechanism.dh, values, 1):
+            yield f"world frame with dh.1.{key}", {f"dh.1.{key}": 1.0}, _seen(before, t, w)
         return
     for k, axis in enumerate(_AXES):
         for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
-            base, platform = _base_moved(mechanism, values, t, w), _platform_moved(mechanism, values, t, w)
-            yield f"world frame {what} {axis} with the base frame", base | {f"world.{what}.{axis}": -1.0}
-            yield f"target frame {what} {axis} with the platform frame", platform | {f"target.{what}.{axis}": -1.0}
+            yield f"world frame {what} {axis} with the base frame", _base_moved(mechanism, values, t, w), (t, w)
+
+
+def _platform_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
+    if mechanism.dh is not None:
+        last = len(mechanism.dh.rows)
+        for key, _, after, (t, w) in _elements(mechanism.dh, values, last):
+            yield f"target frame with dh.{last}.{key}", {f"dh.{last}.{key}": 1.0}, _seen(after.inverse(), t, w)
+        return
+    for k, axis in enumerate(_AXES):
+        for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
+            yield f"target frame {what} {axis} with the platform frame", _platform_moved(mechanism, values, t, w), (t, w)
+
+
+def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """World frame W when W exp(t, w) stays: the base frame has moved by the twist in its own axes."""
+    r = _get(values, "world.rotation")
+    turned = rotate(np.asarray(quaternion_from_rotation_vector(r)), t)
+    return _vector("world.position", -np.asarray(turned)) | _vector("world.rotation", -_rotation_vector_rate(r, w, 1.0))
+
+
+def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """Target frame T when exp(t, w) T stays: the platform frame has moved by the twist in its own axes."""
+    r, p = _get(values, "target.rotation"), _get(values, "target.position")
+    return _vector("target.position", -(t + np.cross(w, p))) | _vector("target.rotation", -_rotation_vector_rate(r, w, -1.0))
+
+
+def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarray:
+    """Rate of the rotation vector r at an angular velocity w in the turned axes (side 1) or the fixed ones (-1)."""
+    half = 0.5 * float(np.linalg.norm(r))
+    if half < 1e-9:
+        return w + side * 0.5 * np.cross(r, w)
+    axis, share = r / (2.0 * half), half / np.tan(half)
+    return np.asarray(share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w))
+
+
+def _elements(
+    table: DHTable, values: Mapping[str, float], number: int
+) -> Iterator[tuple[str, Pose, Pose, tuple[np.ndarray, np.ndarray]]]:
+    """The four elementary motions of a row: key, what stands before and after it in the row, and its twist."""
+    keys = ("theta", "d", "a", "alpha") if table.convention == "standard" else ("alpha", "a", "theta", "d")
+    axes = {key: np.eye(3)[2 if key in ("theta", "d") else 0] for key in keys}
+
+    def pose(key: str) -> Pose:
+        value, axis = values.get(f"dh.{number}.{key}", 0.0), axes[key]
+        if key in ("d", "a"):
+            return Pose(value * axis, np.array([1.0, 0.0, 0.0, 0.0]))
+        return Pose(np.zeros(3), np.asarray(quaternion_from_rotation_vector(value * axis)))
+
+    for k, key in enumerate(keys):
+        before, after = (reduce(matmul, map(pose, part), Pose.identity()) for part in (keys[:k], keys[k + 1 :]))
+        yield key, before, after, (axes[key], np.zeros(3)) if key in ("d", "a") else (np.zeros(3), axes[key])
+
+
+def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A twist of a frame, seen from where the frame stands."""
+    turned = np.asarray(frame.turn(w))
+    return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
 
 
 def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:

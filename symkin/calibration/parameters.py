@@ -13,6 +13,8 @@ from symkin.model.closure_rows import RowBuilder
 from symkin.model.mechanism import Mechanism
 
 ParameterKind = Literal["length", "angle", "number"]
+FRAMES = tuple(f"{frame}.{what}.{k}" for frame in ("world", "target") for what in ("position", "rotation") for k in "xyz")
+"""Frames between the mechanism and what is measured: the base frame in the measuring system, and what is observed on the platform."""
 
 
 def parameter_names(mechanism: Mechanism) -> tuple[str, ...]:
@@ -32,11 +34,7 @@ def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, Parameter
         table[name] = (float(value), "number" if directed else "angle" if angular else "length")
     for c in mechanism.actuated:
         table[f"{c.name}.scale"] = (1.0, "number")
-    for frame in ("world", "target"):
-        for k in "xyz":
-            table[f"{frame}.position.{k}"] = (0.0, "length")
-        for k in "xyz":
-            table[f"{frame}.rotation.{k}"] = (0.0, "angle")
+    table |= {name: (0.0, "angle" if ".rotation." in name else "length") for name in FRAMES}
     return table
 
 

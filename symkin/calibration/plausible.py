@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.parameters import FRAMES
 from symkin.calibration.residuals import ANGULAR
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def is_beyond(fit: Calibration) -> bool:
 
 
 def moved_far(fit: Calibration) -> list[Parameter]:
-    """Free parameters that moved by more than `FAR`."""
-    return [p for p in fit.parameters if not p.held and _share(fit, p) > FAR]
+    """Free parameters that moved by more than `FAR`; measuring frames have no nominal place."""
+    return [p for p in fit.parameters if not p.held and p.name not in FRAMES and _share(fit, p) > FAR]
 
 
 def residual_misfit(residuals: Iterable[Residual], size: float) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 
 from symkin.calibration.believable import is_exact
 from symkin.calibration.calibrate import Calibration, Parameter
+from symkin.calibration.parameters import FRAMES
 from symkin.calibration.prediction import PoseSigma
 from symkin.calibration.residuals import ANGULAR
 from symkin.calibration.sequence import SequenceChoice
@@ -129,9 +130,14 @@ class FitReport:
         return tuple(text for text in self.fit.identifiability.unobservable if _FRAME not in text)
 
     def changes(self) -> list[Parameter]:
-        """Parameters by the size of their change, angles times the size."""
+        """The mechanism's parameters by the size of their change, angles times the size."""
         size = self.fit.mechanism.size
-        return sorted(self.fit.parameters, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
+        own = [p for p in self.fit.parameters if p.name not in FRAMES]
+        return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
+
+    def measuring_frames(self) -> list[Parameter]:
+        """Frames between the mechanism and what was measured that were identified."""
+        return [p for p in self.fit.parameters if p.name in FRAMES and not p.held]
 
     # --- text ------------------------------------------------------------------------------------------------------
 
@@ -154,7 +160,10 @@ class FitReport:
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
-        lines.append(f"  largest changes: {', '.join(changed)}")
+        if changed:
+            lines.append(f"  largest changes: {', '.join(changed)}")
+        if placed := [f"{q.name} {_out(self, q, q.value):.7g} {_unit(self, q)}" for q in self.measuring_frames()]:
+            lines.append(f"  measuring frames: {', '.join(placed)}")
         for o in fit.outliers[:_LARGEST]:
             lines.append(f"  outlier: {o.reason}")
         if len(fit.outliers) > _LARGEST:

@@ -16,7 +16,7 @@ from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.group_slips import wrong_groups
 from symkin.calibration.measurements import Distance, Measurements
-from symkin.calibration.parameters import bound_by_motion, parameter_names
+from symkin.calibration.parameters import FRAMES, bound_by_motion, parameter_names
 from symkin.calibration.plausible import is_beyond, refusal
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.problem import default_parameters
@@ -60,12 +60,13 @@ def fit_file(
     choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
     fit = _fitted(mechanism, data, measurements, seed, options)
-    slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements)
+    frames_sought = _unknown_frames(options)
+    slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements, frames_sought)
     if not slips and not fit.believable:
         slips = wrong_groups(mechanism, measurements)
         if not slips and (fit.status != "ok" or is_beyond(fit)):
             slips = _wrong_sequence(mechanism, data, options)
-    refused = None if fit.believable else refusal(fit, misfit(mechanism, measurements), slips)
+    refused = None if fit.believable else refusal(fit, misfit(mechanism, measurements, frames_sought), slips)
     return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), refused)
 
 
@@ -89,10 +90,15 @@ def _fitted(mechanism: Mechanism, data: DataFile, measurements: Measurements, se
     try:
         return calibrate(mechanism, measurements, seed=seed, **options)
     except InputError as error:
-        slips = suspicions(mechanism, measurements) or _wrong_sequence(mechanism, data, options)
+        slips = suspicions(mechanism, measurements, _unknown_frames(options)) or _wrong_sequence(mechanism, data, options)
         if not slips:
             raise InputError(f"{data.path}: {error}") from None
         raise NotFittedError(f"{data.path}: {error}", slips) from None
+
+
+def _unknown_frames(options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Parameters to identify that are measuring frames."""
+    return tuple(name for name in options["parameters"] if name in FRAMES and name not in options["fixed"])
 
 
 def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:

@@ -16,15 +16,13 @@ from symkin.calibration.closing import Configurations
 from symkin.calibration.direct import solved_steps
 from symkin.calibration.measurements import NO_GROUP, Measurements
 from symkin.calibration.model import build_model
+from symkin.calibration.parameters import FRAMES
 from symkin.calibration.residuals import build_readings, whitening
 from symkin.calibration.simulate import Noise, read
 from symkin.calibration.workspace import platform_points
 from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
-
-FRAMES = tuple(f"{frame}.{what}.{k}" for frame in ("world", "target") for what in ("position", "rotation") for k in "xyz")
-"""Constant frames that an alignment removes: where the base frame and the tool frame stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,13 +58,13 @@ def reading_slopes(
 
 
 def pose_slopes(mechanism: Mechanism, made: Configurations, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Pose by scaled parameters (n, 6, P) and by the twelve frames (n, 6, 12): position in the length unit, rotation
-    vector in radians, joints held."""
+    """Pose by scaled parameters (n, 6, P) and by the twelve constant frames that an alignment removes (n, 6, 12): position in the
+    length unit, rotation vector in radians, joints held. Frames may be among the parameters."""
     poses = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
-    model = build_model(mechanism, poses, [*names, *FRAMES])
+    model = build_model(mechanism, poses, tuple(dict.fromkeys((*names, *FRAMES))))
     e = model.evaluate(_unknowns(mechanism, made), made.joints, model.nominal, made.poses[:, 3:])
     slopes = e.readings_p - e.readings_z @ solved_steps(e.rows_z, e.rows_p)
-    return slopes[:, :, : len(names)], slopes[:, :, len(names) :]
+    return slopes[:, :, : len(names)], slopes[:, :, [model.names.index(name) for name in FRAMES]]
 
 
 def lever(mechanism: Mechanism) -> float:

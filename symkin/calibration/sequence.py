@@ -17,6 +17,7 @@ from symkin.calibration.columns import SEQUENCES
 from symkin.calibration.direct import newton_postures, start_points
 from symkin.calibration.estimator import estimate
 from symkin.calibration.files import DataFile, euler_quaternions
+from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.plausible import BEYOND
@@ -216,6 +217,7 @@ def _start(mechanism: Mechanism, measurements: Measurements, options: dict[str, 
     p = model.nominal if first is None else first
     with np.errstate(all="ignore"):
         z, solved = newton_postures(model, start_points(model, measurements), measurements.joints, p)
+        p = frames_at(problem, z, p, solved)
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
     weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)

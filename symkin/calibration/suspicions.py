@@ -7,7 +7,7 @@ nominal geometry. A slip is named when the readings then agree with it many time
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations, permutations
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin.calibration.closing import started
 from symkin.calibration.direct import newton_postures, start_points
+from symkin.calibration.frames import frames_at
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.plausible import better_part
 from symkin.calibration.problem import build_calibration
@@ -38,8 +39,9 @@ _SPREAD = (3e-3, 1.0)
 the upper one."""
 
 
-def suspicions(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
-    """Sentences, at most three; none where nothing explains the readings better than they are."""
+def suspicions(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> tuple[str, ...]:
+    """Sentences, at most three; none where nothing explains the readings better than they are. `frames` are unknown ones, which are
+    sought anew for each slip."""
     rows = np.unique(np.linspace(0, len(measurements) - 1, _ROWS).astype(int))
     groups = measurements.groups
     if groups is not None and len(measurements) > _ROWS:
@@ -49,10 +51,10 @@ def suspicions(mechanism: Mechanism, measurements: Measurements) -> tuple[str, .
         return (_never_moved(mechanism, bare),)
     found = [*_units(mechanism, bare)] or [*_one_unit(mechanism, bare)]
     if not found:
-        found = [*_better(mechanism, bare, _slips(mechanism, bare))]
+        found = [*_better(mechanism, bare, _slips(mechanism, bare), frames)]
         if bare.position is not None:
             alone = started(mechanism, replace(bare, orientation=None))
-            found += _better(mechanism, alone, _position_slips(alone, bare.position))
+            found += _better(mechanism, alone, _position_slips(alone, bare.position), frames)
     return tuple(found[:3])
 
 
@@ -76,12 +78,12 @@ def _never_moved(mechanism: Mechanism, m: Measurements) -> str:
     )
 
 
-def _better(mechanism: Mechanism, m: Measurements, slips: Iterable[tuple[str, Measurements]]) -> list[str]:
+def _better(mechanism: Mechanism, m: Measurements, slips: Iterable[tuple[str, Measurements]], frames: Sequence[str]) -> list[str]:
     """Sentences for the slips that would make the misfit much smaller, best first."""
-    as_read, unit = misfit(mechanism, m), mechanism.length_unit
+    as_read, unit = misfit(mechanism, m, frames), mechanism.length_unit
     return [
         f"{text}: the misfit at the nominal geometry would fall from {as_read:.3g} to {value:.3g} {unit} (angles times the size)"
-        for value, text in sorted((misfit(mechanism, changed), text) for text, changed in slips)
+        for value, text in sorted((misfit(mechanism, changed, frames), text) for text, changed in slips)
         if value * _BETTER < as_read
     ]
 
@@ -125,17 +127,19 @@ def _out_of_proportion(values: np.ndarray) -> float:
     return max(0.0, math.log10(low / spread), math.log10(spread / high), math.log10(max(mean, 1e-300) / (5 * high)))
 
 
-def misfit(mechanism: Mechanism, measurements: Measurements) -> float:
+def misfit(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> float:
     """Root mean square of readings less those of the nominal geometry, angles times the size (length unit), over the better
-    four fifths of the postures, so that single bad rows do not count; a posture that does not close counts as one size."""
+    four fifths of the postures, so that single bad rows do not count; a posture that does not close counts as one size. `frames`
+    that are unknown are where they fit best."""
     try:
-        problem = build_calibration(mechanism, _bare(measurements))
+        problem = build_calibration(mechanism, _bare(measurements), parameters=frames or None)
     except SymkinError:
         return math.inf
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
         z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)
-        e = model.evaluate(np.nan_to_num(z), m.joints, model.nominal, problem.quaternions)
+        p = frames_at(problem, np.nan_to_num(z), model.nominal, solved)
+        e = model.evaluate(np.nan_to_num(z), m.joints, p, problem.quaternions)
         fit = linearise("means", problem.readings, np.nan_to_num(e.readings), np.zeros((*e.readings.shape, 1)))
         squares = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
     size = model.closure.size

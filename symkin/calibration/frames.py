@@ -1,0 +1,127 @@
+"""Where the measuring system stands: a start for unknown world and target frames, from postures that are solved.
+
+A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform: observed pose = world, platform
+pose, target one after the other. Frames have no nominal value near which they could be sought. With the platform's poses
+known from the mechanism's own geometry, only the frames are fitted here: by Levenberg-Marquardt from many orientations of the
+world frame, the target's orientation from those that were read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+
+from symkin.calibration.parameters import FRAMES
+from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.residuals import build_readings, linearise
+from symkin.spatial.rotation import (
+    conjugate,
+    multiply,
+    quaternion_from_matrix,
+    quaternion_from_rotation_vector,
+    rotation_vector_from_quaternion,
+)
+
+_ROWS = 40
+"""Postures that the start is found from, spread evenly: twelve numbers at most are wanted, and only nearly."""
+_STEPS, _KEPT, _LAST = 4, 3, 40
+"""Steps from each orientation, how many of what they lead to are followed, and the steps from there."""
+_FIRST = 1e-3
+"""First damping, of the columns' lengths."""
+_SETTLED = 1e-8
+"""Steps that lower the cost by less than this share are the last."""
+
+
+def frames_at(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
+    """Parameters (P,) with the free frames at their best for those of the postures z (n, width) that are solved (n,), all others
+    as in `p`."""
+    free = np.array([k for k, name in enumerate(problem.names) if name in FRAMES], dtype=int)
+    if not len(free) or not solved.any():
+        return p
+    closed = np.flatnonzero(solved)
+    rows = closed[np.unique(np.linspace(0, len(closed) - 1, _ROWS).astype(int))]
+    some = problem.measurements.subset(rows)
+    few = replace(problem, measurements=some, readings=build_readings(problem.model, some))
+    with np.errstate(all="ignore"):
+        trials = [_fitted(few, z[rows], start, free, _STEPS) for start in _starts(few, z[rows], p)]
+        ends = [_fitted(few, z[rows], near, free, _LAST) for near, _ in sorted(trials, key=lambda trial: trial[1])[:_KEPT]]
+        return min(ends, key=lambda end: end[1])[0]
+
+
+def _fitted(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
+    """Levenberg-Marquardt in the free frames, postures as they are: parameters and cost."""
+    model = problem.model
+
+    def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        e = model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+        fit = linearise("means", problem.readings, e.readings, e.readings_p[:, :, free])
+        cost = float(fit.vector @ fit.vector)
+        return fit.vector, fit.matrix, cost if np.isfinite(cost) else np.inf
+
+    (r, slopes, cost), damping = residuals(p), _FIRST
+    for _ in range(steps if np.isfinite(cost) else 0):
+        weak = np.sqrt(damping) * np.diag(np.maximum(np.linalg.norm(slopes, axis=0), 1e-300))
+        step = np.linalg.lstsq(np.vstack([slopes, weak]), np.concatenate([-r, np.zeros(len(free))]), rcond=None)[0]
+        trial = p.copy()
+        trial[free] += model.scales[free] * step
+        found = residuals(trial)
+        if found[2] < cost:
+            gained = cost - found[2]
+            p, (r, slopes, cost), damping = trial, found, 0.1 * damping
+            if gained < _SETTLED * cost:
+                break
+        else:
+            damping *= 10.0
+    return p, cost
+
+
+def _starts(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Iterator[np.ndarray]:
+    """p, and with the world frame in the orientations of a cube where all of its rotation is free; the target's orientation is then
+    the mean of those that were read, where all of it is free."""
+    yield p
+    places = {name: k for k, name in enumerate(problem.names)}
+    world, target = ([places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target"))
+    read = problem.measurements.orientation if min(target) >= 0 else None
+    platform = _platform_orientations(problem, z, p)
+    for turn in _cube() if min(world) >= 0 else (_turn(problem, p, "world"),):
+        start = p.copy()
+        if min(world) >= 0:
+            start[world] = rotation_vector_from_quaternion(turn)
+        if read is not None and np.any(np.isfinite(read)):
+            start[target] = rotation_vector_from_quaternion(_mean(_between(turn, platform, read)))
+        yield start
+
+
+def _turn(problem: CalibrationProblem, p: np.ndarray, frame: str) -> np.ndarray:
+    """Orientation (4,) of the world or target frame."""
+    table = dict(zip(problem.names, p, strict=True))
+    return np.asarray(quaternion_from_rotation_vector(np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])))
+
+
+def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Quaternions (4, n) of the platform in the base frame: observed ones less the frames of p."""
+    observed = problem.model.poses(z, p)[:, 3:].T
+    return np.asarray(multiply(conjugate(_turn(problem, p, "world")), multiply(observed, conjugate(_turn(problem, p, "target")))))
+
+
+def _between(world: np.ndarray, platform: np.ndarray, read: np.ndarray) -> np.ndarray:
+    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a world orientation."""
+    given = np.all(np.isfinite(read), axis=1)
+    return np.asarray(multiply(conjugate(multiply(world, platform[:, given])), read[given].T)).T
+
+
+def _mean(quaternions: np.ndarray) -> np.ndarray:
+    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others 2007)."""
+    return np.asarray(np.linalg.eigh(quaternions.T @ quaternions)[1][:, -1])
+
+
+def _cube() -> Iterator[np.ndarray]:
+    """Quaternions of the 24 orientations of a cube."""
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
+            if np.linalg.det(matrix) > 0.0:
+                yield np.asarray(quaternion_from_matrix(matrix))
