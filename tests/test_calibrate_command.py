@@ -10,7 +10,7 @@ import pytest
 import symkin
 from symkin.cli import main
 
-FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml"}
+FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml", "manifest.json"}
 
 
 def run(capsys, *arguments):
@@ -39,7 +39,7 @@ def changed(path, target, change):
 
 
 def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
-    """Simulate, fit, modes: exit 0, six files, the corrected mechanism nearer to the truth in poses than the nominal one."""
+    """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in poses than the nominal one."""
     out = tmp_path / "out"
     status, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", out)
     assert status == 0
@@ -225,7 +225,7 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
-        (["fit", "ren2008", "DATA", "-o", "FILE"], "is a file; the name of a folder"),
+        (["fit", "ren2008", "DATA", "-o", "KEPT"], "is a file; the name of a folder"),
         (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: the file cannot be read"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", "leg*.bse.*"], "matches nothing"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", "nonsense"], "matches nothing"),
@@ -254,16 +254,16 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_and_loses_nothing(capsys, tmp_path, data, arguments, fragment):
-    """Exit status 2, one sentence on stderr, and files that exist stay as they were."""
+    """Exit status 2, one sentence on stderr, files that exist stay as they were, and none is made."""
     kept = tmp_path / "kept.txt"
     kept.write_text("mine")
-    places = {"DATA": data, "FILE": kept, "OUT": tmp_path / "out"}
+    places = {"DATA": data, "KEPT": kept, "FILE": tmp_path / "new.csv", "OUT": tmp_path / "out"}
     status, said, complaint = run(capsys, "calibrate", *(places.get(a, a) for a in arguments))
     assert (status, said) == (2, "")
     assert fragment in complaint
     assert complaint.count("\n") == 1
     assert kept.read_text() == "mine"
-    assert not (tmp_path / "out").exists()
+    assert [p.name for p in tmp_path.iterdir()] == ["kept.txt"]
 
 
 def test_the_mechanism_that_was_given_is_not_overwritten(capsys, tmp_path, data):

@@ -21,6 +21,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -147,11 +148,16 @@ def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
 # --- writing -------------------------------------------------------------------------------------------------------
 
 
-def write_measurements(
-    path: str | Path, mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
+def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any) -> None:
+    """Write readings to a file; `options` are those of `measurements_text`."""
+    replace_text(path, measurements_text(mechanism, measurements, **options))
+
+
+def measurements_text(
+    mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
     comments: Sequence[str] = (),
-) -> None:  # fmt: skip
-    """Write readings in the mechanism's units; orientations as quaternions or, with `sequence`, as Euler angles, whose
+) -> str:  # fmt: skip
+    """Readings in the mechanism's units as CSV; orientations as quaternions or, with `sequence`, as Euler angles, whose
     headers leave the sequence out when it is `hidden`."""
     if sequence is not None and sequence not in SEQUENCES:
         raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
@@ -185,11 +191,11 @@ def write_measurements(
     for d in measurements.distances:
         if d.sigma is not None:
             table.number(f"sigma_{d.name}", np.broadcast_to(d.sigma, d.values.shape), "length")
-    replace_text(path, table.csv(comments))
+    return table.csv(comments)
 
 
-def write_plan(path: str | Path, plan: Plan) -> None:
-    """Write a plan: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
+def plan_text(plan: Plan) -> str:
+    """A plan as CSV: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
     table = _Columns(plan.mechanism)
     if len(plan.wedges):
         table.text("group", [str(g + 1) for g in plan.groups])
@@ -202,7 +208,7 @@ def write_plan(path: str | Path, plan: Plan) -> None:
         f"expected pose error: {accuracy_text(plan.mechanism, plan.accuracy)}",
         f"the same of random postures: {accuracy_text(plan.mechanism, plan.random)}",
     ]
-    replace_text(path, table.csv(comments))
+    return table.csv(comments)
 
 
 def accuracy_text(mechanism: Mechanism, accuracy: Accuracy) -> str:

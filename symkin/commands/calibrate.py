@@ -17,6 +17,7 @@ from symkin.commands.calibrate_options import (
     CsvOption,
     DataArgument,
     DistanceOption,
+    ForceOption,
     GroupsOption,
     HoldOption,
     Method,
@@ -39,6 +40,7 @@ from symkin.commands.calibrate_options import (
 from symkin.commands.options import MechArgument, SeedOption, check_output
 from symkin.commands.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
 from symkin.errors import InputError
+from symkin.written_files import check_own_file, write_own_file
 
 if TYPE_CHECKING:
     from symkin.calibration.simulate import Noise
@@ -76,6 +78,7 @@ def fit(
     distance: DistanceOption = None,
     sigma_distance: SigmaOption = None,
     seed: SeedOption = 0,
+    force: ForceOption = False,
 ) -> None:
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
     from symkin.calibration.files import read_measurements
@@ -83,7 +86,7 @@ def fit(
     from symkin.model.file import load
 
     mechanism = load(mech)
-    check_folder(output, mech, mechanism)
+    check_folder(output, mech, mechanism, force=force)
     given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
     sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}
     lengths = {"position": sigma_position, "distance": sigma_distance}
@@ -137,16 +140,18 @@ def simulate(
     tilt: TiltOption = "20deg",
     spin: SpinOption = "20deg",
     seed: SeedOption = 0,
+    force: ForceOption = False,
 ) -> None:
     """Write measurements as a measuring system would take them, of random postures or those of a plan."""
     import numpy as np
 
     from symkin.calibration.columns import DISTANCE
-    from symkin.calibration.files import read_measurements, write_measurements
+    from symkin.calibration.files import measurements_text, read_measurements
     from symkin.calibration.simulate import group_numbers, planned_postures, random_postures, read
     from symkin.model.file import load
 
     check_output(output, mech, truth, plan)
+    check_own_file(output, force=force)
     mechanism = load(mech)
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
@@ -168,7 +173,7 @@ def simulate(
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
     measured = read(mechanism, made, numbers, kinds, noise, rng, ends)
     comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
-    write_measurements(output, mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments)
+    write_own_file(output, measurements_text(mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments))
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
 
 
@@ -199,14 +204,16 @@ def plan(
     tilt: TiltOption = "20deg",
     spin: SpinOption = "20deg",
     seed: SeedOption = 0,
+    force: ForceOption = False,
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
-    from symkin.calibration.files import accuracy_text, write_plan
+    from symkin.calibration.files import accuracy_text, plan_text
     from symkin.calibration.planning import plan_measurements
     from symkin.calibration.run import matching
     from symkin.model.file import load
 
     check_output(output, mech)
+    check_own_file(output, force=force)
     mechanism = load(mech)
     _check_read(groups != 0, _split(readings), noise_group)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
@@ -216,7 +223,7 @@ def plan(
         readings=_split(readings),
         parameters=None if parameters is None else matching(mechanism, parameters), aligned=not raw,
     )  # fmt: skip
-    write_plan(output, made)
+    write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):
         held = int((made.groups == k).sum())
         print(

@@ -93,3 +93,6 @@ DistanceOption = Annotated[
 NoiseDistance = Annotated[
     str | None, typer.Option(metavar="SIGMA", help="Standard deviation of distances. Default: 1e-5 of the size.")
 ]
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Replace files in the way that symkin has not written, or that were edited since.")
+]

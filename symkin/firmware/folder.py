@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,6 +19,10 @@ from symkin.firmware.serial import SerialArm
 from symkin.firmware.source import fill
 from symkin.firmware.vectors import Vectors, build_vectors
 from symkin.model.mechanism import Mechanism
+from symkin.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
+
+_KEY = "model_sha256"
+"""What the manifest of a folder of firmware has, and others have not."""
 
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
@@ -40,7 +42,7 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[P
 
 def check_folder(mechanism: Mechanism, folder: Path) -> None:
     """Raises InputError where the folder holds the code of another mechanism."""
-    written = _manifest_of(folder)
+    written = read_manifest(folder, _KEY)
     if written.get("mechanism", mechanism.name) != mechanism.name:
         raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
 
@@ -48,33 +50,11 @@ def check_folder(mechanism: Mechanism, folder: Path) -> None:
 def _check_files(folder: Path, files: dict[str, str]) -> None:
     """Raises InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
     be, as after a run that was cut short."""
-    written = _manifest_of(folder)
-    digests = written.get("files", {})
-    foreign = [
-        name
-        for name, text in files.items()
-        if (folder / name).exists() and (name != "manifest.json" or not written)
-        and hashlib.sha256((folder / name).read_bytes()).hexdigest() not in (digests.get(name), _digest(text))
-    ]  # fmt: skip
-    edited = [name for name in foreign if name in digests]
-    if foreign:
-        which = ", ".join(edited or foreign)
-        what = "edited since they were written" if edited else "there already and not written by symkin"
-        raise InputError(f"{folder}: would replace {which}, {what}; move them away, or give another folder with -o")
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _manifest_of(folder: Path) -> dict[str, Any]:
-    """What a folder's manifest says; empty where there is none that can be read."""
-    try:
-        content = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    is_ours = isinstance(content, dict) and isinstance(content.get("files"), dict) and "model_sha256" in content
-    return content if is_ours else {}
+    written = read_manifest(folder, _KEY)
+    digests = {name: (written.get("files", {}).get(name), digest(text.encode())) for name, text in files.items()}
+    names = [name for name in files if name != MANIFEST or not written]
+    remedy = "move them away, or give another folder with -o"
+    refuse_foreign(folder, foreign_files(folder, names, digests), written.get("files", {}), remedy)
 
 
 def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
@@ -94,7 +74,7 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
-    files["manifest.json"] = manifest(program, files)
+    files[MANIFEST] = manifest(program, files)
     return files
 
 
@@ -113,7 +93,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home": options.home,
         },
         "operations_per_iteration": program.main.operations,
-        "files": {name: _digest(text) for name, text in sorted(files.items())},
+        "files": {name: digest(text.encode()) for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"
 
