@@ -11,10 +11,21 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from symkin.csv_dialect import (
+    SEPARATORS,
+    blanked,
+    has_decimal_commas,
+    listed,
+    matched_names,
+    read_text,
+    split_header,
+    split_rows,
+    with_points,
+)
 from symkin.errors import InputError
 
 UNITS: dict[str, tuple[str, float]] = {
@@ -24,30 +35,36 @@ UNITS: dict[str, tuple[str, float]] = {
 }  # fmt: skip
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
 
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-_HEADER = re.compile(r"([A-Za-z_][\w.]*)\s*(?:\[(\w+)\])?")
-
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its name, the unit in its header (None without one), and the text of each cell."""
+    """One column: its name, the unit in its header (None without one), the text of each cell, and the header as it is written."""
 
     name: str
     unit: str | None
     cells: tuple[str, ...]
+    written: str = ""
 
     @property
     def header(self) -> str:
         return self.name if self.unit is None else f"{self.name}[{self.unit}]"
 
+    def loose(self, name: str) -> bool:
+        """Whether the header of a file was written otherwise than name[unit], but for spaces."""
+        return re.sub(r"\s", "", self.written) != re.sub(r"\s", "", replace(self, name=name).header)
+
 
 @dataclass(frozen=True)
 class Table:
-    """The columns of a file by name, and the line on which each row stands."""
+    """The columns of a file by name, the line on which each row stands, what separates the cells, notes on how it was read, and
+    the headers of columns that mean nothing."""
 
     path: str
     columns: dict[str, Column]
     lines: tuple[int, ...]
+    separator: str = ","
+    notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -63,12 +80,39 @@ class Table:
         factor = self._factor(column, kind, unit)
         return [self._number(column, k, empty) * factor for k in range(len(self))]
 
-    def refuse_unknown(self, allowed: Iterable[str]) -> None:
-        """Refuse columns whose names are not allowed."""
-        known = list(allowed)
-        for name in self.columns:
-            if name not in known:
-                raise InputError(f"{self.path}: column {name!r} is unknown; allowed: {', '.join(known)}")
+    def matched(self, known: Sequence[str], *, text: Sequence[str] = (), aliases: Mapping[str, str] | None = None) -> Table:
+        """The known columns under their names (`aliases` are other names of some), blanks and decimal points as usual in all but
+        those of `text`; the notes say what was read otherwise than it stands there, and which columns were left out.
+
+        Raises InputError for what can be read in two ways."""
+        names = matched_names(self.path, [n for n in self.columns if n not in (aliases or {})], known) | dict(aliases or {})
+        kept = {names[name]: column for name, column in self.columns.items() if name in names}
+        blank = {name: blanked(column.cells) for name, column in kept.items()}
+        numbers = [(column.header, blank[name][0]) for name, column in kept.items() if name not in text]
+        commas = has_decimal_commas(self.path, numbers, self.separator)
+        columns = {
+            name: Column(name, column.unit, with_points(blank[name][0]) if commas and name not in text else blank[name][0])
+            for name, column in kept.items()
+        }
+        notes = [*self.notes, *self._notes(names, columns, sum(count for _, count in blank.values()))]
+        if commas:
+            notes.append("numbers were read with decimal commas")
+        left_out = tuple(c.written for name, c in self.columns.items() if name not in names)
+        return replace(self, columns=columns, notes=tuple(notes), left_out=left_out)
+
+    def _notes(self, names: Mapping[str, str], columns: Mapping[str, Column], blanks: int) -> Iterator[str]:
+        """What was read otherwise than it stands there."""
+        if self.separator != ",":
+            yield f"cells were read as separated by {SEPARATORS.get(self.separator, repr(self.separator))}"
+        other = [
+            f"{c.written!r} as {columns[names[n]].header}" for n, c in self.columns.items() if n in names and c.loose(names[n])
+        ]
+        if other:
+            yield f"columns were read by other names or units than they bear: {', '.join(other)}"
+        if left_out := [c.written for n, c in self.columns.items() if n not in names]:
+            yield f"columns that mean nothing here were left out: {listed(left_out)}"
+        if blanks:
+            yield f"{blanks} cell{'s' * (blanks != 1)} with NaN or its like {'were' if blanks != 1 else 'was'} read as blank"
 
     def copies(self) -> tuple[tuple[int, int], ...]:
         """Rows (from 0) that repeat an earlier one in every cell, numbers by their values, with that one."""
@@ -80,9 +124,14 @@ class Table:
                 found.append((k, earlier))
         return tuple(found)
 
+    def held(self) -> str:
+        """What columns there are, for messages about one that is missing."""
+        left_out = f"; left out: {listed(self.left_out)}" if self.left_out else ""
+        return f"the header has {', '.join(self.columns)}{left_out}"
+
     def _column(self, name: str) -> Column:
         if name not in self.columns:
-            raise InputError(f"{self.path}: column {name!r} is missing; the header has {', '.join(self.columns)}")
+            raise InputError(f"{self.path}: column {name!r} is missing; {self.held()}")
         return self.columns[name]
 
     def _factor(self, column: Column, kind: str | None, unit: str | None) -> float:
@@ -106,42 +155,51 @@ class Table:
             value = float(cell)
         except ValueError:
             value = math.nan
-        if _DECIMAL_COMMA.fullmatch(cell):
-            raise InputError(
-                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {cell!r} has a decimal comma; a point is needed, "
-                f"as in {cell.replace(',', '.')}"
-            )
         if not math.isfinite(value):
             raise InputError(
-                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {cell!r} is not a number; a finite number is needed"
+                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {repr(cell) if cell else 'an empty cell'} is not a number; a finite number is needed"
             )
         return value
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a CSV file (UTF-8, separated by commas) with a header of `name` or `name[unit]`."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{path}: the file cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: the file is not UTF-8 text; a CSV file with a header of names and units is needed") from None
-    rows = _rows(str(path), text)
+    """Read a CSV file with a header of `name` or `name[unit]`, its cells separated by commas, semicolons or tabs."""
+    text, notes = read_text(path)
+    rows, separator = split_rows(str(path), text)
     if not rows:
         raise InputError(f"{path}: the file is empty; a header of names and units is needed, as in leg1[mm],theta[deg]")
-    _refuse_separators(str(path), *rows[0])
-    names = [_header(str(path), k, cell) for k, cell in enumerate(rows[0][1], start=1)]
-    for k, (name, _) in enumerate(names):
-        if name in [earlier for earlier, _ in names[:k]]:
-            raise InputError(f"{path}: column {name!r} stands twice in the header; each name once")
+    headers = [cell.strip() for cell in rows[0][1]]
     for line, row in rows[1:]:
-        if len(row) != len(names):
-            _refuse_separators(str(path), line, row)
-            hint = "; decimal commas, as in 0,213? a point is needed" if len(row) > len(names) else ""
-            raise InputError(f"{path}, line {line}: {len(row)} cells where the header has {len(names)}{hint}")
-    cells = zip(*(row for _, row in rows[1:]), strict=True) if len(rows) > 1 else [()] * len(names)
-    columns = {name: Column(name, unit, tuple(c)) for (name, unit), c in zip(names, cells, strict=True)}
-    return Table(str(path), columns, tuple(line for line, _ in rows[1:]))
+        _check_width(str(path), line, row, len(headers), separator)
+    cells = list(zip(*(row[: len(headers)] for _, row in rows[1:]), strict=True)) if len(rows) > 1 else [()] * len(headers)
+    columns: dict[str, Column] = {}
+    for number, (header, held) in enumerate(zip(headers, cells, strict=True), start=1):
+        name, unit = split_header(header or f"column {number}", UNITS)
+        if name in columns:
+            raise InputError(f"{path}: column {name!r} stands twice in the header; each name once")
+        if header or any(cell.strip() for cell in held):
+            columns[name] = Column(name, unit, held, header)
+    return Table(str(path), columns, tuple(line for line, _ in rows[1:]), separator, notes)
+
+
+def _check_width(path: str, line: int, row: list[str], width: int, separator: str) -> None:
+    """Refuse a row of another number of cells than the header; empty ones at its end do not count."""
+    if len(row) == width or (len(row) > width and not any(cell.strip() for cell in row[width:])):
+        return
+    other = next(
+        (name for mark, name in SEPARATORS.items() if mark != separator and any(mark in cell.strip() for cell in row)), None
+    )
+    hint = (
+        "; decimal commas, as in 0,213? points are needed where commas separate the cells"
+        if len(row) > width and separator == ","
+        else ""
+    )
+    hint = (
+        f"; it looks separated by {other}, the header by {SEPARATORS.get(separator, repr(separator))}"
+        if other and len(row) < width
+        else hint
+    )
+    raise InputError(f"{path}, line {line}: {len(row)} cells where the header has {width}{hint}")
 
 
 def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -183,33 +241,3 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
-
-
-def _rows(path: str, text: str) -> list[tuple[int, list[str]]]:
-    """Line numbers and cells of all rows that hold something."""
-    reader = csv.reader(io.StringIO(text), skipinitialspace=True, strict=True)
-    rows = []
-    try:
-        for row in reader:
-            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
-                rows.append((reader.line_num, row))
-    except csv.Error as error:
-        raise InputError(f"{path}, line {reader.line_num}: the line is not CSV ({error})") from None
-    return rows
-
-
-def _refuse_separators(path: str, line: int, row: list[str]) -> None:
-    """Refuse a line whose cells are separated by something else than commas."""
-    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
-        if any(mark in cell.strip() for cell in row):
-            raise InputError(f"{path}, line {line}: the cells are separated by {name}; commas are needed, and points in numbers")
-
-
-def _header(path: str, number: int, cell: str) -> tuple[str, str | None]:
-    match = _HEADER.fullmatch(cell.strip())
-    if match is None:
-        raise InputError(f"{path}: header of column {number} is {cell.strip()!r}; a name or name[unit] is needed, as in leg1[mm]")
-    name, unit = match.groups()
-    if unit is not None and unit not in UNITS:
-        raise InputError(f"{path}: column {name!r} has the unit {unit!r}; allowed: {', '.join(UNITS)}")
-    return name, unit

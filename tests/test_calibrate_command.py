@@ -232,7 +232,7 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
         (["fit", "ren2008", "DATA", "-o", "OUT", "--frames", "joints:leg1"], "joints:P1,P2,P3/B1,B2"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--sigma-group", "1mm"], "unit of angle"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--sigma-group", "0.1"], "stands in the file"),
-        (["fit", "zhao2000", "DATA", "-o", "OUT"], "column 'leg1' is unknown"),
+        (["fit", "zhao2000", "DATA", "-o", "OUT"], "there is no column of the actuated joint 'theta1'; unknown: 'leg1[m]'"),
         (["simulate", "ren2008", "-o", "FILE", "--readings", "colour"], "allowed: inclination"),
         (["simulate", "ren2008", "-o", "FILE", "--truth", "zhang2009"], "are not those of ren2008"),
         (["simulate", "ren2008", "-o", "FILE", "--postures", "3", "--groups", "2"], "two postures in each"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -71,6 +72,43 @@ def test_units_of_the_header_count(tmp_path, measured):
     np.testing.assert_allclose(back.inclination, measured.inclination, rtol=1e-12, atol=1e-15)
 
 
+def as_a_spreadsheet_writes(path):
+    """Semicolons, decimal commas, capitals, units in parentheses, NaN, a byte order mark, CRLF, a column of times and remarks."""
+    header, *rows = [line.split(",") for line in path.read_text().splitlines()]
+    names = [re.sub(r"\[(.*)\]", r" (\1)", name).capitalize() for name in header]
+    lines = [[*names, "Uhrzeit", "Bemerkung"]]
+    lines += [[*(cell.replace(".", ",") or "NaN" for cell in row), f"12:00:{k:02d}.5", "1.5"] for k, row in enumerate(rows)]
+    path.write_bytes(("\ufeff" + "".join(";".join(line) + "\r\n" for line in lines)).encode())
+    return path
+
+
+def test_a_spreadsheets_file_is_the_same_file(tmp_path, measured):
+    """Every number, label and blank is that of the file as symkin writes it, and the notes say what was read otherwise."""
+    part = measured.without(3, "position")
+    write_measurements(tmp_path / "own.csv", NOMINAL, part)
+    write_measurements(tmp_path / "other.csv", NOMINAL, part)
+    own = read_measurements(tmp_path / "own.csv", NOMINAL)
+    other = read_measurements(as_a_spreadsheet_writes(tmp_path / "other.csv"), NOMINAL)
+    for key in ("joints", "groups", "inclination", "position", "orientation"):
+        assert np.array_equal(getattr(own.measurements, key), getattr(other.measurements, key), equal_nan=True)
+    for key in ("joint", "group", "inclination", "position", "orientation"):
+        assert np.array_equal(own.measurements.sigma(key), other.measurements.sigma(key))
+    assert own.groups == other.groups
+    said = " ".join(set(other.notes) - set(own.notes))
+    for words in ("semicolons", "decimal commas", "'Leg1 (m)' as leg1[m]", "3 cells with NaN", "'Uhrzeit', 'Bemerkung'"):
+        assert words in said
+
+
+def test_rows_with_their_own_times_are_no_copies(tmp_path, measured):
+    """A row with the readings of an earlier one and another time stays; with the same time it is a copy."""
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured)
+    header, *rows = path.read_text().splitlines()
+    lines = [f"{header},time", *(f"{row},{k}" for k, row in enumerate(rows)), f"{rows[0]},99", f"{rows[1]},1"]
+    path.write_text("\n".join(lines) + "\n")
+    assert read_measurements(path, NOMINAL).copies == ((len(rows) + 1, 1),)
+
+
 def set_cell(row, column, value):
     def change(header, rows):
         rows[row][next(k for k, name in enumerate(header) if name.split("[")[0] == column)] = value
@@ -96,8 +134,10 @@ def rename(old, new):
         (set_cell(1, "sigma_alpha", "0"), ("line 3", "sigma_alpha", "positive")),
         (rename("leg3[m]", "leg3[deg]"), ("leg3[deg]", "unit of length")),
         (rename("leg3[m]", "leg7[m]"), ("leg7", "leg1, leg2")),
-        (rename("sigma_leg4[m]", "sigma_alpha2[m]"), ("sigma_alpha2",)),
+        (rename("sigma_leg4[m]", "sigma_alpha2[m]"), ("'sigma_leg4' is missing", "sigma_alpha2")),
         (rename("beta[deg]", "euler_XXY_1[deg]"), ("XXY", "neighbours different")),
+        (rename("beta[deg]", "EULER_ZYX_1[deg]"), ("in capitals", "euler_ZYX_1 for moving axes")),
+        (rename("beta[deg]", "Tilt B"), ("'beta' is missing", "Tilt B")),
     ],
 )
 def test_mistakes_are_named_by_line_and_column(tmp_path, measured, change, fragments):

@@ -54,15 +54,12 @@ def test_written_numbers_are_read(tmp_path_factory, rows):
     ("text", "words"),
     [
         ("", ["data.csv", "empty"]),
-        ("a b,c\n", ["column 1", "a b"]),
-        ("a[furlong]\n1\n", ["'a'", "furlong", "mm"]),
         ("a,a\n1,2\n", ["'a'", "twice"]),
         ("a,b\n1\n", ["line 2", "1 cells", "2"]),
         ('a,b\n1,"x\n', ["line 2", "CSV"]),
-        ("a;b[mm]\n1;2\n", ["line 1", "separated by semicolons; commas are needed"]),
-        ("a\tb[mm]\n1\t2\n", ["line 1", "separated by tabs; commas are needed"]),
-        ("a,b\n1;2\n", ["line 2", "separated by semicolons"]),
+        ("a,b\n1;2\n", ["line 2", "looks separated by semicolons, the header by commas"]),
         ("a,b\n1,5,2\n", ["line 2", "3 cells", "decimal commas"]),
+        ("a;b,c\n1;2,3\n", ["commas and semicolons stand in the header"]),
     ],
 )
 def test_mistakes_of_a_file_are_sentences(tmp_path, text, words):
@@ -78,9 +75,9 @@ def test_mistakes_of_a_file_are_sentences(tmp_path, text, words):
         (lambda t: t.numbers("a", "length", "mm"), ["line 3", "a[mm]", "'x'", "number"]),
         (lambda t: t.numbers("n", "length", "mm"), ["'n'", "unit", "n[m]"]),
         (lambda t: t.numbers("a"), ["a[mm]", "plain"]),
-        (lambda t: t.numbers("b"), ["line 2", "'b'", "''"]),
+        (lambda t: t.numbers("b"), ["line 2", "'b'", "an empty cell"]),
         (lambda t: t.numbers("c"), ["'c'", "missing", "a, n, b"]),
-        (lambda t: t.refuse_unknown(["a", "b"]), ["'n'", "unknown", "a, b"]),
+        (lambda t: t.matched(["A", "_a"]), ["'a'", "'A' or '_a'", "meant"]),
     ],
 )
 def test_mistakes_of_columns_are_sentences(tmp_path, call, words):
@@ -91,12 +88,94 @@ def test_mistakes_of_columns_are_sentences(tmp_path, call, words):
     assert all(word in str(caught.value) for word in ["data.csv", *words])
 
 
-@pytest.mark.parametrize(("cell", "point"), [("0,213", "0.213"), ("-1,5e-3", "-1.5e-3"), (",5", ".5")])
-def test_decimal_commas_are_named(tmp_path, cell, point):
-    """A quoted number with a decimal comma is refused with the number that is meant."""
-    with pytest.raises(InputError, match="has a decimal comma") as caught:
-        table(tmp_path, f'a,b\n1,"{cell}"\n').numbers("b")
-    assert str(caught.value).endswith(f"as in {point}")
+VALUES = [[344.182, -0.5, 1e-3], [1344.25, 2.0, -7.0]]
+NAMES, UNITS = ("leg1", "theta", "x"), ("mm", "deg", "mm")
+
+
+def people(separator=",", point=".", header="{name}[{unit}]", end="\n", before="", quoted=False):
+    """The same numbers as some program writes them."""
+    mark = '"' if quoted else ""
+    rows = [[header.format(name=n, unit=u) for n, u in zip(NAMES, UNITS, strict=True)]]
+    rows += [[f"{mark}{v!r}{mark}".replace(".", point) for v in row] for row in VALUES]
+    return before + "".join(separator.join(row) + end for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("text", "notes"),
+    [
+        (people(), []),
+        (people(header="{name} [{unit}]", end="\r\n", before="\ufeff"), []),
+        (people(";"), ["separated by semicolons"]),
+        (people(";", ","), ["separated by semicolons", "decimal commas"]),
+        (people("\t", ",", end="\r\n"), ["separated by tabs", "decimal commas"]),
+        (people(",", ",", quoted=True), ["decimal commas"]),
+        (people(header="{name} ({unit})"), ["'leg1 (mm)' as leg1[mm]"]),
+        (people(header="{name} / {unit}"), ["'theta / deg' as theta[deg]"]),
+        (people(";", ",", before="sep=;\n", end=";\n"), ["separated by semicolons"]),
+        (people().replace("leg1[mm]", "Leg1(MM)").replace("theta[deg]", "THETA[\u00b0]"), ["'Leg1(MM)' as leg1[mm]", "'THETA[\u00b0]' as theta[deg]"]),
+        (people().replace("leg1[mm]", '"Leg 1, (mm)"').replace("Leg 1,", "Leg-1"), ["'Leg-1 (mm)' as leg1[mm]"]),
+        (people(end=",note, 3 of 4\n").replace("]\n", "]\n").replace("x[mm],note, 3 of 4", "x[mm],Remark,Temp (C)"), ["'Remark', 'Temp (C)'"]),
+    ],
+)  # fmt: skip
+def test_files_as_people_have_them(tmp_path, text, notes):
+    """However separators, points, units and names are written, the numbers are the same, and what was unusual is said."""
+    path = tmp_path / "data.csv"
+    path.write_bytes(text.encode())
+    read = read_table(path).matched(NAMES)
+    kinds = ("length", "angle", "length")
+    columns = [read.numbers(n, k, u) for n, k, u in zip(NAMES, kinds, UNITS, strict=True)]
+    assert [list(row) for row in zip(*columns, strict=True)] == VALUES
+    assert all(any(words in note for note in read.notes) for words in notes)
+    assert bool(read.notes) == bool(notes)
+
+
+@pytest.mark.parametrize("blank", ["NaN", "nan", "N/A", "#NV", "null", ""])
+def test_what_programs_write_for_nothing_is_blank(tmp_path, blank):
+    """NaN and its like are blank cells, as empty ones are, and counted in a note."""
+    read = table(tmp_path, f"a[mm],b\n{blank},1\n2,3\n").matched(["a", "b"])
+    assert math.isnan(read.numbers("a", "length", "mm", empty=True)[0])
+    assert read.notes == (("1 cell with NaN or its like was read as blank",) if blank else ())
+    with pytest.raises(InputError, match=r"line 2, column 'a.mm.': an empty cell"):
+        read.numbers("a", "length", "mm")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a[mm];b[mm]\n1,5;2.5\n", ["'a[mm]' has '1,5'", "'b[mm]' has '2.5'", "decimal or separate thousands"]),
+        ("a[mm]\tb[mm]\n1,500\t22,125\n", ["'1,500'", "every comma"]),
+        ('a[mm],b[mm]\n"1,500",2\n', ["'1,500'", "every comma"]),
+        ("A[mm],a [mm],b\n1,2,3\n", ["'a'", "'A'", "leave one out"]),
+    ],
+)
+def test_what_can_be_read_in_two_ways_is_refused(tmp_path, text, words):
+    """One sentence with the cells that leave it open."""
+    with pytest.raises(InputError) as caught:
+        table(tmp_path, text).matched(["a", "b"])
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_text_stays_as_it_is(tmp_path):
+    """Labels with points and commas are no numbers: they neither change nor decide what a comma means."""
+    read = table(tmp_path, "group;a[mm]\n1.2;3,5\n1,2;4,5\n").matched(["group", "a"], text=["group"])
+    assert read.text("group") == ("1.2", "1,2")
+    assert read.numbers("a", "length", "mm") == [3.5, 4.5]
+
+
+def test_windows_text_is_read(tmp_path):
+    """A file that is no UTF-8 is read as Windows-1252, which is said."""
+    path = tmp_path / "w.csv"
+    path.write_bytes("a[\u00b5m],Gr\u00f6\u00dfe\n5,x\n".encode("cp1252"))
+    read = read_table(path).matched(["a"])
+    assert read.numbers("a", "length", "mm") == [0.005]
+    assert any("Windows-1252" in note for note in read.notes)
+
+
+def test_unknown_units_are_refused_where_they_matter(tmp_path):
+    """Of a column that is read, not of one that is left out."""
+    read = table(tmp_path, "a[furlong],T[C]\n1,2\n").matched(["a"])
+    with pytest.raises(InputError, match=r"'a\[furlong\]' needs a unit of length.*mm"):
+        read.numbers("a", "length", "mm")
 
 
 def test_empty_cells_may_be_allowed(tmp_path):

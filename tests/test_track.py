@@ -86,6 +86,21 @@ def test_written_track_can_be_read_again(tmp_path, capsys):
         assert first.numbers(name, "length", "mm") == pytest.approx(second.numbers(name, "length", "mm"), abs=1e-9)
 
 
+def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
+    """Semicolons, decimal commas, capitals, parentheses and a column of remarks: the same samples, and notes that say so."""
+    legs = [f"leg{k}" for k in range(1, 7)]
+    header = ",".join(f"{name}[mm]" for name in legs)
+    (tmp_path / "own.csv").write_text(f"{header}\n{EXAMPLE}\n{NEAR}\n")
+    lines = [";".join([*(f"{name.capitalize()} (mm)" for name in legs), "Remark"])]
+    lines += [";".join([*row.replace(".", "_").replace(",", ";").replace("_", ",").split(";"), "1.5"]) for row in (EXAMPLE, NEAR)]
+    (tmp_path / "other.csv").write_bytes(("\ufeff" + "\r\n".join(lines)).encode())
+    own, other = (run_json(capsys, "track", "zhang2009", "--csv", str(tmp_path / f"{n}.csv"))[1] for n in ("own", "other"))
+    assert other["samples"] == own["samples"]
+    assert not own["notes"]
+    for words in ("semicolons", "decimal commas", "'Leg1 (mm)' as leg1[mm]", "left out: 'Remark'"):
+        assert any(words in note for note in other["notes"])
+
+
 def test_passive_joints_of_every_kind_are_written(tmp_path):
     """A closure with quaternions and angles: each written row, read back, is the sample."""
     mechanism = symkin.load("zhao2000_links")
@@ -144,7 +159,7 @@ def test_mistakes_are_one_line(capsys, arguments, words):
     ("text", "words"),
     [
         ("leg1[mm],leg2\n1,2\n", "leg2' needs a unit"),
-        ("leg1[mm],foo[mm]\n1,2\n", "'foo' is unknown"),
+        ("leg1[mm],foo[mm]\n1,2\n", "'leg2' is missing; the header has leg1; left out: 'foo[mm]'"),
         ("leg1[mm],leg2[mm]\n1,2\n", "'leg3' is missing"),
         ("leg1[mm],leg2[deg]\n1,2\n", "leg2[deg]"),
         ("x[mm],y[mm],z[mm],qw,qx,qy\n1,2,3,1,0,0\n", "'qz' is missing"),

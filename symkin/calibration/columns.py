@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from symkin.calibration.measurements import NO_GROUP
+from symkin.csv_dialect import listed
 from symkin.csv_table import UNITS, Table
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
@@ -29,6 +30,7 @@ WEDGE = ("wedge_alpha", "wedge_beta")
 DISTANCE = "distance_"
 """Beginning of the columns of distances."""
 _EULER = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
+_SEQUENCED = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _LISTED = 5
 """Most groups of one posture that a message lists."""
 _SHOWN = 12
@@ -50,40 +52,69 @@ def measure_of(c: Coordinate) -> Measure:
     return "angle" if c.is_angular else "length"
 
 
+def _sequenced(table: Table) -> dict[str, str]:
+    """Columns of Euler angles whose header names the sequence, and their names as they are written here. Letters of the sequence say
+    by their size which axes are meant; where the whole header is in capitals they do not."""
+    found = {}
+    for name in table.columns:
+        match = _SEQUENCED.fullmatch(name)
+        if match is None:
+            continue
+        place, word, sequence, number = match.groups()
+        if word.isupper() and sequence.isupper():
+            raise InputError(
+                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
+                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
+            )
+        if sequence not in SEQUENCES:
+            raise InputError(
+                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
+                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
+            )
+        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
+    return found
+
+
 class ColumnReader:
     """One table read for one mechanism."""
 
     def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
-        self.table, self.mechanism, self.distances = table, mechanism, [DISTANCE + name for name in distances]
-        self.notes: list[str] = []
+        self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
         self.known = {c.name for c in mechanism.actuated}
+        self.copies = table.copies()
+        self.table = self._matched(table)
+        self.notes: list[str] = list(self.table.notes)
 
-    def refuse_unknown(self) -> None:
-        """Refuse columns that mean nothing for this mechanism."""
-        names = [c.name for c in self.mechanism.actuated]
-        sequenced = {name: match[1] for name in self.table.columns if (match := _EULER.fullmatch(name)) and match[1]}
-        for name, sequence in sequenced.items():
-            if sequence not in SEQUENCES:
-                raise InputError(
-                    f"{self.table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
-                    "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
-                )
+    def _matched(self, table: Table) -> Table:
+        """The columns that mean something for this mechanism, under their names."""
+        joints, sequenced = [c.name for c in self.mechanism.actuated], _sequenced(table)
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
-        sigmas = [f"sigma_{name}" for name in (*names, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
-        allowed = {*names, *placed, *sigmas, *sequenced, *WEDGE, *self.distances}
-        for name in self.table.columns:
-            if name not in allowed:
-                if name.startswith(DISTANCE):
-                    raise InputError(
-                        f"{self.table.path}: column {name!r}: the points of this distance are not known; give them with "
-                        f"--distance {name.removeprefix(DISTANCE)}=X,Y,Z:BX,BY,BZ"
-                    )
-                joints = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
+        sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
+        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances)))
+        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced)
+        read = [name for name in made.columns if name in (*placed, *self.distances, *sequenced.values())]
+        self._check_left_out(made, anything_read=bool(read))
+        return made
+
+    def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
+        """Refuse what would be missed: distances without their points, joints, and all readings."""
+        for name in made.left_out:
+            if name.startswith(DISTANCE):
                 raise InputError(
-                    f"{self.table.path}: column {name!r} is unknown; allowed: {joints} (the actuated joints), group, alpha, beta, "
-                    "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+                    f"{made.path}: column {name!r}: the points of this distance are not known; give them with "
+                    f"--distance {name.partition('[')[0].removeprefix(DISTANCE)}=X,Y,Z:BX,BY,BZ"
                 )
+        lacking = [c.name for c in self.mechanism.actuated if c.name not in made.columns]
+        if lacking or (made.left_out and not anything_read):
+            what = f"the actuated joint {lacking[0]!r}" if lacking else "any reading beside the joints"
+            names = [c.name for c in self.mechanism.actuated]
+            joints = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
+            unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
+            raise InputError(
+                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), group, alpha, beta, "
+                "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+            )
 
     def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
         column = self._column("group")
@@ -114,7 +145,7 @@ class ColumnReader:
 
     def _note_repeats(self, values: np.ndarray) -> None:
         """Note rows with the joint readings of an earlier one and other cells besides; whole copies are left out (`DataFile`)."""
-        whole = {row for row, _ in self.table.copies()}
+        whole = {row for row, _ in self.copies}
         _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
         earlier = first[inverse.ravel()]
         repeats = [int(k) for k in np.flatnonzero(earlier != np.arange(len(values))) if int(k) not in whole]
@@ -151,7 +182,9 @@ class ColumnReader:
             return None
         for name, column in zip(names, present, strict=True):
             if column is None:
-                raise InputError(f"{self.table.path}: column {name!r} is missing; {', '.join(names)} stand together")
+                raise InputError(
+                    f"{self.table.path}: column {name!r} is missing, and {', '.join(names)} stand together; {self.table.held()}"
+                )
         values = np.array([self._numbers(str(column), measure) for column in present]).T
         partly = np.isnan(values).any(axis=1) & ~np.isnan(values).all(axis=1)
         if np.any(partly):
@@ -242,7 +275,7 @@ class ColumnReader:
     def _sigma(self, name: str, measure: Measure) -> np.ndarray:
         if name not in self.table.columns:
             raise InputError(
-                f"{self.table.path}: column {name!r} is missing; give standard deviations of all or of none of its kind"
+                f"{self.table.path}: column {name!r} is missing; give standard deviations of all or of none of its kind; {self.table.held()}"
             )
         values = np.array(self._numbers(name, measure))
         least = 0.0 if name[len("sigma_") :] in self.known else np.finfo(float).tiny

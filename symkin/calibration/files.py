@@ -104,7 +104,6 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     points = distances or {}
     table = read_table(path)
     reader = ColumnReader(table, mechanism, tuple(points))
-    reader.refuse_unknown()
     if not len(table):
         raise InputError(f"{path}: the file has a header and no row; one row for each posture is needed")
     labels, groups = reader.groups()
@@ -131,7 +130,7 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(
-        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, table.copies()
+        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, reader.copies
     )  # fmt: skip
 
 

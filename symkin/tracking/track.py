@@ -42,18 +42,20 @@ def track(
     samples: int | None = None,
     limits: bool = True,
     name_modes: bool = True,
+    notes: Sequence[str] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Track:
     """Follow one assembly mode along rows of actuated joint values, or one working mode along poses.
 
     `joints` (n, actuated joints) or `poses` (n, 7) in the mechanism's units; between two rows joint values and positions
     move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at the first row, or
-    what `solve` takes as its start. `samples` divides the path further; `limits` stops at joint limits; `times` are kept; `name_modes`
+    what `solve` takes as its start. `samples` divides the path further; `limits` stops at joint limits; `times` and `notes` are kept; `name_modes`
     enumerates all modes before a singular stop, to say which of them meet there.
     The track ends at the path's end or the first stop: a singularity, a limit, loops that open. Raises InputError.
     """
     begin = time.perf_counter()
     trajectory = make_trajectory(mechanism, joints=joints, poses=poses, times=times, count=samples)
+    trajectory = replace(trajectory, notes=(*notes, *trajectory.notes))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         return _track(trajectory, start, limits, name_modes, progress, begin)
 

@@ -20,11 +20,10 @@ _CHECKS = ("path", "residual", "sigma", "radius")
 
 def read_trajectory(mechanism: Mechanism, path: str | Path, *, poses: bool = False) -> dict[str, Any]:
     """Keyword arguments of `track`: rows of all actuated joints (direct problem) or, with `poses` or where the joints' columns
-    are missing, poses; and times where there is a column t. Columns of other joints and of checks are left out. Raises
-    InputError."""
-    table = read_table(path)
+    are missing, poses; times where there is a column t; and notes on how the file was read. Columns of other joints, of checks
+    and of what means nothing are left out. Raises InputError."""
     coordinates = build_closure(mechanism).role("actuated", "passive")
-    table.refuse_unknown(["t", *(n for c in coordinates for n in _names(c)), *_POSITION, *_QUATERNION, *_CHECKS])
+    table = read_table(path).matched(["t", *(n for c in coordinates for n in _names(c)), *_POSITION, *_QUATERNION, *_CHECKS])
     if not len(table):
         raise InputError(f"{path}: there are no rows below the header; at least one sample is needed")
     times = table.numbers("t", "time", "s") if "t" in table.columns else None
@@ -34,8 +33,8 @@ def read_trajectory(mechanism: Mechanism, path: str | Path, *, poses: bool = Fal
     if poses or (not any(c.name in table.columns for c in mechanism.actuated) and "x" in table.columns):
         columns = [table.numbers(name, "length", mechanism.length_unit) for name in _POSITION]
         columns += [table.numbers(name) for name in _QUATERNION]
-        return {"poses": _rows(columns), "times": times}
-    return {"joints": _rows([_joint(table, mechanism, c) for c in mechanism.actuated]), "times": times}
+        return {"poses": _rows(columns), "times": times, "notes": table.notes}
+    return {"joints": _rows([_joint(table, mechanism, c) for c in mechanism.actuated]), "times": times, "notes": table.notes}
 
 
 def _rows(columns: list[list[float]]) -> list[list[float]]:
