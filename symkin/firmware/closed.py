@@ -23,6 +23,7 @@ from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem, build_problem
+from symkin.position.rank import Rank
 from symkin.position.system import System, constant_rows, split_blocks
 
 
@@ -129,6 +130,23 @@ class ClosedMechanism:
                 raise InputError(
                     f"{self.name}: locking the actuated joints does not fix the platform near the reference "
                     "(`symkin show` prints mobility and rank); nothing to generate"
+                )
+        for block in self.blocks:
+            self._check_block(block)
+
+    def _check_block(self, block: Block) -> None:
+        """Raises InputError where a pose leaves joints of a limb free."""
+        if block.kernel is None:
+            return
+        known = self.inverse.known_coordinates
+        for sample in self.samples[:5]:
+            state, pose = (self.inverse.take(sample.values, c) for c in (block.system.unknowns, known))
+            matrix = block.kernel.matrix(state, pose, self.geometry.values)
+            if Rank.of(matrix).value < matrix.shape[1]:
+                names = ", ".join(c.name for c in block.system.unknowns)
+                raise InputError(
+                    f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
+                    "nothing to generate"
                 )
 
 

@@ -333,7 +333,9 @@ def _angle_of_cut(symbols: JointSymbols, base: Chain, platform: PlatformSide) ->
 
 def _middle_turn(joints: Sequence[JointSymbols]) -> int | None:
     """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows, and both sides are
-    short."""
+    short. None where it is the only joint: then nothing would be left to solve for."""
+    if len(joints) == 1:
+        return None
     turns = [i for i, symbols in enumerate(joints) if symbols.joint.type == "R"]
     return min(turns, key=lambda i: abs(2 * i - len(joints) + 1), default=None)
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from symkin.model.closure import build_algebraic_closure
 from symkin.model.joint import Coordinate
+from symkin.paths.values import pose_point
 from symkin.position.problem import Problem
-from symkin.spatial.rotation import multiply
 
 Values = dict[str, np.ndarray]
 _DOUBLE = 1e-9
@@ -26,12 +26,13 @@ _DOUBLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class _Angles:
-    """One dyad with its vectors as a function of (known joints, Study coordinates)."""
+    """One dyad with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the first."""
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: np.ndarray
     axis2: np.ndarray
     vectors: ca.Function
+    joints: tuple[Coordinate, ...]
 
 
 @lru_cache(maxsize=128)
@@ -47,21 +48,23 @@ def dyads_of(problem: Problem) -> tuple[_Angles, ...]:
             np.asarray(ca.DM(d.axis)).ravel(),
             np.asarray(ca.DM(d.axis2)).ravel(),
             ca.Function("vectors", arguments, [d.arm, d.target]),
+            algebraic.coordinates,
         )
         for d in algebraic.dyads
     )
 
 
-def with_dyads(problem: Problem, joints: np.ndarray, values: Values) -> list[Values]:
-    """The coordinates of a real root with every combination of the dyads' angles at its pose."""
-    if not dyads_of(problem):
+def with_dyads(problem: Problem, known: np.ndarray, values: Values) -> list[Values]:
+    """The coordinates of a real root at given joints with every combination of the dyads' angles at its pose."""
+    dyads = dyads_of(problem)
+    if not dyads:
         return [values]
-    e = values["pose.quaternion"]
-    position = np.concatenate([[0.0], *(values[f"pose.{axis}"] for axis in "xyz")])
-    study = np.concatenate([e, 0.5 * multiply(position, e)])
+    given = dict(zip((c.name for c in problem.known_coordinates), known, strict=True))
+    joints = np.array([given[c.name] if c.name in given else values[c.name][0] for c in dyads[0].joints])
+    pose = pose_point(values, 1.0)
     choices: list[list[Values]] = []
-    for dyad in dyads_of(problem):
-        arm, target = (np.asarray(v).ravel() for v in dyad.vectors(joints, study))
+    for dyad in dyads:
+        arm, target = (np.asarray(v).ravel() for v in dyad.vectors(joints, pose))
         first, second = (c.name for c in dyad.coordinates)
         found = two_angles(dyad.axis, dyad.axis2, arm, target)
         choices.append([{first: np.array([alpha]), second: np.array([beta])} for alpha, beta in found])

@@ -75,20 +75,15 @@ def _build(problem: Problem, *, dyads: bool) -> tuple[AlgebraicSystem, ...]:
     if pose_unknown and len(problem.blocks) == 1:
         whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
     cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
-    return _blocks(whole, cut)
+    if whole.projective or whole.limbs:
+        return (whole,)
+    return tuple(_part(whole, cut, {c.name for c in block.unknowns}) for block in problem.blocks)
 
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
-    """The algebraic system of one block of a problem."""
-    names = {c.name for c in block.unknowns} - {c.name for d in dyads_of(problem) for c in d.coordinates}
-    return next(system for system in algebraic_systems(problem) if _covers(system, names))
-
-
-def _covers(system: AlgebraicSystem, names: set[str]) -> bool:
-    """The algebraic block has the coordinates of a real block: its affine ones, and the pose if it is projective."""
-    pose = {n for n in names if n.startswith("pose.")}
-    affine = {c.name for c in system.unknowns} | {c.name for c, _ in system.eliminated}
-    return affine == names or (bool(system.projective) and affine == names - pose)
+    """The algebraic system of one block of a problem; the systems stand in the order of the blocks."""
+    numbers = [number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns]
+    return algebraic_systems(problem)[numbers[0]]
 
 
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
@@ -101,24 +96,16 @@ def _limbs(whole: AlgebraicSystem, count: int) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(sorted(g)) for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count))
 
 
-def _blocks(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...]) -> tuple[AlgebraicSystem, ...]:
-    """Independent parts; rows without unknowns (conditions on the given values) belong to none. `cut` are eliminated
-    coordinates and their values: each goes to the block of the joints beside it."""
-    if whole.projective or whole.limbs:
-        return (whole,)
+def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], names: set[str]) -> AlgebraicSystem:
+    """The part of the coordinates `names`; rows without unknowns (conditions on the given values) belong to none. `cut` are
+    eliminated coordinates and their values."""
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z), 1)) != 0
-    blocks = []
-    for group in components([set(np.flatnonzero(row).tolist()) for row in pattern], whole.width):
-        places = sorted(group)
-        rows = [i for i in range(whole.count) if pattern[i, places].any()]
-        unknowns = tuple(whole.unknowns[i] for i in places)
-        mine = tuple((c, value) for c, value in cut if ca.depends_on(value, whole.z[places]))
-        blocks.append(
-            AlgebraicSystem(
-                whole.size, unknowns, whole.z[places], whole.k, whole.rows[rows, 0], (), mine, known_ray=whole.known_ray
-            )
-        )
-    return tuple(blocks)
+    places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
+    rows = [i for i in range(whole.count) if pattern[i, places].any()]
+    return AlgebraicSystem(
+        whole.size, tuple(whole.unknowns[i] for i in places), whole.z[places], whole.k, whole.rows[rows, 0], (),
+        tuple((c, value) for c, value in cut if c.name in names), known_ray=whole.known_ray,
+    )  # fmt: skip
 
 
 def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float) -> list[float]:

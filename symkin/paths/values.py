@@ -52,9 +52,14 @@ def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str,
     """z of a real root given as coordinates of the block: the inverse of `real_values`."""
     z = [values[c.name] / (1.0 if c.is_angular else problem.closure.size) for c in system.unknowns]
     if system.projective:
-        e = values["pose.quaternion"]
-        z.append(e)
-        if len(system.projective) == 8:
-            t = np.concatenate([[0.0], *(values[f"pose.{axis}"] / problem.closure.size for axis in "xyz")])
-            z.append(0.5 * multiply(t, e))
+        z.append(pose_point(values, problem.closure.size))
     return np.concatenate(z).astype(complex)
+
+
+def pose_point(values: dict[str, np.ndarray], size: float) -> np.ndarray:
+    """Study coordinates (e, g / size) of a pose; of one without a position, whose motion is spherical, the quaternion."""
+    e = values["pose.quaternion"]
+    if "pose.x" not in values:
+        return e
+    t = np.concatenate([[0.0], *(values[f"pose.{axis}"] / size for axis in "xyz")])
+    return np.concatenate([e, 0.5 * multiply(t, e)])

@@ -41,8 +41,20 @@ class Problem:
 
     @cached_property
     def blocks(self) -> tuple[System, ...]:
-        """Independent parts of the system: limbs decouple once the pose is given."""
-        return split_blocks(self.system)
+        """Independent parts of the system: limbs decouple once the pose is given. A rotation that is sought stays with all
+        other unknowns, and the joints of a limb that is not cut stay together, as over the complex numbers, where the
+        position belongs to the rotation's coordinates and such a limb is cut at another joint."""
+        return split_blocks(self.system, self._together)
+
+    @property
+    def _together(self) -> list[set[int]]:
+        """Places of unknowns that make one part whatever the rows hold."""
+        unknowns = self.system.unknowns
+        if any(c.role == "pose" and c.kind == "quaternion" for c in unknowns):
+            return [set(range(len(unknowns)))]
+        whole = {row.limb for row in self.closure.row_sources if row.relation == "frame"}
+        owners = {c.name: limb.name for limb, joint in self.mechanism.joints for c in joint.coordinates}
+        return [{k for k, c in enumerate(unknowns) if owners.get(c.name) == limb} for limb in sorted(whole)]
 
     @cached_property
     def conditions(self) -> System:

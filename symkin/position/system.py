@@ -179,12 +179,13 @@ class System:
         return z
 
 
-def split_blocks(system: System) -> tuple[System, ...]:
-    """Independent parts: the connected components of the graph of rows and unknown coordinates. A limb whose
-    platform pose is given is one part; its branches are found alone and combined afterwards."""
-    groups = components(_incidence(system.rows, system), len(system.unknowns))
+def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[System, ...]:
+    """Independent parts: the connected components of the graph of rows and unknown coordinates, with places of unknowns
+    that stay `together`. A limb whose platform pose is given is one part; its branches are found alone and combined
+    afterwards."""
     errors_of = _incidence(system.errors, system)
     rows_of = _incidence(system.rows, system)
+    groups = components([*rows_of, *together], len(system.unknowns))
     blocks = []
     for group in groups:
         unknowns = tuple(system.unknowns[k] for k in sorted(group))
