@@ -32,7 +32,9 @@ def singularities(
     plane: Annotated[
         str | None,
         typer.Option(
-            metavar="U,V", help="Loci over two pose coordinates (x, y, z, rx, ry, rz, gamma) or two actuated joints, others held."
+            metavar="U,V",
+            help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
+            "configuration's orientation) or two actuated joints, others held.",
         ),
     ] = None,
     window: Annotated[

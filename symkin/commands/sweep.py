@@ -38,7 +38,10 @@ def sweep(
     ],
     poses: Annotated[
         bool,
-        typer.Option("--poses", help="Sweep x, y, z, gamma, or rx, ry, rz before the orientation of --at; those of the motion."),
+        typer.Option(
+            "--poses",
+            help="Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the orientation of --at; those of the motion.",
+        ),
     ] = False,
     at: Annotated[
         str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")

@@ -7,7 +7,6 @@ asked to follow. A condition lets none of the steps pass, whatever its order; an
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 
 import casadi as ca
@@ -20,11 +19,9 @@ from symkin.position.given import pose_coordinates
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.mobility import analyse_mobility, fewer_rows
 from symkin.position.system import System
+from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
 
-TURNS = ("rx", "ry", "rz")
-"""The rotation vector in the base frame before a pose's orientation."""
 _STARTS = 24
 """Random starts from which closed configurations are sought."""
 _TRIED = 6
@@ -49,9 +46,8 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
     unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in joints))
     names = [name for name, _, _ in box]
     varied = ca.SX.sym("varied", len(names))
-    pose = ca.vertcat(
-        *_pose(closure, Pose(np.array(base[:3]), np.array(base[3:])), dict(zip(names, ca.vertsplit(varied), strict=True)))
-    )
+    held = _held(closure, Pose(np.array(base[:3]), np.array(base[3:])))
+    pose = ca.vertcat(*varied_pose(closure, held, dict(zip(names, ca.vertsplit(varied), strict=True))))
     place = closure.variables[closure.variables.shape[0] - pose.shape[0] :]
     rows, errors = (ca.substitute(closure.bound(e), place, pose) for e in (closure.rows, closure.errors))
     coordinates = tuple(Coordinate(f"varied.{n}", "length" if n in "xyz" else "angle", "pose") for n in names)
@@ -74,19 +70,12 @@ def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms
     )
 
 
-def _pose(closure: Closure, base: Pose, varied: Mapping[str, ca.SX]) -> list[ca.SX]:
-    """The closure's pose coordinates, those of the base where they do not vary."""
+def _held(closure: Closure, base: Pose) -> dict[str, np.ndarray]:
+    """A pose by the closure's names."""
     values, _ = pose_coordinates(closure.mechanism, base)
-    found, begin = [], 0
-    for c in closure.role("pose"):
-        name, part = c.name.removeprefix("pose."), values[begin : begin + c.width]
-        if c.kind == "quaternion":
-            turn = ca.vertcat(*(varied.get(n, ca.SX(0)) for n in TURNS))
-            found.append(multiply(quaternion_from_rotation_vector(turn), ca.SX(ca.DM(part))))
-        else:
-            found.append(varied.get(name, ca.SX(float(part[0]))))
-        begin += c.width
-    return found
+    coordinates = closure.role("pose")
+    ends = np.cumsum([c.width for c in coordinates])[:-1]
+    return dict(zip((c.name for c in coordinates), np.split(values, ends), strict=True))
 
 
 def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator) -> np.ndarray:

@@ -18,6 +18,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
+from symkin.position.varied_pose import angle_meaning
 from symkin.singularities.locus import Locus, make_locus, merged
 from symkin.singularities.locus_seeds import seeds_of
 from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
@@ -61,6 +62,15 @@ class Loci:
         first, second = (m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates)
         return first, second
 
+    @property
+    def angles(self) -> str | None:
+        """What the plane's angles mean where it is one of poses; None without any."""
+        return angle_meaning(self.plane.names) if self.plane.of_pose else None
+
+    def given(self, point: Sequence[float]) -> dict[str, Any]:
+        """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of the plane (mechanism's units)."""
+        return self.plane.given(point)
+
     def to_json(self) -> dict[str, Any]:
         """One object: the window and, for each curve, kind, limb, points and cusps in the mechanism's units."""
         return {
@@ -68,6 +78,7 @@ class Loci:
             "plane": list(self.plane.names),
             "units": list(self.units),
             "ranges": [list(r) for r in self.ranges],
+            "angles": self.angles,
             "configuration": self.solution.to_json(),
             "curves": [
                 {
@@ -100,8 +111,9 @@ def singular_loci(
     """Curves of singular configurations over two coordinates, all other pose coordinates (or actuated joints) as in
     `solution`, whose working mode is the one that `in_mode` names.
 
-    `plane` names two pose coordinates (x, y, z, gamma; rx, ry, rz turn about base axes) or two actuated joints; `ranges`
-    are two pairs in the mechanism's units, by default half the size or half a turn to both sides. Raises InputError.
+    `plane` names two actuated joints or two pose coordinates, those that `symkin.sweep` takes with the same meaning: x, y, z,
+    gamma (about z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`);
+    `ranges` are two pairs in the mechanism's units, by default half the size or half a turn to both sides. Raises InputError.
     """
     chosen = plane_of(solution, plane)
     if seed < 0:

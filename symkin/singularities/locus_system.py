@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -27,12 +27,10 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.solution import Solution
 from symkin.position.system import System
+from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
-from symkin.spatial.rotation import multiply, quaternion_from_axis_angle
 
 LocusKind = Literal["type 1", "type 2"]
-_TURNS = {"rx": 0, "ry": 1, "rz": 2}
-"""Names of turns about the base axes, and the axes' numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +38,8 @@ class Plane:
     """Two coordinates that vary, all others of their family held: pose coordinates, or actuated joints.
 
     `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
-    numbers, and `free` (the rest) as symbols of the closure. Pose coordinates are x, y, z and gamma of the motion; rx, ry, rz
-    turn a pose with a quaternion about the base axes from the configuration's, rx last.
+    numbers, and `free` (the rest) as symbols of the closure. Pose coordinates have the meaning of `position.varied_pose`:
+    x, y, z, gamma, and the rotation vector rx, ry, rz before the configuration's orientation.
     """
 
     closure: Closure
@@ -57,6 +55,14 @@ class Plane:
     def mechanism(self) -> Mechanism:
         return self.closure.mechanism
 
+    def given(self, point: Sequence[float]) -> dict[str, Any]:
+        """The pose, or the joint values, at a point (mechanism's units), as arguments of `symkin.solve`."""
+        varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
+        if self.of_pose:
+            return {"pose": pose_at(self.mechanism, (*self.solution.position, *self.solution.quaternion), varied)}
+        held = zip((c.name for c in self.mechanism.actuated), self.solution.actuated, strict=True)
+        return {"joints": [varied.get(name, value) for name, value in held]}
+
     def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
         return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
 
@@ -64,7 +70,7 @@ class Plane:
 def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
     """The plane of two named coordinates through a configuration. Raises InputError for names that do not fit."""
     closure = build_closure(solution.mechanism)
-    pose_names, joint_names = _pose_names(closure), [c.name for c in closure.mechanism.actuated]
+    pose_names, joint_names = POSE_AXES[closure.mechanism.motion], [c.name for c in closure.mechanism.actuated]
     if len(names) != 2 or names[0] == names[1]:
         raise InputError(f"plane = {', '.join(names)!r}; two different coordinates are needed")
     of_pose = all(name in pose_names for name in names)
@@ -73,6 +79,8 @@ def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
             f"plane = {', '.join(names)!r}; allowed: two of {', '.join(pose_names)} (pose), or two of "
             f"{', '.join(joint_names) or 'no'} (actuated joints)"
         )
+    if of_pose and set(names) == {"gamma", "rz"}:
+        raise InputError(f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are needed")
     u = ca.SX.sym("uv", 2)
     build = _pose_values if of_pose else _joint_values
     values, coordinates = build(closure, solution, names, u)
@@ -80,34 +88,26 @@ def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
     return Plane(closure, solution, (names[0], names[1]), coordinates, u, values, free, of_pose)
 
 
-def _pose_names(closure: Closure) -> list[str]:
-    names = [c.name.removeprefix("pose.") for c in closure.role("pose") if c.kind != "quaternion"]
-    return [*names, *_TURNS] if any(c.kind == "quaternion" for c in closure.role("pose")) else names
-
-
 def _pose_values(
     closure: Closure, solution: Solution, names: Sequence[str], u: ca.SX
 ) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
-    values, made = ca.SX(closure.variables), []
-    for c in closure.role("pose"):
-        values[closure.slices[c.name]] = ca.DM(np.atleast_1d(np.asarray(solution.values[c.name], dtype=float)))
-    turn = ca.SX([1, 0, 0, 0])
-    for k in sorted(range(2), key=lambda k: _TURNS.get(names[k], -1)):
-        name = names[k]
-        if name in _TURNS:
-            turn = multiply(turn, quaternion_from_axis_angle(ca.SX(np.eye(3)[_TURNS[name]]), u[k]))
-        else:
-            values[closure.slices[f"pose.{name}"]] = u[k]
-    if any(name in _TURNS for name in names):
-        place = closure.slices["pose.quaternion"]
-        values[place] = multiply(turn, values[place])
-    for name in names:
-        if name in _TURNS:
-            made.append(Coordinate(f"plane.{name}", "angle", "pose"))
-        else:
-            kind: Kind = "angle" if name == "gamma" else "length"
-            made.append(Coordinate(f"plane.{name}", kind, "pose", (float(solution.values[f"pose.{name}"]),)))
-    return values, (made[0], made[1])
+    values = ca.SX(closure.variables)
+    coordinates = closure.role("pose")
+    varied = varied_pose(closure, solution.values, {names[k]: u[k] for k in range(2)})
+    for c, value in zip(coordinates, varied, strict=True):
+        values[closure.slices[c.name]] = value
+    first, second = (
+        Coordinate(f"plane.{n}", _pose_kind(n, names), "pose", (0.0 if n in TURNS else float(solution.values[f"pose.{n}"]),))
+        for n in names
+    )
+    return values, (first, second)
+
+
+def _pose_kind(name: str, names: Sequence[str]) -> Kind:
+    """One component of a rotation vector has a period of a turn, two together have none."""
+    if name in TURNS:
+        return "turns" if set(names) <= set(TURNS) else "angle"
+    return "angle" if name == "gamma" else "length"
 
 
 def _joint_values(

@@ -1,53 +1,23 @@
-"""Coordinates of poses that can be swept: those of the platform's motion.
-
-A pose is that of `base`, with x, y, z replaced. gamma is the angle about z from the reference orientation,
-q = Rz(gamma) q_reference; (rx, ry, rz) is a rotation vector of the base frame, q = exp(r) q_base.
-"""
+"""Coordinates of poses that can be swept: those of the platform's motion, with the meaning of `position.varied_pose`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.closure import build_closure
-from symkin.model.mechanism import Mechanism, Motion
+from symkin.model.mechanism import Mechanism
 from symkin.position.given import given_from
-from symkin.position.pose_conditions import TURNS, condition_sentence, poses_vary
+from symkin.position.pose_conditions import condition_sentence, poses_vary
+from symkin.position.varied_pose import POSE_AXES, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
-
-_AXES: dict[Motion, tuple[str, ...]] = {
-    "spatial": ("x", "y", "z", *TURNS),
-    "schoenflies": ("x", "y", "z", "gamma", "rz"),
-    "planar": ("x", "y", "gamma", "rz"),
-    "translation": ("x", "y", "z"),
-    "spherical": TURNS,
-}
-"""What can be swept of each motion; rz turns from the orientation of `base`, gamma from the reference's."""
-ALL_POSE_AXES = ("x", "y", "z", "gamma", *TURNS)
 
 
 def pose_units(mechanism: Mechanism) -> dict[str, str]:
     """Names that can be swept, with their units."""
-    return {n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit for n in _AXES[mechanism.motion]}
-
-
-def pose_at(mechanism: Mechanism, base: Sequence[float], swept: Mapping[str, float]) -> Pose:
-    """The pose `base` (x, y, z, qw, qx, qy, qz) with swept coordinates in the mechanism's units."""
-    position = [swept.get(name, value) for name, value in zip("xyz", base[:3], strict=True)]
-    quaternion = np.asarray(base[3:])
-    if "gamma" in swept:
-        half = 0.5 * mechanism.angle_in(swept["gamma"])
-        about_z = np.array([math.cos(half), 0.0, 0.0, math.sin(half)])
-        quaternion = np.asarray(multiply(about_z, mechanism.reference_pose.quaternion))
-    turn = [mechanism.angle_in(swept.get(name, 0.0)) for name in TURNS]
-    if any(turn):
-        quaternion = np.asarray(multiply(quaternion_from_rotation_vector(np.array(turn)), quaternion))
-    return Pose(np.array(position), quaternion)
+    return {n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit for n in POSE_AXES[mechanism.motion]}
 
 
 def check_poses(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:

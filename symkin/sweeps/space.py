@@ -15,8 +15,9 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import joint_values, pose_from
+from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
 from symkin.spatial.pose import Pose
-from symkin.sweeps.pose_axes import ALL_POSE_AXES, check_poses, pose_at, pose_units
+from symkin.sweeps.pose_axes import check_poses, pose_units
 
 Values = Sequence[float] | np.ndarray
 MOST_POINTS = 10**9

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.position.varied_pose import axis_title
 from symkin.view.box import COLOURS, style
 from symkin.view.loci_text import held_text, without_curves
 from symkin.view.plot import check_picture_path
@@ -78,7 +79,8 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
         look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
         axes.text(0.5, apart, without_curves(loci), ha="center", va="center", **look)
     axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
-    names = [f"{name} [{unit}]" for name, unit in zip(loci.plane.names, loci.units, strict=True)]
+    titles = map(axis_title, loci.plane.names) if loci.plane.of_pose else loci.plane.names
+    names = [f"{title} [{unit}]" for title, unit in zip(titles, loci.units, strict=True)]
     axes.set_xlabel(names[0] + _caption(loci), color=COLOURS["text"], parse_math=False)
     axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
     if loci.units[0] == loci.units[1] and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW:

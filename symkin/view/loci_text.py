@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from symkin.position.varied_pose import turn_text
 from symkin.view.plain_number import plain
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def loci_text(loci: Loci) -> str:
         for name, (low, high), unit in zip(loci.plane.names, loci.ranges, loci.units, strict=True)
     )
     lines = [f"{loci.plane.mechanism.name}: singularity loci over {window}; {held_text(loci)}"]
+    if loci.angles is not None:
+        lines.append(loci.angles)
     lines += [f"{k}: {_curve_text(loci, curve)}" for k, curve in enumerate(loci.curves, start=1)]
     if not loci.curves:
         lines.append(without_curves(loci))
@@ -52,14 +55,14 @@ def held_text(loci: Loci) -> str:
         elif name not in plane.names:
             value = float(loci.solution.values[c.name])
             shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.size)
-            held.append(f"{name} = {shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")
+            more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
+            held.append(f"{name} = {more}{shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")
     return "held: " + ", ".join(held) if held else "nothing else is held"
 
 
 def _orientation_text(loci: Loci) -> str:
     quaternion = ", ".join(f"{plain(float(v)):.4g}" for v in loci.solution.quaternion)
-    turned = [name for name in loci.plane.names if name in ("rx", "ry", "rz")]
-    return f"orientation ({quaternion})" + (f" but for {' and '.join(turned)}" if turned else "")
+    return f"orientation ({quaternion}){turn_text(loci.plane.names)}"
 
 
 def _curve_text(loci: Loci, curve: Locus) -> str:

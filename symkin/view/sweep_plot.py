@@ -17,6 +17,7 @@ from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
+from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
@@ -241,9 +242,10 @@ def _words(figure: Figure, ax: Any, part: _Slice, attributes: Mapping[str, Any],
     )  # fmt: skip
     lines = ", ".join([*part.fixed, *_base(attributes)])
     ax.set_title(f"at {lines}" if lines else "", fontsize=9.5, color=COLOURS["quiet"], parse_math=False, wrap=True)
-    ax.set_xlabel(f"{part.x[0]} ({part.x[1]})", color=COLOURS["quiet"], parse_math=False)
+    titled = axis_title if attributes["sweeps over"] == "poses" else str
+    ax.set_xlabel(f"{titled(part.x[0])} ({part.x[1]})", color=COLOURS["quiet"], parse_math=False)
     if part.y is not None:
-        ax.set_ylabel(f"{part.y[0]} ({part.y[1]})", color=COLOURS["quiet"], parse_math=False)
+        ax.set_ylabel(f"{titled(part.y[0])} ({part.y[1]})", color=COLOURS["quiet"], parse_math=False)
         spans = [float(np.ptp(axis[2])) for axis in (part.x, part.y)]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
             ax.set_aspect("equal")
@@ -267,9 +269,8 @@ def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[st
     for c in closure.role("pose"):
         name = c.name.removeprefix("pose.")
         if c.kind == "quaternion":
-            turned = [n for n in ("rx", "ry", "rz") if n in swept]
             numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
-            found.append(f"orientation ({numbers})" + (f" but for {' and '.join(turned)}" if turned else ""))
+            found.append(f"orientation ({numbers}){turn_text(swept)}")
         elif name in ("x", "y", "z") and name not in swept:
             found.append(f"{name} = {plain(base['xyz'.index(name)], mechanism.size):.5g} {mechanism.length_unit}")
         elif name == "gamma" and "gamma" not in swept:
