@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 
 from report import new_figure
-from symkin.view.box import COLOURS, View, style
+from symkin.view.box import COLOURS, View, drawing
 from symkin.view.panel import FRAME_COLOURS, draw_skeleton
 from symkin.view.skeleton import Skeleton, skeleton
 
@@ -57,7 +56,7 @@ def draw_small_multiples(
     view = View.around(bodies, mechanism.length_unit)
     frame = _Frame.around(bodies, view, width, caption=0.4 if captions else 0.0)
     rows = math.ceil(len(bodies) / columns)
-    with rc_context(style()):
+    with drawing():
         figure = new_figure(columns * width, HEAD + rows * frame.height + FOOT)
         figure.set_layout_engine("none")
         _heading(figure, title, subtitle)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.direct import known_poses, signs, solved_steps, without_poses
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model

@@ -16,6 +16,7 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, neighbours, whitening
 from symkin.calibration.state import State, ideal_design, joint_covariance, settled
 from symkin.calibration.steps import null_directions
+from symkin.position.least_squares import IPOPT
 
 _OPTIONS = {
     "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",
@@ -47,8 +48,9 @@ def estimate_by_ipopt(
         state, steps = first.state, first.iterations
     covariance = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
     program = build_program(problem, state, covariance, max_iterations)
-    found = program.solver(x0=program.start, lbg=0.0, ubg=0.0)
-    stats = program.solver.stats()
+    with IPOPT:
+        found = program.solver(x0=program.start, lbg=0.0, ubg=0.0)
+        stats = program.solver.stats()
     values = np.asarray(found["x"]).ravel()
     p = problem.model.nominal + problem.model.scales * values[: program.parameters]
     z = values[program.parameters : program.parameters + z.size].reshape(z.shape)

@@ -10,10 +10,10 @@ left, whichever form of the residuals was minimised.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
 from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance, slopes

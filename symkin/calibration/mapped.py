@@ -11,12 +11,12 @@ import ctypes
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, computing
 from symkin.paths.c_library import CompilerError, find_compilers, load_library
 from symkin.paths.cache import cache_folder
 from symkin.paths.compiled import OFF
@@ -62,9 +62,10 @@ class Engine:
 
     def compile(self) -> None:
         """Compile now; without a compiler nothing changes."""
-        if self.library is None and self.left < float("inf"):
-            self._load(build=True)
-            self.left = float("inf")
+        with computing((id(self), "library")):
+            if self.library is None and self.left < float("inf"):
+                self._load(build=True)
+                self.left = float("inf")
 
     def _load(self, *, build: bool) -> None:
         try:

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, lru_cache
 from symkin.calibration.mapped import Mapped, build_mapped
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.parameters import FRAMES, ParameterKind, nominal_parameters

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Literal
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import build_closure, random_values
 from symkin.model.closure_rows import RowBuilder
 from symkin.model.mechanism import Mechanism

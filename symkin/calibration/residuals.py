@@ -10,12 +10,12 @@ In a group only equality is known. Three forms of it:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.identifiability import Identifiability
 from symkin.calibration.measurements import Measurements

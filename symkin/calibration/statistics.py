@@ -10,6 +10,8 @@ from symkin.calibration.residuals import neighbours
 from symkin.calibration.state import State, evaluate, joint_covariance
 from symkin.position.rank import RANK_TOLERANCE
 
+_DOUBLE = 53
+"""Bits of tail probabilities."""
 UNLIKELY = 1e-3
 """Tail probability on either side of chi-square beyond which the stated noise does not explain the residuals."""
 
@@ -18,19 +20,25 @@ def chi_square_tail(value: float, degrees: int) -> float:
     """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
     from flint import arb
 
+    from symkin.proof.balls import precision
+
     if degrees <= 0 or value <= 0.0:
         return 1.0
-    return float(arb(0.5 * value).gamma_upper(arb(degrees) / 2, 1))
+    with precision(_DOUBLE):
+        return float(arb(0.5 * value).gamma_upper(arb(degrees) / 2, 1))
 
 
 def f_tail(value: float, first: int, second: int) -> float:
     """Probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first value)."""
     from flint import arb
 
+    from symkin.proof.balls import precision
+
     if first <= 0 or second <= 0 or value <= 0.0:
         return 1.0
     x = second / (second + first * value)
-    return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
+    with precision(_DOUBLE):
+        return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
 
 
 # --- covariance ----------------------------------------------------------------------------------------------------

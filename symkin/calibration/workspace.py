@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.closing import Closing, Configurations, home_pose, placed
 from symkin.errors import InputError
 from symkin.model.closure import build_closure

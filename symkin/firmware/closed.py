@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import InputError
 from symkin.firmware.emit import Real, indexed, snapped_expression
 from symkin.firmware.geometry import Geometry

@@ -11,11 +11,11 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.model.graph import instructions, rebuilt
 
 _NOISE = 4e-15

@@ -7,11 +7,11 @@ shorter arc.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import InputError
 from symkin.firmware.closed import line_target, ranges
 from symkin.firmware.emit import Emitter, Real, indent, indexed, snapped_expression

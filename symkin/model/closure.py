@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, lru_cache
 from symkin.model.closure_rows import Dyad, PoseForm, Row, RowBuilder
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -6,12 +6,12 @@ import hashlib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import Literal
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate

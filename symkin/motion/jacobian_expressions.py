@@ -14,11 +14,11 @@ has for limbs whose actuated joints have more freedom than the twist decides.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.model.closure import Closure
 from symkin.motion.differential import Differential, pose_rates
 from symkin.motion.elimination import back_substituted, cofactors, factored, nonzero_rows, shortest, without_span

@@ -7,11 +7,11 @@ eliminates passive joints by the ranks at the configuration itself, for what hol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import SolveError
 from symkin.position.rank import RANK_TOLERANCE
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.errors import InputError
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.c_library import CompilerError, NotBuiltError, find_compilers, load_library

@@ -8,12 +8,12 @@ leaves two points, mirrored in the plane of a and b.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import build_algebraic_closure
 from symkin.model.joint import Coordinate
 from symkin.paths.values import pose_point

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from symkin.caching import lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.walk import vectorise
 

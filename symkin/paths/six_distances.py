@@ -7,11 +7,11 @@ In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import build_algebraic_closure
 from symkin.model.platform import StudyPose
 from symkin.paths.algebraic import AlgebraicSystem

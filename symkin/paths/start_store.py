@@ -12,13 +12,13 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import computing, lru_cache
 from symkin.model.graph import instructions
 from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.best_start import bases_beside, best_start
@@ -68,9 +68,13 @@ def start_of(
     """The generic roots of a block, or None and the reason."""
     key = start_key(problem, system)
     kept = _read(key, system)
-    if kept is None:
-        kept = compute_start(problem, system, block, progress)
-        _write(cache_folder(), key, *kept)
+    if kept is not None:
+        return kept
+    with computing((__name__, key)):
+        kept = _read(key, system)
+        if kept is None:
+            kept = compute_start(problem, system, block, progress)
+            _write(cache_folder(), key, *kept)
     return kept
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.model.joint import Coordinate
 from symkin.paths.algebraic import AlgebraicSystem

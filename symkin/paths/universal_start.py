@@ -6,11 +6,11 @@ With lengths and all points complex and random there are 40 roots, the most that
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.paths.algebraic import complex_normal
 from symkin.paths.endgame import finish
 from symkin.paths.engine import track

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.position.problem import Problem
 
 Path = list[np.ndarray]
+IPOPT = threading.Lock()
+"""Held by the thread that runs IPOPT: its linear solver MUMPS has variables that all runs of a process share."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,12 @@ class LeastSquares:
     def iterate(self, problem: Problem, start: np.ndarray, known: np.ndarray) -> Path:
         """Iterates of IPOPT from `start`, the start first."""
         solver, recorder = _solver(problem, self)
-        recorder.path.clear()
         low, high = _bounds(problem)
-        result = solver(x0=np.clip(start, low, high), p=known, lbx=low, ubx=high, lbg=0.0, ubg=0.0)
+        with IPOPT:
+            recorder.path.clear()
+            result = solver(x0=np.clip(start, low, high), p=known, lbx=low, ubx=high, lbg=0.0, ubg=0.0)
+            path = [start, *recorder.path[1:]]
         final = np.asarray(result["x"]).ravel()
-        path = [start, *recorder.path[1:]]
         return path if len(path) > 1 and np.array_equal(path[-1], final) else [*path, final]
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
+from symkin.pool import Pool
 from symkin.position.problem import Problem
 from symkin.position.system import System
 
@@ -36,20 +37,21 @@ class Newton:
     def iterate(self, problem: Problem, start: np.ndarray, known: np.ndarray) -> Path:
         """Iterates from `start` until the largest row is below `tolerance` times the size or no longer shrinks."""
         system = problem.system
-        step, rows = _functions(problem, self.method)
+        steps, rows = _functions(problem, self.method)
         project, hold = _squaring(problem, start, known)
         data = np.concatenate([known, project.T.ravel(), hold.T.ravel(), start])
         path, largest = [start], _largest(rows, start, known)
-        for _ in range(self.max_iterations):
-            if largest <= self.tolerance * system.size:
-                break
-            z = np.asarray(step(path[-1], data)).ravel()
-            path.append(z)
-            previous, largest = largest, _largest(rows, z, known)
-            if not np.isfinite(largest):
-                break
-            if largest >= previous and largest <= 1e-9 * system.size:
-                break
+        with steps.borrowed() as step:
+            for _ in range(self.max_iterations):
+                if largest <= self.tolerance * system.size:
+                    break
+                z = np.asarray(step(path[-1], data)).ravel()
+                path.append(z)
+                previous, largest = largest, _largest(rows, z, known)
+                if not np.isfinite(largest):
+                    break
+                if largest >= previous and largest <= 1e-9 * system.size:
+                    break
         return path
 
 
@@ -68,7 +70,8 @@ def flat_rows(system: System) -> ca.SX:
 
 
 @lru_cache(maxsize=64)
-def _functions(problem: Problem, method: str) -> tuple[ca.Function, ca.Function]:
+def _functions(problem: Problem, method: str) -> tuple[Pool[ca.Function], ca.Function]:
+    """Rootfinders of one iteration each, and the rows."""
     system = problem.system
     rows = flat_rows(system)
     m, n = int(rows.shape[0]), system.width
@@ -78,7 +81,8 @@ def _functions(problem: Problem, method: str) -> tuple[ca.Function, ca.Function]
     g = rows if square else ca.mtimes(project, rows) + ca.mtimes(hold, system.unknown - start)
     data = ca.vertcat(system.known, ca.vec(project), ca.vec(hold), start)
     options = {"error_on_fail": False, "max_iter": 1, "abstol": 0.0, "show_eval_warnings": False}
-    return ca.rootfinder("step", method, {"x": system.unknown, "p": data, "g": g}, options), evaluate
+    equations = {"x": system.unknown, "p": data, "g": g}
+    return Pool(lambda: ca.rootfinder("step", method, equations, options)), evaluate
 
 
 def _squaring(problem: Problem, start: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

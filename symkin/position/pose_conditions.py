@@ -7,11 +7,10 @@ asked to follow. A condition lets none of the steps pass, whatever its order; an
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import Closure, build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -6,12 +6,12 @@ direct: known q, unknown (x, X); inverse: known X, unknown (q, x).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from typing import Literal
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, lru_cache
 from symkin.model.closure import Closure, build_closure, random_values
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

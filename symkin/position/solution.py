@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

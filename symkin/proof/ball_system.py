@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 from flint import ctx
 
+from symkin.caching import cached_property, lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.balls import BallFunction, Number, Part, Ring, raise_constants
 

@@ -9,15 +9,16 @@ F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithm
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Literal
 
 import casadi as ca
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
+from symkin.caching import cached_property, not_waiting
 from symkin.model.graph import instructions, rebuilt
 
 Number = Any
@@ -58,15 +59,20 @@ RINGS = (REAL, COMPLEX)
 """In the order in which they are tried at a point that looks real."""
 
 
+_context = threading.RLock()
+"""Held by the thread that works with balls: their precision belongs to the process."""
+
+
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
-    """Work at that many bits; the caller's precision comes back."""
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
+    """Work at that many bits, one thread at a time; the caller's precision comes back."""
+    with _context, not_waiting():
+        before = ctx.prec
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec = before
 
 
 def upper(x: Number) -> float:

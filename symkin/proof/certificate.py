@@ -16,13 +16,15 @@ from flint import acb, arb
 
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.ball_system import BallSystem
-from symkin.proof.balls import COMPLEX, REAL, RINGS, UP, Number
+from symkin.proof.balls import COMPLEX, REAL, RINGS, UP, Number, precision
 from symkin.proof.coordinates import Coordinates, aligned, in_phase
 from symkin.proof.krawczyk import Box, chart_of, enclose
 from symkin.proof.separation import distinct_boxes, is_pose, not_real
 
 _BITS = (64, 128, 256)
 """Precisions tried in turn; up to 64 bits a number is one machine word."""
+_DOUBLE = 53
+"""Bits of what is computed with balls around the proofs."""
 _NEWTON_STEPS, _SMALL_STEP = 2, 1e-10
 """Newton steps in double precision at most, and the largest one that is not followed by another."""
 _CONJUGATE = 1e-9
@@ -79,6 +81,7 @@ class Certificates:
         return int(proved[nearest]), float(self.size * spread * UP)
 
 
+@precision(_DOUBLE)
 def certify(system: AlgebraicSystem, z: np.ndarray, k: Sequence[Number] | np.ndarray, size: float | None = None) -> Certificates:
     """Certificates of approximate roots z (width, n) at known values k: doubles, taken as exact, or balls. `size` is the
     length that z has as its unit, by default the system's."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from flint import arb
 
+from symkin.caching import cached_property, lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.ball_system import BallSystem
 from symkin.proof.balls import REAL, BallFunction, precision, upper

@@ -6,12 +6,11 @@ A theorem on a family of mechanisms speaks of members of that family, so that it
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 from flint import arb
 
+from symkin.caching import lru_cache
 from symkin.model.closure_rows import RowBuilder
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.six_distances import distance_function, is_universal

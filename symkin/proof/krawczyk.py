@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 from flint import acb_mat, arb_mat, ctx
 
+from symkin.caching import cached_property, lru_cache
 from symkin.proof.ball_system import BallSystem
 from symkin.proof.balls import COMPLEX, Number, Ring, precision, upper
 

@@ -7,12 +7,12 @@ ratios x_j / (a.x), a fixed. A complex number t = c.(features) is then equal too
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from math import inf, nextafter
 
 import numpy as np
 from flint import acb, arb
 
+from symkin.caching import lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.balls import Number, precision
 from symkin.proof.krawczyk import Box

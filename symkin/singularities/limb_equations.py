@@ -17,11 +17,11 @@ where one is lost there is more to say, and rows of unit length make distances t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import Closure
 from symkin.motion.differential import motion_columns
 from symkin.position.mobility import whole_system

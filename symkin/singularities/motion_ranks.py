@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations

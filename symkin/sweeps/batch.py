@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.position.system import System
 
 _LANES = 64

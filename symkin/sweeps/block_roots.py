@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import TooManyModesError
 from symkin.paths.algebraic import AlgebraicSystem, imaginary_part
 from symkin.paths.branches import real_candidates

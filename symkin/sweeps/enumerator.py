@@ -10,13 +10,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import prod
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.enumeration.continuation import unsuitable
 from symkin.enumeration.modes import modes
 from symkin.errors import InputError, TooManyModesError

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.model.joint import Coordinate
 from symkin.position.given import pose_from
 from symkin.position.problem import Problem

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.closure import build_closure
+from symkin.quiet import warnings_ignored
 from symkin.sweeps.found import joint_labels
 from symkin.sweeps.plan import Plan
 from symkin.sweeps.quantities import QUANTITIES, variables
@@ -38,8 +38,7 @@ def consolidate(folder: Path) -> None:
     """Gather the descriptions of all arrays in one place, which `xarray.open_zarr` reads at once."""
     import zarr
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings_ignored():
         zarr.consolidate_metadata(folder)
 
 

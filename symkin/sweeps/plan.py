@@ -6,12 +6,12 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from symkin._version import __version__
+from symkin.caching import cached_property
 from symkin.enumeration.modes import MOST_STARTS
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism

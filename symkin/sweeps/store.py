@@ -12,12 +12,12 @@ import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.errors import InputError
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import consolidate, create_arrays

@@ -6,11 +6,11 @@ import pickle
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.errors import InputError
 from symkin.sweeps.enumerator import Enumerator
 from symkin.sweeps.plan import Plan, difference

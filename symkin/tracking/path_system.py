@@ -8,14 +8,15 @@ graph serves all intervals.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property, lru_cache
 from symkin.model.graph import instructions
 from symkin.model.joint import Coordinate
+from symkin.pool import Pool
 from symkin.position.problem import Problem
 from symkin.position.system import System
 from symkin.proof.balls import BallFunction, raise_constants
@@ -80,7 +81,10 @@ class PathSystem:
         return int(self.rows.shape[0])
 
     @cached_property
-    def _buffered(self) -> tuple[Any, ...]:
+    def _buffers(self) -> Pool[tuple[Any, ...]]:
+        return Pool(self._make_buffer)
+
+    def _make_buffer(self) -> tuple[Any, ...]:
         """The function with its memory: y, c, values, jacobian (transposed), and the call."""
         buffer, call = self._function.buffer()
         shapes = [(self.width + 1,), (int(self.c.shape[0]),), (self.count,), (self.width + 1, self.count)]
@@ -92,10 +96,10 @@ class PathSystem:
 
     def evaluate(self, y: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """G (m,) and dG/dy (m, w + 1)."""
-        point, coefficients, values, jacobian, call, _ = self._buffered
-        point[:], coefficients[:] = y, c
-        call()
-        return values.copy(), jacobian.T.copy()
+        with self._buffers.borrowed() as (point, coefficients, values, jacobian, call, _):
+            point[:], coefficients[:] = y, c
+            call()
+            return values.copy(), jacobian.T.copy()
 
     def correct(self, z: np.ndarray, u: float, c: np.ndarray, steps: int = 6) -> tuple[np.ndarray, np.ndarray, float]:
         """Newton (Gauss-Newton where rows are redundant) at a fixed u: z, dG/dy there, and the size of the last step."""

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_series, ctx
 
+from symkin.caching import cached_property
 from symkin.proof.balls import UP, precision, upper
 from symkin.tracking.ball_matrices import identity, inverse_with, matrix
 from symkin.tracking.cubic import Curve

@@ -15,12 +15,12 @@ The path's coefficients are balls of a radius of about 2e-15 (of the size, or ra
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat
 
+from symkin.caching import cached_property
 from symkin.proof.balls import REAL, UP, precision, upper
 from symkin.tracking.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
 from symkin.tracking.cubic import Curve

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, make_solution
 from symkin.spatial.pose import Pose

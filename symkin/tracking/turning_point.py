@@ -11,12 +11,12 @@ V0.V = 1 with V0 their estimate has more equations than unknowns, but a root; bo
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Literal
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.tracking.path_system import PathSystem
 
 PointKind = Literal["turning point", "bifurcation", "degenerate"]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import not_waiting
 from symkin.view.skeleton import Skeleton
 
 COLOURS = {
@@ -25,6 +28,7 @@ COLOURS = {
     "pane": "#fafbfc",
     "axis": "#9aa5b1",
 }
+_matplotlib = threading.RLock()
 _FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "WenQuanYi Micro Hei", "Microsoft YaHei", "PingFang SC")
 """Fonts in order, as far as they are there: those after the first for titles in other scripts."""
 
@@ -98,6 +102,16 @@ def style() -> Any:
     grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
     fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
     return panes | grid | fonts | {"savefig.bbox": None, "savefig.transparent": False}
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and parsers belong to the
+    process."""
+    from matplotlib import rc_context
+
+    with _matplotlib, not_waiting(), rc_context(style()):
+        yield
 
 
 def set_axes(ax: Any, view: View, share: float) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.view.box import COLOURS, style
+from symkin.view.box import COLOURS, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ _AXES_OF = {
 }  # fmt: skip
 
 
+@drawing()
 def png(figure: Figure) -> bytes:
     """The picture as a PNG file's content."""
     content = io.BytesIO()
@@ -36,6 +37,7 @@ def png(figure: Figure) -> bytes:
     return content.getvalue()
 
 
+@drawing()
 def residual_figure(fit: Calibration) -> Figure:
     """Normalised residuals by posture, and their distribution beside the normal one."""
     rows = [r for r in fit.residuals if r.normalised is not None]
@@ -85,6 +87,7 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
 
 
+@drawing()
 def parameter_figure(fit: Calibration) -> Figure:
     """Changes from nominal with two standard deviations, one panel a unit."""
     m = fit.mechanism
@@ -110,6 +113,7 @@ def parameter_figure(fit: Calibration) -> Figure:
     return figure
 
 
+@drawing()
 def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
     """Standard deviations of position and orientation over the poses, seen from above and from the side."""
     m = fit.mechanism
@@ -128,14 +132,12 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
 
 
 def _figure(width: float, height: float, ratios: tuple[int, ...]) -> tuple[Figure, Any]:
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(style()):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(figure)
-        panels = figure.subplots(1, len(ratios), squeeze=False, width_ratios=ratios)[0]
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, len(ratios), squeeze=False, width_ratios=ratios)[0]
     for axes in panels:
         axes.spines[["top", "right"]].set_visible(False)
     return figure, panels

@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.position.varied_pose import axis_title
-from symkin.view.box import COLOURS, style
+from symkin.view.box import COLOURS, drawing
 from symkin.view.loci_text import held_text, without_curves
 from symkin.view.plot import check_picture_path
 
@@ -28,12 +28,10 @@ _NARROW = 4.0
 
 def draw_loci(loci: Loci, path: Path | str) -> None:
     """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
-    from matplotlib import rc_context
-
     target = check_picture_path(path)
     figure = figure_of_loci(loci)
     try:
-        with rc_context(style()):
+        with drawing():
             figure.savefig(target, dpi=_DPI)
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
@@ -42,11 +40,10 @@ def draw_loci(loci: Loci, path: Path | str) -> None:
 def figure_of_loci(loci: Loci) -> Figure:
     """The window with every curve: strong where it belongs to the configuration's working mode, thin elsewhere; cusps as
     rings, the configuration as a cross; equal scales where both sides are of one unit."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(style()):
+    with drawing():
         figure = Figure(figsize=(7.4, 7.2), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots()

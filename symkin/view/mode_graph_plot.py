@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.view.box import COLOURS, style
+from symkin.view.box import COLOURS, drawing
 from symkin.view.plot import check_picture_path
 
 if TYPE_CHECKING:
@@ -27,12 +27,10 @@ _DPI = 150
 
 def draw_mode_graph(graph: ModeGraph, path: Path | str, route: np.ndarray | None = None) -> None:
     """Write `figure_of_mode_graph` to a file. Raises InputError where it cannot be written."""
-    from matplotlib import rc_context
-
     target = check_picture_path(path)
     figure = figure_of_mode_graph(graph, route)
     try:
-        with rc_context(style()):
+        with drawing():
             figure.savefig(target, dpi=_DPI)
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
@@ -41,14 +39,13 @@ def draw_mode_graph(graph: ModeGraph, path: Path | str, route: np.ndarray | None
 def figure_of_mode_graph(graph: ModeGraph, route: np.ndarray | None = None) -> Figure:
     """A panel for each sheet: at each grid point how many of its modes belong to the sheet, edges without a singularity, the
     chosen input as a cross; `route` (m, joints), a path of `ModeGraph.path`, on the first panel."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     count = min(len(graph.sheets), _MOST_PANELS)
     across = min(count, 4)
     down = max(1, -(-count // max(across, 1)))
-    with rc_context(style()):
+    with drawing():
         figure = Figure(figsize=(3.6 * max(across, 1) + 0.6, 3.5 * down + 0.9), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()

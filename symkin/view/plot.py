@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.view.box import COLOURS, View, style
+from symkin.quiet import warnings_ignored
+from symkin.view.box import COLOURS, View, drawing
 from symkin.view.panel import draw_skeleton, legend_entries
 from symkin.view.skeleton import Skeleton, reference_skeleton, skeleton
 
@@ -35,12 +34,10 @@ def draw_modes(modes: Modes, path: Path | str, *, most: int = 12) -> int:
 
     Raises InputError for a format that matplotlib cannot write and for a folder that is missing or not writable.
     """
-    from matplotlib import rc_context
-
     target = check_picture_path(path)
     figure = figure_of_modes(modes, most)
     try:
-        with rc_context(style()), _missing_glyphs_allowed():
+        with drawing(), warnings_ignored("Glyph .* missing"):
             figure.savefig(target, dpi=_DPI)
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
@@ -67,7 +64,6 @@ def check_picture_path(path: Path | str) -> Path:
 def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     """One panel per mode, `most` of them, poses before branches, all with the same limits and equal axes; without modes the
     mechanism's reference configuration. Raises InputError for `most` below 1."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -81,7 +77,7 @@ def figure_of_modes(modes: Modes, most: int = 12) -> Figure:
     titles = titles or [(_nothing(modes), "drawn at the reference configuration")]
     view = View.around(bodies, mechanism.length_unit)
     grid = _Grid.for_panels(len(bodies), view, max(text.count("\n") for _, text in titles) + 1)
-    with rc_context(style()):
+    with drawing():
         figure = Figure(figsize=grid.figure_size, facecolor="white")
         FigureCanvasAgg(figure)
         for k, (body, title) in enumerate(zip(bodies, titles, strict=True)):
@@ -165,7 +161,7 @@ def _heading(figure: Figure, modes: Modes, shown: int) -> None:
         _shortened(title, int(10 * width) - len(part)) + part, y=1.0 - 0.12 / height, va="top", fontsize=14,
         fontweight="bold", color=COLOURS["text"], parse_math=False,
     )  # fmt: skip
-    with _missing_glyphs_allowed():
+    with warnings_ignored("Glyph .* missing"):
         heading.set_fontsize(14.0 * min(1.0, 0.94 * width * figure.dpi / heading.get_window_extent().width))
     lines = [_shortened(line, int(width * 14)) for line in _facts(modes)]
     _text(figure, 0.5, height - 0.42, "\n".join(lines), ha="center", fontsize=9.5, color=COLOURS["quiet"])
@@ -173,14 +169,6 @@ def _heading(figure: Figure, modes: Modes, shown: int) -> None:
 
 def _shortened(text: str, room: int) -> str:
     return text if len(text) <= room else text[: room - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
-
-
-@contextmanager
-def _missing_glyphs_allowed() -> Iterator[None]:
-    """A character that no font has is drawn as a box, without a warning."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing")
-        yield
 
 
 def _legend(figure: Figure, bodies: Sequence[Skeleton]) -> None:

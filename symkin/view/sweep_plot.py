@@ -23,7 +23,7 @@ from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import check_slices
 from symkin.sweeps.store import read_attributes, require_zarr
-from symkin.view.box import COLOURS, style
+from symkin.view.box import COLOURS, drawing
 from symkin.view.plain_number import plain
 from symkin.view.plot import check_picture_path
 
@@ -69,12 +69,10 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
 
     Raises InputError for a folder that holds no sweep, a slice outside what is swept and a file that cannot be written.
     """
-    from matplotlib import rc_context
-
     target = check_picture_path(path)
     figure = figure_of_sweep(folder, slices or {})
     try:
-        with rc_context(style()):
+        with drawing():
             figure.savefig(target, dpi=_DPI)
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
@@ -82,7 +80,6 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
 
 def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
     """The map as a figure."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -93,7 +90,7 @@ def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
         check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
         name = _SHOWN[attributes["quantity"]]
         part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
-    with rc_context(style()):
+    with drawing():
         figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         ax: Any = figure.add_subplot()

@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.spatial.rotation import rotation_vector_from_quaternion
-from symkin.view.box import COLOURS, style
+from symkin.view.box import COLOURS, drawing
 from symkin.view.plot import check_picture_path
 
 if TYPE_CHECKING:
@@ -25,12 +25,10 @@ _MOST_NAMED = 8
 
 def draw_track(track: Track, path: Path | str) -> None:
     """Write `figure_of_track` to a file whose suffix is its format. Raises InputError where that cannot be written."""
-    from matplotlib import rc_context
-
     target = check_picture_path(path)
     if not track.samples:
         raise InputError(f"plot: {track.trajectory.mechanism.name} was not followed, so that there is nothing to draw")
-    with rc_context(style()):
+    with drawing():
         figure = figure_of_track(track)
         try:
             figure.savefig(target, dpi=_DPI)
@@ -38,6 +36,7 @@ def draw_track(track: Track, path: Path | str) -> None:
             raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
 
 
+@drawing()
 def figure_of_track(track: Track) -> Figure:
     """Panels over the path, or over time: the platform's position and turning from the start (direct problem) or the actuated
     joints (inverse problem), and the smallest singular value; the stop, if any, as a line."""

@@ -1,0 +1,140 @@
+"""Values that are computed once, however many threads ask for them at the same time.
+
+The caches of functools may compute a value twice when two threads miss it together, and give each thread its own. That
+will not do here: a closure that is built twice has two sets of symbols, and expressions of the one know nothing of the
+other. Here all threads get the same value. Those that come second wait for the first, each key by itself; values depend
+on each other without cycles, so that no two threads wait for each other. A thread that holds a lock which a value may
+need does not wait (see `not_waiting`): it computes the value too, and takes what was kept first.
+"""
+
+from __future__ import annotations
+
+import functools
+import threading
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from typing import Any, Generic, ParamSpec, TypeVar, overload
+
+Arguments = ParamSpec("Arguments")
+Value = TypeVar("Value")
+_MISSING: Any = object()
+
+
+def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[Arguments, Value]]:
+    """Keep the last `maxsize` results by their arguments, as functools.lru_cache does, the same for all threads."""
+
+    def decorate(function: Callable[Arguments, Value]) -> Callable[Arguments, Value]:
+        entries = functools.lru_cache(maxsize)(lambda *_, **__: _Entry())
+        guard = threading.RLock()
+
+        @functools.wraps(function)
+        def cached(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Value:
+            with guard:
+                entry = entries(*args, **kwargs)  # type: ignore[arg-type]  # unhashable arguments raise TypeError
+            if entry.value is _MISSING:
+                with _taken(entry.lock):
+                    if entry.value is _MISSING:
+                        value = function(*args, **kwargs)
+                        entry.keep(value)
+            return entry.value  # type: ignore[no-any-return]
+
+        return cached
+
+    return decorate
+
+
+class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stands for in functools
+    """A property computed at its first use and kept in the instance's `__dict__`, the same for all threads. The instance
+    holds the value alone and no lock, so that it can be pickled."""
+
+    def __init__(self, function: Callable[[Any], Value]) -> None:
+        self.function = function
+        self.name = function.__name__
+        self.__doc__ = function.__doc__
+
+    @overload
+    def __get__(self, instance: None, owner: type | None = None) -> cached_property[Value]: ...
+    @overload
+    def __get__(self, instance: object, owner: type | None = None) -> Value: ...
+    def __get__(self, instance: object | None, owner: type | None = None) -> cached_property[Value] | Value:
+        if instance is None:
+            return self
+        kept = vars(instance)
+        with computing((id(instance), self.name)):
+            if self.name not in kept:
+                kept.setdefault(self.name, self.function(instance))
+            return kept[self.name]  # type: ignore[no-any-return]
+
+
+@contextmanager
+def not_waiting() -> Iterator[None]:
+    """In this block the thread waits for no value that another thread computes: for blocks that hold a lock."""
+    before = _is_waiting()
+    _this_thread.waits = False
+    try:
+        yield
+    finally:
+        _this_thread.waits = before
+
+
+_this_thread = threading.local()
+
+
+def _is_waiting() -> bool:
+    return getattr(_this_thread, "waits", True)
+
+
+@contextmanager
+def _taken(lock: threading.RLock) -> Iterator[None]:
+    """Hold a lock; a thread that does not wait goes on without it where another holds it."""
+    taken = lock.acquire(blocking=_is_waiting())
+    try:
+        yield
+    finally:
+        if taken:
+            lock.release()
+
+
+class _Entry:
+    """Place of one value in a cache."""
+
+    __slots__ = ("_first", "lock", "value")
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+        self._first = threading.Lock()
+        self.value: Any = _MISSING
+
+    def keep(self, value: object) -> None:
+        """Keep the first value that comes."""
+        with self._first:
+            if self.value is _MISSING:
+                self.value = value
+
+
+class _Turn:
+    """The lock of a property that is being computed, and how many threads use it."""
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+        self.users = 0
+
+
+_turns: dict[Hashable, _Turn] = {}
+_turns_guard = threading.Lock()
+
+
+@contextmanager
+def computing(key: Hashable) -> Iterator[None]:
+    """Hold the lock of a key, so that one thread computes what it names; the lock exists only while threads use it."""
+    with _turns_guard:
+        turn = _turns.setdefault(key, _Turn())
+        turn.users += 1
+    try:
+        with _taken(turn.lock):
+            yield
+    finally:
+        with _turns_guard:
+            turn.users -= 1
+            if turn.users == 0:
+                del _turns[key]
