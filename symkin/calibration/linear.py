@@ -87,6 +87,15 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     )
 
 
+def whitened(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
+    readings, e = problem.readings, evaluate_readings(problem, state)
+    whiten = whitening(readings, joint_covariance(problem, state))
+    both = np.concatenate([deviations(readings, e.readings)[:, :, None], slopes(e)], axis=2)
+    both = _less_groups(readings, _group_columns(readings, whiten), whiten @ both)
+    return both[:, :, 0], both[:, :, 1:]
+
+
 def admissible(problem: CalibrationProblem, state: State) -> np.ndarray:
     """Basis of the directions in which p is determined and an overconstrained closure stays consistent."""
     null = null_directions(ideal_design(problem, state))

@@ -12,6 +12,7 @@ import numpy as np
 
 from symkin.calibration.believable import is_exact
 from symkin.calibration.calibrate import Calibration, Parameter
+from symkin.calibration.holdout import HeldOut
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.prediction import PoseSigma
 from symkin.calibration.residuals import ANGULAR
@@ -39,6 +40,7 @@ class FitReport:
     notes: tuple[str, ...]
     sigma: PoseSigma
     refusal: str | None = None
+    held_out: HeldOut | None = None
 
     @property
     def usable(self) -> bool:
@@ -47,7 +49,14 @@ class FitReport:
 
     @property
     def believable(self) -> bool:
-        return self.usable and self.fit.believable and not self.suspicions and (self.sequence is None or self.sequence.clear)
+        predicted = self.held_out is None or self.held_out.believable
+        return (
+            self.usable
+            and self.fit.believable
+            and predicted
+            and not self.suspicions
+            and (self.sequence is None or self.sequence.clear)
+        )
 
     @property
     def verdict(self) -> str:
@@ -56,6 +65,9 @@ class FitReport:
             sure = (
                 "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
             )
+            if self.held_out is not None and self.held_out.p_value is not None:
+                shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
+                return f"believable: {sure}, and {shown}" if self.fit.p_value is not None else f"believable: {sure}, but {shown}"
             return (
                 f"believable: {sure}"
                 if self.fit.p_value is not None
@@ -87,6 +99,8 @@ class FitReport:
             return "too many readings do not belong; see the notes"
         if fit.unsolved:
             return f"{len(fit.unsolved)} of {len(fit.measurements)} postures do not close"
+        if self.held_out is not None and not self.held_out.believable:
+            return self.held_out.doubt
         if self.sequence is not None and not self.sequence.clear:
             return "these data cannot tell the Euler sequence: several fit almost equally"
         if not fit.identifiability.is_clear:
@@ -159,6 +173,7 @@ class FitReport:
             lines.append(f"  and {len(self.unobservable) - _LARGEST} more combinations (report.md)")
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
+        lines += [f"  {text}" for text in self.held_out_texts()]
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
         if changed:
             lines.append(f"  largest changes: {', '.join(changed)}")
@@ -204,6 +219,26 @@ class FitReport:
             )
         return "residuals, rms: " + ", ".join(parts)
 
+    def held_out_texts(self) -> list[str]:
+        """What the held-out postures say of the prediction; none where none were held out."""
+        held = self.held_out
+        if held is None:
+            return []
+        parts = [
+            f"{kind} {_of_kind(self, kind, rms):.3g} (expected {_of_kind(self, kind, held.expected[kind]):.3g}) {_unit_of_kind(self, kind)}"
+            for kind, rms in held.rms.items()
+        ]
+        p = "" if held.p_value is None else f", probability {held.p_value:.3g}"
+        lines = [
+            f"held out, at random with seed {held.seed}: {len(held.labels)} postures, errors of the prediction, rms: {', '.join(parts)}; "
+            f"chi-square {held.chi_square:.4g} with {held.degrees} degrees of freedom{p}"
+        ]
+        if held.outliers:
+            lines.append(f"held-out postures that are outliers, left out of that chi-square: {_short(held.outliers, _LARGEST)}")
+        if held.unsolved:
+            lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _LARGEST)}")
+        return lines
+
     def to_json(self) -> dict[str, Any]:
         """All of it; lengths in the mechanism's unit, angles in its angle unit."""
         fit, m = self.fit, self.fit.mechanism
@@ -239,6 +274,13 @@ class FitReport:
                  "normalised": _finite(r.normalised)}
                 for r in fit.residuals
             ],
+            "held_out": None if self.held_out is None else {
+                "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
+                "degrees": self.held_out.degrees, "p_value": _finite(self.held_out.p_value),
+                "rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.rms.items()},
+                "expected_rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()},
+                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved),
+            },
             "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
         }  # fmt: skip
 
@@ -282,6 +324,15 @@ class FitReport:
 
 def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+def _of_kind(report: FitReport, kind: str, value: float) -> float:
+    """A reading's value in the mechanism's unit."""
+    return report.fit.mechanism.angle_out(value) if kind in ANGULAR else value
+
+
+def _unit_of_kind(report: FitReport, kind: str) -> str:
+    return report.fit.mechanism.angle_unit if kind in ANGULAR else report.fit.mechanism.length_unit
 
 
 def _unit(report: FitReport, q: Parameter) -> str:

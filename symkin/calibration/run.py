@@ -15,6 +15,7 @@ from symkin.calibration.closing import started
 from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.group_slips import wrong_groups
+from symkin.calibration.holdout import draw, held_out_count, predict
 from symkin.calibration.measurements import Distance, Measurements
 from symkin.calibration.parameters import FRAMES, bound_by_motion, parameter_names
 from symkin.calibration.plausible import is_beyond, refusal
@@ -45,10 +46,12 @@ class NotFittedError(InputError):
 
 def fit_file(
     mechanism: Mechanism, data: DataFile, *, parameters: str | None = None, hold: str | None = None, frames: str = LEAST,
-    sigmas: Mapping[str, np.ndarray | float] | None = None, command: str = "", seed: int = 0, **options: Any,
+    sigmas: Mapping[str, np.ndarray | float] | None = None, command: str = "", seed: int = 0, hold_out: str | None = None,
+    **options: Any,
 ) -> FitReport:  # fmt: skip
     """Fit and judge. `parameters` and `hold` are patterns separated by commas, `frames` is "least" or "joints:..." (see
-    `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `options` are those of `calibrate`.
+    `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `hold_out` is how many
+    postures (`20`, `20%`) are only predicted; `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
     names = default_parameters(mechanism) if parameters is None else matching(mechanism, parameters)
@@ -56,6 +59,7 @@ def fit_file(
     fixed = tuple(name for name in held if name in names)
     data = replace(data, notes=(*data.notes, *_left_out(mechanism, parameters or EVERYTHING, names))).without_copies()
     data = replace(data, measurements=started(mechanism, with_sigmas(data, sigmas or {})))
+    data, kept_back = _divided(data, hold_out, seed)
     options = {**options, "parameters": names, "fixed": fixed}
     choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
@@ -67,7 +71,18 @@ def fit_file(
         if not slips and (fit.status != "ok" or is_beyond(fit)):
             slips = _wrong_sequence(mechanism, data, options)
     refused = None if fit.believable else refusal(fit, misfit(mechanism, measurements, frames_sought), slips)
-    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), refused)
+    held_out = (
+        None if kept_back is None else predict(fit, kept_back.with_sequence("" if choice is None else choice.sequence), seed)
+    )
+    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), refused, held_out)
+
+
+def _divided(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
+    """What is fitted, and what is held out of it (None where nothing is)."""
+    if hold_out is None:
+        return data, None
+    held = draw(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.read))), seed)
+    return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
 
 
 def _wrong_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from symkin.commands.calibrate_options import (
     ForceOption,
     GroupsOption,
     HoldOption,
+    HoldOutOption,
     Method,
     NoiseDistance,
     NoiseGroup,
@@ -77,6 +78,7 @@ def fit(
     sigma_orientation: SigmaOption = None,
     distance: DistanceOption = None,
     sigma_distance: SigmaOption = None,
+    hold_out: HoldOutOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
@@ -97,7 +99,7 @@ def fit(
         report = fit_file(
             mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
             frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
-            outliers=outliers.value,
+            outliers=outliers.value, hold_out=hold_out,
         )  # fmt: skip
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)

@@ -96,3 +96,7 @@ NoiseDistance = Annotated[
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace files in the way that symkin has not written, or that were edited since.")
 ]
+HoldOutOption = Annotated[
+    str | None,
+    typer.Option(metavar="N|PERCENT", help="Postures, as in 20 or 20%, drawn with --seed, that are not fitted but predicted."),
+]
