@@ -1,5 +1,8 @@
 """What symkin raises. Each message is a sentence: what is wrong, where, and what is allowed."""
 
+from collections.abc import Callable
+from typing import Any
+
 
 class SymkinError(Exception):
     """Base of every error that symkin raises on purpose."""
@@ -23,3 +26,7 @@ class SolveError(SymkinError):
     def __init__(self, message: str, result: object) -> None:
         super().__init__(message)
         self.result = result
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle with both arguments, so that a process pool hands the error on."""
+        return type(self), (str(self), self.result)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import Any
@@ -41,7 +41,12 @@ class NotFittedError(InputError):
 
     def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
         super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
+        self.message = message
         self.suspicions = suspicions
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle with both arguments, so that a process pool hands the error on."""
+        return type(self), (self.message, self.suspicions)
 
 
 def fit_file(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,10 @@ class Workspace:
     def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
         """The default workspace: 0.15 of the size and 20 deg about home."""
         return Workspace(mechanism, np.array(half if half is not None else [REACH * mechanism.size] * 3), **options)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the description alone: what closes postures holds functions, and is made again where it is needed."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @cached_property
     def centre(self) -> np.ndarray:

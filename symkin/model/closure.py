@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -65,6 +66,10 @@ class Closure:
 
     def role(self, *roles: str) -> tuple[Coordinate, ...]:
         return tuple(c for c in self.coordinates if c.role in roles)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism: symbols and functions stay in their process and are built anew from it."""
+        return build_closure, (self.mechanism,)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -169,6 +169,10 @@ class Jacobian:
             speeds.append(pose_rates(c, symbol_of(closure, c), rates[n + p :]))
         flat = ca.jtimes(ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds))
         return ca.reshape(flat, *self.expression.shape)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism and the kind, from which the expression is built anew."""
+        return _built, (self.mechanism, self.kind, bool(self.parameters))
 
     def __str__(self) -> str:
         inputs = ", ".join(v.name for v in self.inputs) or "nothing"

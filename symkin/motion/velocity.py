@@ -8,7 +8,7 @@ redundant rows, redundant actuation and serial arms (whose rows are t - J q' = 0
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -77,6 +77,10 @@ class VelocityEquations:
             raise InputError(f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} are needed")
         outputs = self._function(variables_of(self.closure, values), geometry)
         return VelocityMatrices(self, *(np.asarray(ca.DM(output).full()) for output in outputs))
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism, from which the symbols are built anew."""
+        return velocity_equations, (self.closure.mechanism,)
 
     @cached_property
     def _function(self) -> ca.Function:

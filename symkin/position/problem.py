@@ -5,8 +5,9 @@ direct: known q, unknown (x, X); inverse: known X, unknown (q, x).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -108,6 +109,10 @@ class Problem:
                 values[self.closure.slices[c.name]] = part[start : start + c.width]
                 start += c.width
         return values
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism and the kind, from which the symbols are built anew."""
+        return build_problem, (self.mechanism, self.kind)
 
 
 @lru_cache(maxsize=128)

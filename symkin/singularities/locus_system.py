@@ -13,7 +13,7 @@ square, so that points of the curve are true zeros.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -62,6 +62,10 @@ class Plane:
             return {"pose": pose_at(self.mechanism, (*self.solution.position, *self.solution.quaternion), varied)}
         held = zip((c.name for c in self.mechanism.actuated), self.solution.actuated, strict=True)
         return {"joints": [varied.get(name, value) for name, value in held]}
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the configuration and the names, from which the symbols are built anew."""
+        return plane_of, (self.solution, self.names)
 
     def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
         return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
