@@ -10,15 +10,19 @@ In a direct problem paths belong to poses and to single branches of limbs; see `
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from symkin.enumeration.proofs import Prover
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.branches import complex_count, real_candidates
 from symkin.paths.dyads import dyads_of, with_dyads
+from symkin.paths.ends import Ends
 from symkin.paths.engine import engine_of
 from symkin.paths.instance import instance
 from symkin.paths.monodromy import Fibre
+from symkin.paths.six_distances import meet_all_distances, redundant_distances
 from symkin.paths.start_store import start_of
 from symkin.paths.systems import system_of
 from symkin.paths.values import known_values, real_values
@@ -26,7 +30,7 @@ from symkin.position.given import Given
 from symkin.position.levenberg import Progress
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import SINGULAR_ROOT, Roots, is_of_continuum, unite
+from symkin.position.roots import SINGULAR_ROOT, Proofs, Roots, is_of_continuum, unite
 from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
 
@@ -94,9 +98,27 @@ def _block_roots(
     points = points[first]
     return Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=complex_count(algebraic, ends.isolated) * 2 ** len(dyads_of(problem)),
-        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=prover.proofs(points),
+        complex_count=complex_count(algebraic, _isolated(problem, ends, given)) * 2 ** len(dyads_of(problem)),
+        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
     )  # fmt: skip
+
+
+def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
+    """Isolated complex roots, of all distances where there are more than six."""
+    z = ends.isolated
+    return z if not redundant_distances(problem) else z[:, meet_all_distances(problem, z, given.values)]
+
+
+def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
+    """What is proved; of more distances than six, that numbers can only meet up to rounding, nothing."""
+    found, more = prover.proofs(points), redundant_distances(problem)
+    if not more:
+        return found
+    none, reason = (
+        np.zeros(len(points), dtype=bool),
+        f"of {6 + more} distances six have been solved, the others are met up to rounding",
+    )
+    return replace(found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason)
 
 
 def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> Roots:

@@ -22,6 +22,7 @@ from symkin.firmware.samples import Configuration, configurations
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.mobility import analyse_mobility
 from symkin.position.problem import Problem, build_problem
 from symkin.position.rank import Rank
 from symkin.position.system import System, constant_rows, split_blocks
@@ -121,6 +122,14 @@ class ClosedMechanism:
         """Raises InputError where a generated solver could not work."""
         if not self.actuated:
             raise InputError(f"{self.name} has no actuated joint; nothing to generate")
+        mobility = analyse_mobility(self.mechanism)
+        if mobility.closed and mobility.direct_rank.value < mobility.rank.value:
+            more = mobility.rank.value - mobility.direct_rank.value
+            raise InputError(
+                f"{self.name}: {mobility.actuated} actuated joints move {mobility.mobility} freedoms, so that their values must agree "
+                "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
+                f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
+            )
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
         for sample in self.samples[:5]:

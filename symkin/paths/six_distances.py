@@ -1,7 +1,7 @@
-"""Platforms held by six distances: one algebraic system for all of them.
+"""Platforms held by six distances, or by more of them: one algebraic system for all of them.
 
 In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |2 g + e m - b e|^2 - L^2 |e|^2 = 0
-(Husty 1996).
+(Husty 1996). Of more than six distances six are chosen, whose solutions are then compared with the others.
 """
 
 from __future__ import annotations
@@ -16,10 +16,15 @@ from symkin.model.closure import build_algebraic_closure
 from symkin.model.platform import StudyPose
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.walk import vectorise
+from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem
+from symkin.position.solution import pose_of
+from symkin.spatial.rotation import matrix_from_quaternion
 
 DISTANCES = 6
 """Distances that hold a platform of six freedoms."""
+_EQUAL = 1e-7
+"""Difference of squared lengths, in units of the size, of a root that has a distance, whose rounding is far smaller."""
 
 
 @lru_cache(maxsize=1)
@@ -35,15 +40,71 @@ def universal_system() -> AlgebraicSystem:
 
 
 @lru_cache(maxsize=128)
-def distance_function(problem: Problem) -> ca.Function | None:
-    """Length, base point and platform point of each distance (42 numbers, length unit) as a function of the known
-    joints; None where the direct problem is another one."""
+def all_distances(problem: Problem) -> ca.Function | None:
+    """Length, base point and platform point of each distance (7 numbers, length unit) as a function of the known joints;
+    None where the direct problem is another one."""
     if problem.kind != "direct" or problem.mechanism.motion != "spatial":
         return None
     algebraic = build_algebraic_closure(problem.mechanism, "study")
-    if algebraic.distances is None or algebraic.rows.shape[0] != DISTANCES:
+    if algebraic.distances is None or algebraic.rows.shape[0] < DISTANCES:
         return None
     return ca.Function("distances", [algebraic.joints], [ca.densify(algebraic.distances)])
+
+
+@lru_cache(maxsize=128)
+def chosen_distances(problem: Problem) -> tuple[int, ...]:
+    """Six of a problem's distances, those that hold the platform best at the first closed configuration, in order: the
+    wrenches (d; m x d / size) of their lines are taken one by one, each time the one farthest from those before."""
+    function = all_distances(problem)
+    count = 0 if function is None else function.numel_out(0) // 7
+    if function is None or count == DISTANCES:
+        return tuple(range(count))
+    values = closed_configurations(problem.closure, 0)[0]
+    pose = pose_of(problem.closure, values)
+    numbers = np.asarray(function(problem.take(values, problem.known_coordinates))).reshape(count, 7)
+    arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
+    lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
+    lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
+    left = np.hstack([lines, np.cross(arms, lines) / problem.closure.size])
+    chosen: list[int] = []
+    for _ in range(DISTANCES):
+        best = int(np.argmax(np.linalg.norm(left, axis=1)))
+        chosen.append(best)
+        unit = left[best] / max(float(np.linalg.norm(left[best])), 1e-300)
+        left = left - np.outer(left @ unit, unit)
+    return tuple(sorted(chosen))
+
+
+@lru_cache(maxsize=128)
+def distance_function(problem: Problem) -> ca.Function | None:
+    """The chosen six of `all_distances` (42 numbers)."""
+    function = all_distances(problem)
+    if function is None or function.numel_out(0) == 7 * DISTANCES:
+        return function
+    joints = ca.SX.sym("q", function.size1_in(0))
+    rows = [7 * i + j for i in chosen_distances(problem) for j in range(7)]
+    return ca.Function("distances", [joints], [function(joints)[rows]])
+
+
+def redundant_distances(problem: Problem) -> int:
+    """How many distances a problem has beyond six; 0 also where it is another problem."""
+    function = all_distances(problem)
+    return 0 if function is None else function.numel_out(0) // 7 - DISTANCES
+
+
+def meet_all_distances(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Which roots z (8, n) of the chosen six distances have all of them at these known joints."""
+    function = all_distances(problem)
+    if function is None or function.numel_out(0) == 7 * DISTANCES:
+        return np.ones(z.shape[1], dtype=bool)
+    numbers = np.asarray(function(known)).reshape(-1, 7) / problem.closure.size
+    system = universal_system()
+    fine = np.ones(z.shape[1], dtype=bool)
+    ray = z / np.linalg.norm(z[:4], axis=0)
+    for i in range(len(numbers) - DISTANCES + 1):
+        k = np.repeat(numbers[i : i + DISTANCES].reshape(-1, 1), z.shape[1], axis=1)
+        fine &= np.max(np.abs(system.linearise(ray, k.astype(complex))[0]), axis=1, initial=0.0) < _EQUAL
+    return fine
 
 
 @lru_cache(maxsize=128)

@@ -58,6 +58,7 @@ _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
 """Real instances on which bases of a start are compared, and how many bases."""
+_AGREEING = "the values of the actuated joints must agree with each other"
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
 
@@ -152,7 +153,10 @@ def _from_universal(
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
-    rank = system.count - (analyse_mobility(problem.mechanism).redundant if problem.kind == "direct" else 0)
+    mobility = analyse_mobility(problem.mechanism)
+    if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
+        return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
+    rank = system.count - (mobility.redundant if problem.kind == "direct" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)

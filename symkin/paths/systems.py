@@ -13,7 +13,7 @@ from symkin.model.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.model.joint import Coordinate
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.dyads import dyads_of
-from symkin.paths.six_distances import is_universal, universal_system
+from symkin.paths.six_distances import chosen_distances, distance_function, is_universal, universal_system
 from symkin.position.problem import KNOWN, Problem
 from symkin.position.system import System, components
 
@@ -50,6 +50,8 @@ def _build(problem: Problem, *, dyads: bool) -> tuple[AlgebraicSystem, ...]:
     scale_z, scale_k = _scales(unknowns, size), _scales(known, size)
     pose_scale = _pose_scale(algebraic, problem.closure.role("pose"), size)
     rows = list(ca.vertsplit(algebraic.rows))
+    if distance_function(problem) is not None:
+        rows = [rows[i] for i in chosen_distances(problem)]
     projective: tuple[int, ...] = ()
     affine = unknowns
     if pose_unknown:
