@@ -322,7 +322,7 @@ class Checks:
         rates = self.rates(x)
         if rates is None:
             return
-        q, twist, everything = rates
+        q, twist = rates
         names: dict[str, Any] = {}
         exec(compile(run.out, "jacobian", "exec"), names)
         values = self.inputs(list(inspect.signature(names["jacobian"]).parameters), x)
@@ -341,8 +341,8 @@ class Checks:
         if not off < 1e-6:
             self.found("wrong answer", f"the {kind} Jacobian differs from differences of the closure by {off:.1g}", run)
 
-    def rates(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """Feasible rates of actuated joints, twists and tangents as columns, by differences; None where joints or pose do not
+    def rates(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Feasible rates of actuated joints, and twists, as columns, by differences; None where joints or pose do not
         determine each other clearly."""
         m = self.plain
         h = 1e-6 * m.size
@@ -363,7 +363,7 @@ class Checks:
             if np.sum(values > 1e-6) != rank or np.sum(values > 1e-2) != rank:
                 return None
         units = np.array([1.0 if m.numbers[i].kind == "length" else m.size for i in self.actuated])
-        return free[joints] / units[:, None], twist, free
+        return free[joints] / units[:, None], twist
 
     def _twist(self, pose: np.ndarray) -> np.ndarray:
         m = self.plain

@@ -20,8 +20,8 @@ FREEDOM = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3}
 MOTIONS = ("spatial", "schoenflies", "planar", "translation", "spherical")
 DETERMINED = 0.85
 """Share of files whose actuated joints are chosen to determine the platform."""
-MOST_PASSIVE = 5
-"""Most passive freedoms that all limbs together may have beside one joint of each limb, so that a file is quick."""
+MOST_PASSIVE, MOST_PASSIVE_SHARES = (2, 3, 4, 6), (0.4, 0.35, 0.17, 0.08)
+"""Most passive freedoms that all limbs together have beside one joint of each limb, so that a file is quick, and how often."""
 
 
 @dataclass
@@ -237,7 +237,7 @@ def assembled(rng: np.random.Generator, limbs: list[dict[str, Any]], d: Draw, mo
     else:
         for joint in candidates:
             joint["actuated"] = bool(rng.uniform() < 0.35)
-    return data if _passive(limbs) <= MOST_PASSIVE else None
+    return data if _passive(limbs) <= rng.choice(MOST_PASSIVE, p=MOST_PASSIVE_SHARES) else None
 
 
 def _passive(limbs: list[dict[str, Any]]) -> int:

@@ -1,6 +1,6 @@
 """Random mechanisms through every verb of the command line, each answer held against a closure of the benchmark's own.
 
-    python benchmarks/random_mechanisms.py [--count 2000] [--seed 0] [--workers 1] [--limit 30] [-o FOLDER] [--only INDEX]
+    python benchmarks/random_mechanisms.py [--count 2000] [--seed 0] [--workers 1] [--limit 20] [-o FOLDER] [--only INDEX]
 
 Each mechanism has a process of its own. Counted are tracebacks (and warnings, broken JSON, undocumented statuses), lost
 modes (a regular mode that random starts find and a proved list, or one of probability one, lacks), silent wrong answers
@@ -23,8 +23,8 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,9 @@ KINDS = ("traceback", "lost mode", "wrong answer", "timeout", "crash")
 COMPILED_SHARE, SWEPT_SHARE = 10, 12
 """One mechanism in so many has its C compiled, or is swept."""
 WALL = 30
-"""A process that says nothing for so many times its CPU limit is ended."""
+"""A process that takes so many times its CPU limit by the clock is ended."""
+NOTHING: dict[str, Any] = {"statuses": {}, "times": {}, "refusals": [], "compared": 0, "sampled": 0}
+"""What a mechanism without an answer adds to the counts."""
 
 
 def main() -> int:
@@ -42,7 +44,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--limit", type=float, default=30.0, help="Seconds of CPU that a mechanism may take.")
+    parser.add_argument("--limit", type=float, default=20.0, help="Seconds of CPU that a mechanism may take.")
     parser.add_argument("--only", type=int, nargs="*", help="Indices to run, again if they are kept.")
     parser.add_argument("-o", "--output", type=Path, help="Folder of mechanism files and results.")
     parser.add_argument("--refusals", action="store_true", help="Print what was refused, by message.")
@@ -62,24 +64,25 @@ def run_all(
     kept = {} if only is not None else kept_results(folder, seed)
     wanted = [i for i in (range(count) if only is None else only) if i not in kept]
 
-    def run(index: int) -> dict[str, Any]:
-        result = run_one(folder, seed, index, limit)
-        (folder / f"result_{seed}_{index}.json").write_text(json.dumps(result))
-        for finding in result["findings"]:
-            print(f"{finding['kind']}: {finding['text']}\n    {finding['command']}", flush=True)
-        return result
-
-    with ThreadPoolExecutor(max(1, workers)) as pool:
-        fresh = list(pool.map(run, wanted))
-    found = {r["index"]: r for r in (*kept.values(), *fresh)}
+    found = dict(kept)
+    running: list[Child] = []
+    while wanted or running:
+        while wanted and len(running) < max(1, workers):
+            running.append(Child(folder, seed, wanted.pop(0), limit))
+        for child in ended(running):
+            running.remove(child)
+            result = child.result()
+            (folder / f"result_{seed}_{child.index}.json").write_text(json.dumps(result))
+            found[child.index] = result
+            for finding in result["findings"]:
+                print(f"{finding['kind']}: {finding['text']}\n    {finding['command']}", flush=True)
     return [found[i] for i in sorted(found) if only is not None or i < count]
 
 
 def prepare(folder: Path) -> None:
-    """Settings of all children, and imports that they share: one thread, NumPy's engine, a cache of their own."""
+    """Settings of all children, and imports that they share: one thread, a cache of their own."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    os.environ.setdefault("SYMKIN_ENGINE", "numpy")
     os.environ["SYMKIN_CACHE"] = str(folder / "cache")
     import mechanism_checks  # noqa: F401
 
@@ -94,40 +97,52 @@ def kept_results(folder: Path, seed: int) -> dict[int, dict[str, Any]]:
     return {r["index"]: r for r in results}
 
 
-def run_one(folder: Path, seed: int, index: int, limit: float) -> dict[str, Any]:
-    """The result of one mechanism, whose process is ended by the system after `limit` seconds of CPU."""
-    context = multiprocessing.get_context("fork")
-    ours, theirs = context.Pipe(duplex=False)
-    child = context.Process(target=_child, args=(theirs, folder, seed, index, limit))
-    child.start()
-    theirs.close()
-    stage, result = "making the file", None
-    try:
-        while result is None and ours.poll(WALL * limit):
-            message = ours.recv()
-            stage, result = (message, None) if isinstance(message, str) else (stage, message)
-    except EOFError:
-        pass
-    child.join(5.0)
-    stuck = child.is_alive()
-    if stuck:
-        child.kill()
-        child.join()
-    ours.close()
-    if result is None:
-        late = stuck or child.exitcode == -signal.SIGXCPU
-        text = f"no end within {limit:g} s of CPU" if late else f"the process ended with {child.exitcode}"
-        finding = {"kind": "timeout" if late else "crash", "text": text, "command": stage}
-        result = {
-            "findings": [finding],
-            "statuses": {},
-            "times": {},
-            "refusals": [],
-            "compared": 0,
-            "sampled": 0,
-            "seconds": limit,
-        }
-    return result | {"index": index}
+class Child:
+    """The process of one mechanism, which the system ends after `limit` seconds of CPU."""
+
+    def __init__(self, folder: Path, seed: int, index: int, limit: float) -> None:
+        self.index, self.limit = index, limit
+        self.stage, self.answer = "making the file", None
+        context = multiprocessing.get_context("fork")
+        self.pipe, theirs = context.Pipe(duplex=False)
+        self.process = context.Process(target=_child, args=(theirs, folder, seed, index, limit))
+        self.process.start()
+        theirs.close()
+        self.stop = time.perf_counter() + WALL * limit
+
+    def read(self) -> None:
+        """Take what the process has sent: the command that it runs, or its answer."""
+        try:
+            while self.answer is None and self.pipe.poll():
+                message = self.pipe.recv()
+                if isinstance(message, str):
+                    self.stage = message
+                else:
+                    self.answer = message
+        except EOFError:
+            pass
+
+    def result(self) -> dict[str, Any]:
+        """Its answer, or that it has none."""
+        stuck = self.answer is None and self.process.is_alive()
+        if stuck:
+            self.process.kill()
+        self.process.join()
+        self.pipe.close()
+        if self.answer is not None:
+            return self.answer | {"index": self.index}
+        late = stuck or self.process.exitcode == -signal.SIGXCPU
+        text = f"no end within {self.limit:g} s of CPU" if late else f"the process ended with {self.process.exitcode}"
+        finding = {"kind": "timeout" if late else "crash", "text": text, "command": self.stage}
+        return NOTHING | {"findings": [finding], "seconds": self.limit, "index": self.index}
+
+
+def ended(running: list[Child]) -> list[Child]:
+    """Processes that have answered, ended, or are past their time; waits until there may be one."""
+    wait([part for child in running for part in (child.pipe, child.process.sentinel)], timeout=5.0)
+    for child in running:
+        child.read()
+    return [c for c in running if c.answer is not None or not c.process.is_alive() or time.perf_counter() > c.stop]
 
 
 def _child(pipe: Any, folder: Path, seed: int, index: int, limit: float) -> None:

@@ -15,6 +15,7 @@ from symkin.model.dh import DHRow, DHTable
 from symkin.model.joint import Joint, interval
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
+from symkin.model.other_classes import JOINT_TYPES, class_not_described, is_second_platform, second_platform
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
@@ -56,6 +57,8 @@ def parse(text: str, file: str = "mechanism") -> Mechanism:
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
+        if is_second_platform(str(error)):
+            raise MechanismError(f"{file}: {second_platform()}") from None
         raise MechanismError(f"{file}: not TOML: {' '.join(str(error).split())}") from None
     if not data:
         raise MechanismError(f"{file}: the file is empty; format = 1, name, units and at least one limb are needed")
@@ -68,6 +71,7 @@ def parse(text: str, file: str = "mechanism") -> Mechanism:
 def _mechanism(data: dict[str, Any]) -> Mechanism:
     from symkin.model.schema import JointLimbTable, MechanismTable, RodLimbTable
 
+    _check_class(data)
     unit = data.get("angle_unit")
     context = {"angle_unit": unit if unit in ANGLE_UNITS else "deg"}
     table = _validated(MechanismTable, data, (), context)
@@ -88,6 +92,13 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
         "example": _example(table.example),
     }
     return _Builder(table.angle_unit).mechanism(table, limbs, options)
+
+
+def _check_class(data: dict[str, Any]) -> None:
+    """Refuse classes of mechanisms that the format does not describe by what they are, before single keys."""
+    found = class_not_described(data)
+    if found is not None:
+        raise MechanismError(f"{_key_path(data, found[0], ())}: {found[1]}")
 
 
 class _Builder:
@@ -215,7 +226,9 @@ def _sentence(path: str, error: Any, model: Any) -> str:
         case "extra_forbidden":
             return f"{path} is an unknown key; allowed: {', '.join(_allowed_keys(model, error['loc']))}"
         case "literal_error":
-            return f"{path} = {value!r} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
+            instead = JOINT_TYPES.get(value) if path.endswith(".type") and isinstance(value, str) else None
+            allowed = f"{path} = {value!r} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
+            return f"{allowed}; {instead}" if instead else allowed
         case "too_short" | "too_long":
             limit = error["ctx"].get("min_length", error["ctx"].get("max_length"))
             return f"{path} = {_short(value)} has {error['ctx']['actual_length']} entries; {limit} needed"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
+from symkin.model.other_classes import ACTUATED
 
 JointType = Literal["R", "P", "H", "C", "U", "S"]
 Kind = Literal["length", "angle", "turns", "quaternion"]
@@ -78,7 +79,10 @@ class Joint:
         if self.type not in JOINT_TYPES:
             raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(JOINT_TYPES)}")
         if self.actuated and self.type not in ("R", "P", "H"):
-            raise MechanismError(f"{where}: actuated = true is allowed for R, P and H joints only, not for {self.type}")
+            raise MechanismError(
+                f"{where}: actuated = true is allowed for R, P and H joints only, not for {self.type}; {ACTUATED[self.type]}, of which "
+                "any are actuated"
+            )
         if FREEDOMS[self.type] > 1 and (self.zero != 0.0 or self.limits is not None):
             raise MechanismError(f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only")
         if self.type == "H" and self.pitch == 0.0:
