@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -73,17 +71,3 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
 def print_result(as_json: bool, to_json: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:
     """One JSON object, or the text for people."""
     print(json.dumps(to_json(), allow_nan=False) if as_json else to_text())
-
-
-@contextmanager
-def progress_bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A progress bar on stderr when it is a terminal, else nothing."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -17,9 +17,9 @@ from symkin.commands.options import (
     StartOption,
     numbers_from,
     print_result,
-    progress_bar,
     whole_number,
 )
+from symkin.commands.progress import progress_bar
 
 
 class Method(StrEnum):

@@ -20,6 +20,7 @@ from symkin.commands.options import (
     print_result,
     whole_number,
 )
+from symkin.commands.progress import progress_bar
 from symkin.errors import InputError, SolveError
 from symkin.model.written_number import written_number
 
@@ -77,7 +78,8 @@ def singularities(
     from symkin.singularities.loci import singular_loci
 
     names = [name.strip() for name in plane.split(",")]
-    loci = singular_loci(solution, names, ranges=sides, starts=starts, seed=seed)
+    with progress_bar("singularity loci"):
+        loci = singular_loci(solution, names, ranges=sides, starts=starts, seed=seed)
     if plot is not None:
         from symkin.view.loci_plot import draw_loci
 

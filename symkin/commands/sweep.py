@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from symkin.commands.options import Interrupted, MechArgument, SeedOption, numbers_from, whole_number
+from symkin.commands.progress import progress_bar
 from symkin.errors import InputError
 
 
@@ -103,9 +104,10 @@ def _kept_when_interrupted(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and remaining time on stderr when it is a terminal, else nothing."""
-    if not sys.stderr.isatty():
-        yield None
+    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and then."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        with progress_bar("points") as lines:
+            yield lines
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn

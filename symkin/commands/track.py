@@ -14,9 +14,9 @@ from symkin.commands.options import (
     check_output,
     numbers_from,
     print_result,
-    progress_bar,
     whole_number,
 )
+from symkin.commands.progress import progress_bar
 from symkin.errors import InputError
 
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symkin.caching import lru_cache
+from symkin.paths.cache import keep, read_kept
 
 FLAGS = ("-O2", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math", "-w")
 """No -ffast-math: a path that fails is seen by its NaN."""
@@ -133,7 +134,7 @@ def _built(compiler: Compiler, sources: Mapping[str, str], main: str, folder: Pa
                 (Path(work) / name).write_text(text)
             library = Path(work) / "library.so"
             _run([*compiler.command, *compiler.flags, str(Path(work) / main), "-o", str(library), "-lm"])
-            kept = _put(library, folder, key)
+            kept = keep(folder, key, ".so", library.read_bytes())
             if kept is not None:
                 with suppress(OSError):
                     return _loaded(kept)
@@ -142,36 +143,13 @@ def _built(compiler: Compiler, sources: Mapping[str, str], main: str, folder: Pa
         raise CompilerError(f"the compiled library is not usable: {error}") from None
 
 
-def _put(library: Path, folder: Path, key: str) -> Path | None:
-    """Copy into the cache at once or not at all."""
-    content = library.read_bytes()
-    place = folder / f"{key}-{_digest(content)}.so"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=folder, suffix=".part")
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(name, place)
-    except OSError:
-        return None
-    return place
-
-
 def _kept(folder: Path, key: str) -> ctypes.CDLL | None:
     """A whole library of the user's own from the cache."""
-    for place in sorted(folder.glob(f"{key}-*.so")):
-        try:
-            whole = place.stem == f"{key}-{_digest(place.read_bytes())}"
-            if whole and place.stat().st_uid == os.getuid():
-                return _loaded(place)
-        except OSError:
-            continue
+    for place, _ in read_kept(folder, key, ".so"):
+        with suppress(OSError):
+            return _loaded(place)
     return None
 
 
 def _loaded(place: Path) -> ctypes.CDLL:
     return ctypes.CDLL(str(place))
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:16]

@@ -1,9 +1,32 @@
-"""The user's cache folder: starts and compiled closures of his own mechanisms."""
+"""The user's cache folder: starts and compiled closures of his own mechanisms.
+
+A file's name ends in a digest of its content, and only whole files of the user's own are read: one that was cut short,
+changed, or put there by somebody else is taken for missing. Processes may share a folder: files appear at once or not at
+all, and one that disappears is made anew. The folder is bounded: when it has grown beyond its size, the files that were
+not used for longest are removed.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import os
+import stat
+import tempfile
+import time
+from contextlib import suppress
 from pathlib import Path
+
+from symkin.errors import InputError
+
+SIZE = 500.0
+"""Megabytes that the folder may hold, unless SYMKIN_CACHE_SIZE says otherwise."""
+_KEPT = 0.8
+"""Share of the size that is left when files are removed, so that this does not happen at every writing."""
+_ABANDONED = 3600.0
+"""Seconds after which an unfinished file belongs to no process that still writes it."""
+_USED = 3600.0
+"""Seconds between two notes of a file's use."""
+_MINE = (".npz", ".so")
 
 
 def cache_folder() -> Path:
@@ -14,3 +37,117 @@ def cache_folder() -> Path:
     from platformdirs import user_cache_path
 
     return Path(user_cache_path("symkin"))
+
+
+def cache_size() -> float:
+    """Bytes that the folder may hold. Raises InputError where SYMKIN_CACHE_SIZE is no number of megabytes."""
+    named = os.environ.get("SYMKIN_CACHE_SIZE", "").strip()
+    try:
+        size = float(named) if named else SIZE
+    except ValueError:
+        size = -1.0
+    if not size >= 0.0:
+        raise InputError(f"SYMKIN_CACHE_SIZE = {named!r} is unknown; allowed: a number of megabytes from 0")
+    return size * 1e6
+
+
+def read_kept(folder: Path, key: str, suffix: str) -> list[tuple[Path, bytes]]:
+    """Whole files of the user's own that are kept under a key, with their contents."""
+    found = []
+    try:
+        places = sorted(folder.glob(f"{key}-*{suffix}"))
+    except OSError:
+        return []
+    for place in places:
+        content = _own_file(place)
+        if content is None:
+            continue
+        if place.name == _name(key, content, suffix):
+            _note_use(place)
+            found.append((place, content))
+        else:
+            discard(place)
+    return found
+
+
+def keep(folder: Path, key: str, suffix: str, content: bytes) -> Path | None:
+    """Put a file into the folder, at once or not at all; None where that cannot be done. Of a folder that is full the files
+    not used for longest go."""
+    size = cache_size()
+    if len(content) > size:
+        return None
+    place, part = folder / _name(key, content, suffix), None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle, part = tempfile.mkstemp(dir=folder, suffix=".part")
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(part, place)
+    except OSError:
+        if part is not None:
+            discard(Path(part))
+        return None
+    _bound(folder, size, place)
+    return place
+
+
+def _name(key: str, content: bytes, suffix: str) -> str:
+    return f"{key}-{hashlib.sha256(content).hexdigest()[:16]}{suffix}"
+
+
+def _own_file(place: Path) -> bytes | None:
+    """The content of a regular file of the user's own; opened so that a FIFO or a device does not block."""
+    try:
+        handle = os.open(place, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        with os.fdopen(handle, "rb") as file:
+            about = os.fstat(handle)
+            mine = not hasattr(os, "getuid") or about.st_uid == os.getuid()
+            return file.read() if mine and stat.S_ISREG(about.st_mode) else None
+    except OSError:
+        return None
+
+
+def _note_use(place: Path) -> None:
+    """The file's time is that of its last use, to the hour: what is removed first is what was not used for longest."""
+    with suppress(OSError):
+        if time.time() - place.stat().st_mtime > _USED:
+            os.utime(place)
+
+
+def _bound(folder: Path, size: float, new: Path) -> None:
+    """Remove what other processes left unfinished and, of a folder that is too large, files by their last use. Files of
+    other kinds, and of other users, are left alone."""
+    files, total, now = [], 0, time.time()
+    with suppress(OSError):
+        for place in folder.iterdir():
+            about = _about(place)
+            if about is None:
+                continue
+            if place.suffix == ".part" and now - about.st_mtime > _ABANDONED:
+                discard(place)
+            elif place.suffix in _MINE:
+                files.append((about.st_mtime, about.st_size, place))
+                total += about.st_size
+    if total <= size:
+        return
+    for _, length, place in sorted(files):
+        if total <= _KEPT * size:
+            return
+        if place != new:
+            discard(place)
+            total -= length
+
+
+def _about(place: Path) -> os.stat_result | None:
+    """What is known of a regular file of the user's own."""
+    with suppress(OSError):
+        about = place.lstat()
+        if stat.S_ISREG(about.st_mode) and (not hasattr(os, "getuid") or about.st_uid == os.getuid()):
+            return about
+    return None
+
+
+def discard(place: Path) -> None:
+    """Remove a file, if it is there and may be removed."""
+    with suppress(OSError):
+        place.unlink()

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
-import tempfile
+import logging
+import zlib
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from zipfile import BadZipFile
@@ -23,7 +24,7 @@ from symkin.model.graph import instructions
 from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.best_start import bases_beside, best_start
 from symkin.paths.branches import uncovered
-from symkin.paths.cache import cache_folder
+from symkin.paths.cache import cache_folder, discard, keep, read_kept
 from symkin.paths.coplanar import distance_frames, reflection
 from symkin.paths.engine import aligned, newton, track
 from symkin.paths.monodromy import (
@@ -52,8 +53,13 @@ from symkin.position.rank import Rank
 from symkin.position.roots import merge
 from symkin.position.system import System
 
+LOG = logging.getLogger(__name__)
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 5
+_SATISFIED = 1e-8
+"""Largest row, over the size, that a kept root may leave, and least difference of two roots."""
+_MIRRORED = 1e-5
+"""Difference of a root and the image of another that is the same one."""
 _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
@@ -75,7 +81,7 @@ def start_of(
         kept = _read(key, system)
         if kept is None:
             kept = compute_start(problem, system, block, progress)
-            _write(cache_folder(), key, *kept)
+            keep(cache_folder(), key, ".npz", _content(*kept))
     return kept
 
 
@@ -84,6 +90,7 @@ def compute_start(
 ) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by monodromy; at a base
     from which real instances take few steps."""
+    LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
     data = distance_data(problem)
     if data is not None:
         found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
@@ -170,6 +177,7 @@ def _by_monodromy(
     if bound is not None:
         return first, ""
     for seed in range(1, 1 + _RUNS):
+        LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
         grown = _agree(system, points, rank, first, seed)
         fresh = missing_roots(problem, system, block, grown or first, seed)
         if grown is None and fresh.shape[1] == 0:
@@ -272,22 +280,50 @@ def _hash_of(function: ca.Function, text: str) -> str:
 
 
 def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
-    """A kept start whose roots still satisfy the rows, or the reason why there is none; anything else is ignored."""
-    for folder in (SHIPPED, cache_folder()):
-        try:
-            content = io.BytesIO((folder / f"{key}.npz").read_bytes())
-            with np.load(content) as data:
-                if str(data["reason"]):
-                    return None, str(data["reason"])
-                kept = Fibre(
-                    data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]), _mirrors_in(data)
-                )
-            f, _ = system.linearise(kept.z, np.repeat(kept.k[:, None], kept.z.shape[1], axis=1))
-        except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
-            continue
-        if np.max(np.abs(f)) < 1e-8:
-            return kept, ""
+    """A kept start whose roots satisfy the rows, or the reason why there is none; anything else is removed."""
+    with suppress(OSError):
+        shipped = _start_in((SHIPPED / f"{key}.npz").read_bytes(), system)
+        if shipped is not None:
+            return shipped
+    for place, content in read_kept(cache_folder(), key, ".npz"):
+        kept = _start_in(content, system)
+        if kept is not None:
+            return kept
+        discard(place)
     return None
+
+
+def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
+    """What a file says, or None where it holds no start of this system."""
+    try:
+        with np.load(io.BytesIO(content)) as data:
+            if str(data["reason"]):
+                return None, str(data["reason"])
+            kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]), _mirrors_in(data))
+        with np.errstate(all="ignore"):
+            return (kept, "") if _is_start(system, kept) else None
+    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, MemoryError, BadZipFile, zlib.error):
+        return None
+
+
+def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
+    """Whether the roots satisfy the rows, differ from each other, and are carried to each other as their mirrors say."""
+    n = start.z.shape[1]
+    fits = start.z.shape == (system.width, n) and start.k.shape == (system.k.shape[0],) and start.orbits.shape == (n,)
+    if (
+        not fits
+        or n == 0
+        or not np.max(np.abs(system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))[0])) < _SATISFIED
+    ):
+        return False
+    features = system.all_features(start.z)
+    mixed = features @ np.random.default_rng(0).normal(size=features.shape[1])
+    if not np.all(np.abs(mixed[:, None] - mixed)[np.triu_indices(n, 1)] > _SATISFIED):
+        return False
+    if start.mirrors is None:
+        return True
+    mirrored = system.all_features(start.mirrors.unfold(start.z[:, start.mirrors.first]))
+    return bool(np.max(np.abs(mirrored - features), initial=0.0) < _MIRRORED)
 
 
 def _mirrors_out(mirrors: Orbits) -> dict[str, np.ndarray]:
@@ -301,20 +337,15 @@ def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
     return Orbits(Symmetries(data["matrices"], data["shifts"]), data["labels"], data["first"], data["maps"], True)
 
 
-def _write(folder: Path, key: str, start: Fibre | None, reason: str) -> None:
-    """Write at once or not at all; a folder that cannot be written only costs time."""
+def _content(start: Fibre | None, reason: str) -> bytes:
+    """A file of a start, or of the reason why there is none."""
     content: dict[str, np.ndarray | float | str] = {"reason": reason}
     if start is not None:
         content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
         content |= {} if start.mirrors is None else _mirrors_out(start.mirrors)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=folder, suffix=".part")
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **content)  # type: ignore[arg-type]
-        os.replace(name, folder / f"{key}.npz")
-    except OSError:
-        return
+    file = io.BytesIO()
+    np.savez(file, **content)  # type: ignore[arg-type]
+    return file.getvalue()
 
 
 def write_shipped() -> None:
@@ -333,7 +364,7 @@ def write_shipped() -> None:
             for block in problem.blocks:
                 system = system_of(problem, block)
                 start, reason = compute_start(problem, system, block)
-                _write(SHIPPED, start_key(problem, system), start, reason)
+                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(_content(start, reason))
                 print(
                     name,
                     kind,

@@ -7,6 +7,8 @@ and counted. Nothing here knows when all roots are found: the counts give an est
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 
 from symkin.errors import InputError
@@ -23,10 +25,14 @@ from symkin.position.system import System
 DEFAULT_STARTS = 2000
 
 
+LOG = logging.getLogger(__name__)
+
+
 def batched(
     problem: Problem, block: System, given: Given, starts: int, rng: np.random.Generator, progress: Progress | None = None
 ) -> Roots:
     """Roots of a block that Levenberg-Marquardt on all rows reaches, all starts at once."""
+    LOG.info("%d random starts", starts)
     points = random_starts(problem, block, given, starts, rng)
     batch = levenberg_marquardt(block, points, given.values, progress=progress)
     ends = batch.points[batch.converged]
