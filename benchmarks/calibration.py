@@ -1,11 +1,12 @@
-"""Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy.
+"""Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy; and of an
+arm with nearly parallel axes by tool positions: the written file's chi-square against scipy's minimum.
 
-    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|time]
+    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|parallel|time]
 
 Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not. Time is processor time of the
 whole fit from nominal, direct problems included, building left out, against scipy's least_squares(method="lm") with finite
 differences over a direct solver that treats all postures at once in NumPy and goes on from its last solution (warm), or
-begins at the home pose at every call (cold). scipy is needed for the time only.
+begins at the home pose at every call (cold). scipy is needed for the time and for the arm only.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
+import parallel_arm
+
 import symkin
 from inclinometer import (
     BASE_LIMBS,
@@ -31,7 +34,7 @@ from inclinometer import (
     random_geometry,
     tilted,
 )
-from symkin.calibration.calibrate import calibrate
+from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.direct import ROUGH, solve_postures
 from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.gauge import joint_frames
@@ -40,6 +43,7 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.outliers import screen
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.statistics import covariance
+from symkin.model.file import parse
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -185,6 +189,29 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
         lines.add(f"{name}: clean sets with a reading flagged", f"{100 * false:.1f} %", "at most 5 %", false <= 0.05)
 
 
+# --- nearly parallel axes ------------------------------------------------------------------------------------------
+
+
+def report_parallel(lines: Lines, seed: int) -> None:
+    """Twelve machines with random DH tables and two of the factory kind, whose tables hold lengths that cancel: chi-square of the file
+    that is written, by NumPy, over the least that scipy finds from nominal."""
+    for k in range(14):
+        rng = np.random.default_rng([seed, 4, k])
+        truth = parallel_arm.random_table(rng) if k < 12 else parallel_arm.moved_lines(1e-4, 0.3, rng)
+        data = parallel_arm.measured(truth, rng)
+        least = parallel_arm.least_chi_square(data)
+        kind = "random" if k < 12 else f"factory, longest d {1e-3 * np.max(np.abs(truth[:, 1])):.0f} m"
+        for method in METHODS:
+            found = calibrate(parallel_arm.arm(), data, method=method, outliers="ignore")
+            own = parallel_arm.chi_square(parse(found.corrected.to_toml()), data)
+            lines.add(
+                f"arm {k + 1} ({kind}), {method}: chi-square of the file, reported; scipy's",
+                f"{own:.2f}, {found.chi_square:.2f}; {least:.2f}",
+                "within 1 %, as reported",
+                found.refused is None and own <= 1.01 * least and abs(own - found.chi_square) <= 1e-4 * own,
+            )
+
+
 # --- time ----------------------------------------------------------------------------------------------------------
 
 
@@ -289,7 +316,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "time"])
+    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time"])
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.trials} trials")
     lines = Lines()
@@ -298,6 +325,7 @@ def main() -> int:
         "noise": lambda: report_noise(lines, options.seed, options.trials),
         "designs": lambda: report_designs(lines, options.seed),
         "outliers": lambda: report_outliers(lines, options.seed, options.trials),
+        "parallel": lambda: report_parallel(lines, options.seed),
         "time": lambda: report_time(lines, options.seed),
     }
     for name, part in parts.items():

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.direct import CLOSED, newton_postures
+from symkin.calibration.descent import Descent, untold
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Form
-from symkin.calibration.state import PREDICTED, State, evaluate, ideal_design, joint_covariance, settled
-from symkin.calibration.steps import admitted, damped_step, null_directions
+from symkin.calibration.state import State, evaluate, ideal_design, joint_covariance, merit, restored, settled, stepped
+from symkin.calibration.steps import damped_step, null_directions
 
 _TAIL = 1e-8
 """Steps below this (of the size) are Gauss-Newton steps near the minimum, where the cost is flat to rounding."""
@@ -35,12 +35,10 @@ _KEPT = 3
 _NEGLIGIBLE, _SLOW = 1e-7, 4
 """The iteration ends, too, when so many damped steps in a row each lower the cost by less than this share, far below its chance
 fluctuation: a parameter that readings tell to second order only lets the linear model promise more for ever."""
+_RELEASED = 600
+"""Most steps of the descent from where the iteration ended."""
 _PROBE, _ACCELERATED = 0.1, 0.4
 """Share of a damped step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
-_RESTORED = 2
-"""Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
-_CONSTRAINT = 1e6
-"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +80,31 @@ def _minimise(
     null_space = null_directions(ideal_design(problem, state))
     search = _Search(problem, form, covariance, method, null_space, state, state)
     status, iterations = search.run(limit)
-    best = search.best
-    return Estimate(settled(problem, best.p, best.z, form, covariance), status, iterations, null_space)
+    best = settled(problem, search.best.p, search.best.z, form, covariance)
+    result = Estimate(best, status, iterations, null_space)
+    return finish(problem, result, form, covariance) if status == "ok" else result
+
+
+def finish(problem: CalibrationProblem, result: Estimate, form: Form, covariance: np.ndarray | None = None) -> Estimate:
+    """On from where an iteration ended to a minimum over all that is told there (see `descent`)."""
+    descent = Descent(problem, form, covariance, result.state)
+    status, steps = descent.run(_RELEASED)
+    state = settled(problem, descent.state.p, descent.state.z, form, covariance) if steps else result.state
+    return Estimate(state, status, result.iterations + steps, descent.null_space)
+
+
+def descended(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Estimate | None:
+    """The minimum that the descent alone reaches from p and postures z; None where nothing was released on the way, which is
+    when the first iteration, with what is held there, may have led it into another valley."""
+    if problem.form == "maximum likelihood":
+        return None
+    with np.errstate(all="ignore"):
+        begin = settled(problem, p, z, problem.form, None)
+        held = untold(problem, begin)
+        if begin.leftover is not None or held.shape[1] == 0:
+            return None
+        result = finish(problem, Estimate(begin, "ok", 0, held), problem.form)
+    return result if result.null_space.shape[1] < held.shape[1] else None
 
 
 @dataclass(eq=False)
@@ -124,7 +145,7 @@ class _Search:
             self.best = self.state
             return "ok"
         trial = self._tried(step, length)
-        better = trial is not None and (tail or _merit(trial) < _merit(self.best))
+        better = trial is not None and (tail or merit(trial) < merit(self.best))
         lifted = self.method == "lifted"
         on_branch = trial is not None and (lifted or np.array_equal(trial.signs, self.best.signs))
         if trial is not None and on_branch and (better or lifted or (self.damping == 0.0 and self.since < self.patience)):
@@ -161,22 +182,17 @@ class _Search:
         problem has no solution."""
         if self.method == "nested" and length > _LONGEST:
             return None
-        trial = self._stepped(self.state, step)
-        for _ in range(_RESTORED):
-            if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
-                break
-            trial = self._stepped(trial, admitted(trial, self.null_space)[1])
-        return trial
+        return restored(lambda state, more: self._stepped(state, more), self.state, step, self.null_space)
 
     def _stepped(self, state: State, step: np.ndarray) -> State | None:
-        return _stepped(self.problem, state, step, self.form, self.covariance, nested=self.method == "nested")
+        return stepped(self.problem, state, step, self.form, self.covariance, nested=self.method == "nested")
 
     def _take(self, trial: State, step: np.ndarray, length: float, iteration: int, *, better: bool) -> None:
         self.last = length if self.damping == 0.0 else np.inf
         self.since = 0 if better else self.since + 1
         if better:
-            gained = _merit(self.best) - _merit(trial)
-            is_slow = 0.0 < self.damping <= _FIRST and gained < _NEGLIGIBLE * _merit(trial)
+            gained = merit(self.best) - merit(trial)
+            is_slow = 0.0 < self.damping <= _FIRST and gained < _NEGLIGIBLE * merit(trial)
             self.slow = self.slow + 1 if is_slow else 0
             since_refused = None if self.refused is None else iteration - self.refused
             self.damping = _eased(self.damping, gained / _predicted(self.state, step), since_refused)
@@ -207,29 +223,3 @@ def _predicted(state: State, step: np.ndarray) -> float:
     """By how much the linear model lowers the cost in a step."""
     after = state.fit.vector + state.fit.matrix @ step
     return max(state.cost - float(after @ after), 1e-300)
-
-
-def _stepped(
-    problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
-) -> State | None:
-    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
-    model = problem.model
-    p = state.p + model.scales * step
-    z = model.system.move(state.z, state.follow(step))
-    trial = evaluate(problem, p, z, form, covariance)
-    if not np.all(np.isfinite(trial.pending)):
-        return None
-    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTED * model.closure.size:
-        z, solved = newton_postures(model, z, problem.measurements.joints, p, tolerance=1e2 * CLOSED)
-        if not solved.all():
-            return None
-        trial = evaluate(problem, p, z, form, covariance)
-    return trial if np.isfinite(trial.cost) else None
-
-
-def _merit(state: State) -> float:
-    """The cost, with an exact penalty for rows left over."""
-    if state.leftover is None:
-        return state.cost
-    weight = _CONSTRAINT * float(np.max(np.abs(state.fit.jacobian), initial=1e-300))
-    return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))

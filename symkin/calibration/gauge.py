@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from symkin.calibration.descent import REMAINING, untold
 from symkin.calibration.estimator import Estimate, estimate
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.problem import CalibrationProblem
-from symkin.calibration.state import ideal_design
+from symkin.calibration.state import State, ideal_design
 from symkin.calibration.steps import null_directions
 from symkin.errors import InputError
 from symkin.model.limb import RodLimb
@@ -18,6 +19,8 @@ from symkin.position.rank import RANK_TOLERANCE
 
 _ROUNDS = 40
 """Most corrections of the frames; each shrinks the departure by the curvature of the unobservable set."""
+_SAME = 1e-9
+"""Share of the cost by which a change of frames may raise it, for rounding."""
 
 
 def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[str]) -> tuple[str, ...]:
@@ -48,27 +51,30 @@ def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[s
 
 def least_change(problem: CalibrationProblem, result: Estimate, method: str) -> Estimate:
     """The same fit with parameters nearest to nominal: moved along the unobservable directions N until N^T (p - nominal)
-    vanishes (scaled parameters), and refitted. Directions that were free at nominal and are told at the fit (parallel axes
-    that turn out not to be) are freed. Rigid frames are then a best fit of the joints to nominal (Procrustes); measuring frames,
-    which have no nominal place, take all of it."""
-    model = problem.model
-    size = model.closure.size
-    if null_directions(ideal_design(problem, result.state)).shape[1] < result.null_space.shape[1]:
-        again = estimate(problem, result.state.z, p=result.state.p, method=method)
-        if again.status == "ok" and again.state.cost <= result.state.cost * (1 + 1e-9):
-            result = Estimate(again.state, again.status, result.iterations + again.iterations, again.null_space)
+    vanishes (scaled parameters), and refitted; as far as the cost stays. Rigid frames are then a best fit of the joints to nominal
+    (Procrustes); measuring frames, which have no nominal place, take all of it."""
+    result, moved = _towards_nominal(problem, result, method, lambda state: null_directions(ideal_design(problem, state)))
+    return result if moved else _towards_nominal(problem, result, method, lambda state: untold(problem, state))[0]
+
+
+def _towards_nominal(
+    problem: CalibrationProblem, result: Estimate, method: str, free: Callable[[State], np.ndarray]
+) -> tuple[Estimate, bool]:
+    """The fit moved along the directions that are `free` of it until it is nearest to nominal, and whether it got there."""
+    model, size = problem.model, problem.model.closure.size
+    slack = REMAINING if problem.readings.known else 1e-12 * result.state.fit.vector.size
     for _ in range(_ROUNDS):
-        directions = null_directions(ideal_design(problem, result.state))
+        directions = free(result.state)
         change = _removable(directions, (result.state.p - model.nominal) / model.scales, model.names)
         if directions.shape[1] == 0 or np.max(np.abs(change), initial=0.0) < 1e-12 * size:
-            break
+            return result, True
         p = result.state.p - model.scales * (directions @ change)
         z = model.system.move(result.state.z, result.state.follow(-(directions @ change)))
         again = estimate(problem, z, p=p, method=method, max_iterations=8)
-        if again.status != "ok" or again.state.cost > 1.1 * result.state.cost + 1e-12 * result.state.fit.vector.size:
-            break
+        if again.status != "ok" or again.state.cost > (1 + _SAME) * result.state.cost + slack:
+            return result, False
         result = Estimate(again.state, result.status, result.iterations, directions)
-    return result
+    return result, False
 
 
 def _removable(directions: np.ndarray, change: np.ndarray, names: Sequence[str]) -> np.ndarray:

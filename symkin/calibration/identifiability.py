@@ -81,13 +81,17 @@ def judge(problem: CalibrationProblem, state: State) -> Identifiability:
     """Identifiability at any state with closed postures."""
     state = ideal_state(problem, state)
     matrix = design(state)
-    singular, right, rank = spectrum(matrix)
-    dropped = float(singular[rank]) if rank < len(singular) else 0.0
-    gap = float(singular[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf")
-    null_space = right[rank:].T
-    named = name_null_space(problem, state.p, null_space)
+    found = spectrum(matrix)
+    named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        problem.names, state.fit.matrix, singular, rank, gap, null_space, named, _advice(problem, state, named)
+        problem.names,
+        state.fit.matrix,
+        found.values,
+        found.rank,
+        found.gap,
+        found.null_space,
+        named,
+        _advice(problem, state, named),
     )
 
 

@@ -17,7 +17,7 @@ from symkin.caching import cached_property
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
 from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance, slopes
-from symkin.calibration.steps import null_directions
+from symkin.calibration.steps import spectrum
 from symkin.position.rank import RANK_TOLERANCE
 
 
@@ -25,7 +25,8 @@ from symkin.position.rank import RANK_TOLERANCE
 class LinearModel:
     """Whitened residuals e (N,) after projection, N = n K; `own` (N, 2), the orthonormal columns of each row's group, whose
     number is `group` (N,), -1 for none; `shared` (N, k), the rest of the basis; which rows hold a reading (N,), and the
-    transformation W (n, K, K) that whitened them."""
+    transformation W (n, K, K) that whitened them. `within_reach` is the square that the projection to the parameters' columns took away: at a
+    minimum nothing, but for a form of residuals that weighs otherwise than joint noise and correlation ask."""
 
     residuals: np.ndarray
     own: np.ndarray
@@ -33,6 +34,7 @@ class LinearModel:
     shared: np.ndarray
     taken: np.ndarray
     whiten: np.ndarray
+    within_reach: float = 0.0
 
     @cached_property
     def degrees(self) -> int:
@@ -42,6 +44,11 @@ class LinearModel:
     @property
     def chi_square(self) -> float:
         return float(self.residuals @ self.residuals)
+
+    @property
+    def chi_square_as_is(self) -> float:
+        """Of the parameters as they are, without the step that the projection stands for."""
+        return self.chi_square + self.within_reach
 
     @property
     def absorbed(self) -> np.ndarray:
@@ -82,8 +89,9 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     shared = _basis(columns.reshape(count, -1))
     flat = residuals.reshape(count)
     group = np.repeat(readings.group, readings.values.shape[1])
+    along = shared.T @ flat
     return LinearModel(
-        flat - shared @ (shared.T @ flat), own.reshape(count, 2), group, shared, readings.taken.reshape(-1), whiten
+        flat - shared @ along, own.reshape(count, 2), group, shared, readings.taken.reshape(-1), whiten, float(along @ along)
     )
 
 
@@ -97,12 +105,12 @@ def whitened(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.
 
 
 def admissible(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Basis of the directions in which p is determined and an overconstrained closure stays consistent."""
-    null = null_directions(ideal_design(problem, state))
-    rows = null.T
-    if state.leftover is not None:
-        rows = np.vstack([rows, state.leftover[1].reshape(-1, null.shape[0])])
-    return np.eye(null.shape[0]) if len(rows) == 0 else _annihilated(rows)
+    """Basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays consistent."""
+    found = spectrum(ideal_design(problem, state))
+    if state.leftover is None:
+        return found.told
+    null = found.null_space
+    return _annihilated(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:

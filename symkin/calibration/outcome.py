@@ -19,6 +19,7 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.result import Calibration, Parameter, Residual
 from symkin.calibration.state import State, evaluate
 from symkin.calibration.statistics import chi_square_tail, covariance
+from symkin.calibration.written import read_back
 from symkin.model.mechanism import Mechanism
 
 
@@ -45,21 +46,23 @@ def report(
     elapsed: float,
     removed: bool,
 ) -> Calibration:
-    problem, state = found.problem, found.result.state
+    problem, written = found.problem, read_back(found.problem, found.result.state)
+    state = written.state
     model = linear_model(problem, state)
     known = problem.readings.known
-    spread = 1.0 if known else model.chi_square / max(model.degrees, 1)
+    chi_square = model.chi_square_as_is
+    spread = 1.0 if known else chi_square / max(model.degrees, 1)
     free = spread * covariance(problem, state)
     identified = judge(problem, state)
     crossed = found.used[state.signs * found.begin < 0]
     calibration = Calibration(
         mechanism, measurements, problem, state, _parameters(problem, state, free, known or model.degrees > 0),
-        _full_covariance(problem, free), _residuals(problem, state, model, spread, found.used), model.chi_square, model.degrees,
-        chi_square_tail(model.chi_square, model.degrees) if known and model.degrees > 0 else None, identified,
+        _full_covariance(problem, free), _residuals(problem, state, model, spread, found.used), chi_square, model.degrees,
+        chi_square_tail(_tested(problem, model), model.degrees) if known and model.degrees > 0 else None, identified,
         screening.outliers, screening.unchecked, tuple(found.used.tolist()), tuple(found.unsolved.tolist()),
         tuple(crossed.tolist()), problem.model.poses(state.z, state.p), method, found.result.status,
         found.result.iterations, elapsed, given_up=screening.given_up,
-        silent=tuple(found.silent.tolist()),
+        silent=tuple(found.silent.tolist()), refused=written.reason,
     )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *believe(calibration, removed=removed)]
@@ -72,6 +75,13 @@ def report(
     if left_out:
         notes.append(f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings")
     return replace(calibration, notes=tuple(notes))
+
+
+def _tested(problem: CalibrationProblem, model: LinearModel) -> float:
+    """The statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or correlation out of
+    account, what the parameters could still take away of it is no misfit."""
+    efficient = problem.form == "maximum likelihood" or (problem.form == "means" and problem.measurements.joint_sigma is None)
+    return model.chi_square_as_is if efficient else model.chi_square
 
 
 def _parameters(problem: CalibrationProblem, state: State, free: np.ndarray, has_sigma: bool) -> tuple[Parameter, ...]:

@@ -45,7 +45,8 @@ class FitReport:
     @property
     def usable(self) -> bool:
         """Converged, every combination that moves poses was observable, and the readings fit the geometry (no `refusal`)."""
-        return self.fit.status == "ok" and not self.sigma.blind and bool(self.fit.used) and self.refusal is None
+        fit = self.fit
+        return fit.status == "ok" and fit.refused is None and not self.sigma.blind and bool(fit.used) and self.refusal is None
 
     @property
     def believable(self) -> bool:
@@ -76,6 +77,8 @@ class FitReport:
         why = f"; {self.suspicions[0]}" if self.suspicions else ""
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
+        if self.fit.refused is not None:
+            return f"NOT USABLE: {self.fit.refused}{why}"
         if self.sigma.blind:
             return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
         if self.refusal is not None:

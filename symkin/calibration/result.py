@@ -56,7 +56,8 @@ class Calibration:
     `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are postures whose
     direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped in silence.
     `given_up` are the first outliers of a fit where so many readings do not belong that none was left out, `silent` postures
-    without any reading beside the joints, which are not used.
+    without any reading beside the joints, which are not used. All figures are those of the file with the `corrected` geometry, written
+    and read back (see `written`); `refused` says why it must not be written, None where nothing speaks against it.
     """
 
     mechanism: Mechanism
@@ -83,6 +84,7 @@ class Calibration:
     notes: tuple[str, ...] = field(default=())
     given_up: tuple[Outlier, ...] = ()
     silent: tuple[int, ...] = ()
+    refused: str | None = None
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -103,7 +105,7 @@ class Calibration:
         """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains (neither larger
         nor smaller than it lets expect), but for some outliers."""
         fits = self.p_value is None or UNLIKELY < self.p_value < 1.0 - UNLIKELY
-        whole = not self.unsolved and not self.given_up
+        whole = not self.unsolved and not self.given_up and self.refused is None
         return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
 
     def __str__(self) -> str:

@@ -190,7 +190,7 @@ class _Start:
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
         if not np.all(np.isfinite(state.fit.vector)):
             return None
-        rank, whole = spectrum(design(state))[2], _problem(mechanism, self.measurements, options)
+        rank, whole = spectrum(design(state)).rank, _problem(mechanism, self.measurements, options)
         if whole.readings.count <= rank:
             return None
         most = _most(whole)

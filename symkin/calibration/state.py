@@ -7,19 +7,24 @@ coordinates cannot meet (overconstrained mechanisms) are left over: they constra
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.calibration.direct import newton_postures, signs, solved_steps
+from symkin.calibration.direct import CLOSED, newton_postures, signs, solved_steps
 from symkin.calibration.ideal import ideal
 from symkin.calibration.model import Evaluation
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Form, Linearised, linearise
-from symkin.calibration.steps import design
+from symkin.calibration.steps import admitted, design
 
 PREDICTED = 1e-4
 """A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+CONSTRAINT = 1e6
+"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
+_RESTORED = 2
+"""Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +104,44 @@ def settled(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: For
             state = evaluate(problem, p, z, form, covariance)
         state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
     return state
+
+
+def stepped(
+    problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
+) -> State | None:
+    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
+    model = problem.model
+    p = state.p + model.scales * step
+    z = model.system.move(state.z, state.follow(step))
+    trial = evaluate(problem, p, z, form, covariance)
+    if not np.all(np.isfinite(trial.pending)):
+        return None
+    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTED * model.closure.size:
+        z, solved = newton_postures(model, z, problem.measurements.joints, p, tolerance=1e2 * CLOSED)
+        if not solved.all():
+            return None
+        trial = evaluate(problem, p, z, form, covariance)
+    return trial if np.isfinite(trial.cost) else None
+
+
+def restored(
+    move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray, null_space: np.ndarray
+) -> State | None:
+    """The state after a step that `move` makes, with the rows left over met again; None where a posture has no solution."""
+    trial = move(state, step)
+    for _ in range(_RESTORED):
+        if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
+            break
+        trial = move(trial, admitted(trial, null_space)[1])
+    return trial
+
+
+def merit(state: State) -> float:
+    """The cost, with an exact penalty for rows left over."""
+    if state.leftover is None:
+        return state.cost
+    weight = CONSTRAINT * float(np.max(np.abs(state.fit.jacobian), initial=1e-300))
+    return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
 
 
 def ideal_design(problem: CalibrationProblem, state: State) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,9 @@ from symkin.position.rank import RANK_TOLERANCE
 
 if TYPE_CHECKING:
     from symkin.calibration.state import State
+
+_USUAL = 30.0
+"""Columns up to so many times as long as the median one are as they are where rank is judged; longer ones are made so long."""
 
 
 def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:
@@ -70,16 +74,54 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
     return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
 
 
-def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Singular values (P,) of a matrix with P columns, its right singular vectors as rows (P, P), and its rank."""
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and told directions (P, P - k), judged with
+    very long columns made shorter: what is small beside an angle at a lever of kilometres is not rounding. `gap` is the
+    ratio of the singular values so judged on both sides of the rank, infinite where nothing is dropped."""
+
+    values: np.ndarray
+    null_space: np.ndarray
+    told: np.ndarray
+    gap: float
+
+    @property
+    def rank(self) -> int:
+        return int(self.told.shape[1])
+
+
+def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
+    """Rank and null space of a matrix. The null space has orthonormal columns; those of `told` are orthogonal to it and map to
+    orthogonal ones."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
-    _, singular, right = np.linalg.svd(matrix, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(matrix.shape[1] - len(singular))])
-    return singular, right, int(np.sum(singular > RANK_TOLERANCE * np.max(singular, initial=1e-300)))
+    width = matrix.shape[1]
+    lengths = _at_least_usual(np.linalg.norm(matrix, axis=0))
+    (values, right), (even, across) = (_singular(m) for m in (matrix, matrix / lengths))
+    rank = _rank(even, tolerance)
+    dropped = float(even[rank]) if rank < width else 0.0
+    directions = across.T / lengths[:, None]
+    null_space = right[rank:].T if _rank(values, tolerance) == rank else np.linalg.qr(directions[:, rank:])[0]
+    told = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
+    return Spectrum(values, null_space, told, float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"))
 
 
-def null_directions(matrix: np.ndarray) -> np.ndarray:
+def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Singular values (P,) and right singular vectors as rows (P, P)."""
+    _, values, right = np.linalg.svd(matrix, full_matrices=True)
+    return np.concatenate([values, np.zeros(matrix.shape[1] - len(values))]), right
+
+
+def _rank(values: np.ndarray, tolerance: float) -> int:
+    return int(np.sum(values > tolerance * np.max(values, initial=1e-300)))
+
+
+def _at_least_usual(norms: np.ndarray) -> np.ndarray:
+    """Lengths of columns, those that are not much longer than the median as that; 1 where all are zero."""
+    usual = _USUAL * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
+    return np.asarray(np.maximum(norms, usual))
+
+
+def null_directions(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
     """Orthonormal columns (P, k) along which no residual changes, to first order."""
-    _, right, rank = spectrum(matrix)
-    return right[rank:].T
+    return spectrum(matrix, tolerance).null_space

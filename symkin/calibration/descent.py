@@ -1,0 +1,163 @@
+"""The end of an estimation: on to where no direction that readings tell lowers the cost, and how far from there a state is.
+
+The iteration of the estimator holds what no reading tells where it begins. Some of it is told later: the offset between axes
+that are parallel at nominal and not at the fit, of which a hundred metres may be needed. From where that iteration ends this one
+goes on with the directions that are null where it stands, judged anew at every step: Levenberg-Marquardt with geodesic
+acceleration (Transtrum and Sethna 2012), damped in the metric of the columns' lengths, along valleys as curved as these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symkin.calibration.problem import CalibrationProblem
+from symkin.calibration.residuals import Form
+from symkin.calibration.state import State, ideal_design, merit, restored, stepped
+from symkin.calibration.steps import admitted, null_directions, spectrum
+from symkin.position.rank import RANK_TOLERANCE
+
+REMAINING = 1e-6
+"""A state is a minimum when one more linear step would lower chi-square by less than this."""
+FAINT = 1e-13
+"""Singular values of the equilibrated design below this, of the largest, are rounding. Directions between it and RANK_TOLERANCE are
+too faint for a rank and a standard deviation, and still lower the cost."""
+_ROUNDING = 1e-12
+"""Residuals below this, over the size, are no more than arithmetic leaves."""
+_FIRST, _UP, _DOWN, _LEAST, _MOST = 1e-3, 2.0, 10.0, 1e-20, 1e4
+"""Damping at the start, its factors after a step that failed and one that did not, and its bounds."""
+_GAIN = 1e-9
+"""Share of the cost that counts as rounding of it."""
+_PATIENT = 6
+"""Steps that may fail in a row before the factor itself is doubled each time."""
+_SHORTEST = 1e-3
+"""Columns count as so long, of the longest, in the metric: a direction that is hardly told may take steps that much longer."""
+_PROBE, _ACCELERATED = 0.1, 0.1875
+"""Share of a step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
+_NEGLIGIBLE, _SLOW = 1e-8, 20
+"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that
+readings tell to second order only lets the linear model promise more for ever."""
+
+
+def untold(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """Orthonormal columns (P, k) along which nothing changes the cost, not even faintly. In groups, and with rows left over, only
+    RANK_TOLERANCE tells rounding from that."""
+    exact = not problem.readings.groups and state.leftover is None
+    return null_directions(ideal_design(problem, state), FAINT if exact else RANK_TOLERANCE)
+
+
+def remaining(problem: CalibrationProblem, state: State, null_space: np.ndarray) -> float:
+    """By how much one more linear step would lower chi-square: the squared projection of the residuals, over their standard
+    deviations, to the columns of all that readings tell. Where no standard deviation is known, the scatter is taken for it."""
+    basis, _ = admitted(state, null_space)
+    matrix = state.fit.matrix if basis is None else state.fit.matrix @ basis
+    matrix = matrix @ spectrum(matrix, FAINT).told
+    lengths = np.linalg.norm(matrix, axis=0)
+    along = (matrix / np.where(lengths > 0.0, lengths, 1.0)).T @ state.fit.vector
+    return float(along @ along) / _unit(problem, state)
+
+
+def _unit(problem: CalibrationProblem, state: State) -> float:
+    """Variance that counts as one, not below what rounding leaves."""
+    scatter = 1.0 if problem.readings.known else state.cost / max(problem.readings.count, 1)
+    lengths = problem.model.closure.size * float(np.max(problem.readings.weight, initial=0.0))
+    return max(scatter, (_ROUNDING * lengths) ** 2 / REMAINING, 1e-300)
+
+
+@dataclass(eq=False)
+class Descent:
+    """The iteration: `state` where it stands, `null_space` what is not told there."""
+
+    problem: CalibrationProblem
+    form: Form
+    covariance: np.ndarray | None
+    state: State
+    damping: float = _FIRST
+    slow: int = 0
+    null_space: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.null_space = untold(self.problem, self.state)
+
+    def run(self, limit: int) -> tuple[str, int]:
+        """Status and number of steps."""
+        for count in range(limit):
+            if self.slow >= _SLOW or self.is_minimum:
+                return "ok", count
+            if not self._advance():
+                return "ok" if self._promises_nothing else "stalled", count
+        return "max_iterations", limit
+
+    @property
+    def is_minimum(self) -> bool:
+        return remaining(self.problem, self.state, self.null_space) < REMAINING
+
+    @property
+    def _promises_nothing(self) -> bool:
+        """Whether even the shortest step is expected to gain no more than rounding: what the linear model promises of longer ones is
+        then the second order's, and not kept."""
+        fit = self.state.fit
+        step = _DampedSteps(self.state, self.null_space, _MOST).step(fit.vector)
+        after = fit.vector + fit.matrix @ step
+        return (
+            self.state.cost - float(after @ after)
+            <= _GAIN * self.state.cost + REMAINING * _unit(self.problem, self.state) / _MOST
+        )
+
+    def _advance(self) -> bool:
+        """One step that lowers the cost, with as much damping as it needs; whether there is one."""
+        failed = 0
+        while self.damping < _MOST:
+            trial = self._tried()
+            if trial is not None and merit(trial) < merit(self.state):
+                gained = merit(self.state) - merit(trial)
+                self.slow = self.slow + 1 if gained < _NEGLIGIBLE * merit(trial) else 0
+                self.damping = max(self.damping / _DOWN, _LEAST) if failed == 0 else self.damping
+                self.state = trial
+                self.null_space = untold(self.problem, trial)
+                return True
+            failed += 1
+            self.damping *= _UP ** max(1, failed - _PATIENT)
+        return False
+
+    def _tried(self) -> State | None:
+        """The state after a bent step; None where it bends too much, a posture has no solution, or one passes a singularity."""
+        step = self._bent()
+        trial = None if step is None else restored(self._moved, self.state, step, self.null_space)
+        return trial if trial is not None and np.array_equal(trial.signs, self.state.signs) else None
+
+    def _bent(self) -> np.ndarray | None:
+        """A damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J d) / h."""
+        fit, solver = self.state.fit, _DampedSteps(self.state, self.null_space, self.damping)
+        step = solver.step(fit.vector, whole=True)
+        probe = self._moved(self.state, _PROBE * step) if np.all(np.isfinite(step)) else None
+        if probe is None:
+            return None
+        half = 0.5 * solver.step(2.0 * ((probe.fit.vector - fit.vector) / _PROBE - fit.matrix @ step) / _PROBE)
+        lengths = solver.lengths
+        return step + half if np.linalg.norm(lengths * half) <= _ACCELERATED * np.linalg.norm(lengths * step) else None
+
+    def _moved(self, state: State, step: np.ndarray) -> State | None:
+        return stepped(self.problem, state, step, self.form, self.covariance, nested=True)
+
+
+class _DampedSteps:
+    """Minimisers of |r + J d|^2 + damping |D d|^2 over the admitted steps d = particular + B y, D the columns' lengths."""
+
+    def __init__(self, state: State, null_space: np.ndarray, damping: float) -> None:
+        matrix = state.fit.matrix
+        lengths = np.linalg.norm(matrix, axis=0)
+        self.lengths = np.maximum(lengths, _SHORTEST * float(np.max(lengths, initial=0.0)))
+        basis, self._particular = admitted(state, null_space)
+        self._basis = np.eye(matrix.shape[1]) if basis is None else basis
+        self._matrix = matrix
+        self._q, self._r = np.linalg.qr(matrix @ self._basis)
+        self._weights = np.sqrt(damping) * self.lengths[:, None] * self._basis
+
+    def step(self, residuals: np.ndarray, *, whole: bool = False) -> np.ndarray:
+        """The step for residuals; `whole` with the part that meets the rows left over."""
+        begin = self._particular if whole else np.zeros_like(self._particular)
+        right = -(self._q.T @ (residuals + self._matrix @ begin))
+        above = np.concatenate([right, np.zeros(len(self._weights))])
+        return np.asarray(begin + self._basis @ np.linalg.lstsq(np.vstack([self._r, self._weights]), above, rcond=1e-15)[0])
