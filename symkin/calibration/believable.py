@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.calibration.plausible import FAR, moved_far
+from symkin.calibration.plausible import FAR, beyond_tolerance, moved_far
 from symkin.calibration.residuals import only_rounding
 from symkin.calibration.statistics import UNLIKELY
 
@@ -75,6 +75,7 @@ def _fit(fit: Calibration) -> Iterator[str]:
         )
     if is_exact(fit):
         yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
+    yield from (f"{name} moved by {times:.3g} times its tolerance" for name, times in beyond_tolerance(fit)[:_NAMED])
     far = [p.name for p in moved_far(fit)]
     if far:
         yield f"{listed(far)} moved by more than {100 * FAR:.0f} % of the size (angles: {FAR} rad); check units and nominal values"

@@ -9,8 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from symkin.calibration.closing import started
-from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
+from symkin.calibration.direct import Postures, signs
 from symkin.calibration.estimator import Estimate, descended, estimate
 from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
@@ -23,6 +22,7 @@ from symkin.calibration.outliers import LEVEL, Outlier, Screening, most_outliers
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.problem import CalibrationProblem, NothingReadError, build_calibration
 from symkin.calibration.result import Calibration, Parameter, Residual
+from symkin.calibration.starting import start_postures, started
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
@@ -48,6 +48,7 @@ def calibrate(
     parameters: Sequence[str] | None = None,
     fixed: Sequence[str] = (),
     residual: str = "means",
+    tolerance: tuple[float, float] | None = None,
     method: str = "nested",
     outliers: str = "remove",
     level: float = LEVEL,
@@ -58,7 +59,8 @@ def calibrate(
 
     `parameters` are names (default: all that the closure uses; see `model.parameter_names` for factors of readings and
     measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
-    `gauge.joint_frames`); whatever else no reading tells is held by the least change from nominal. `residual`: "means",
+    `gauge.joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
+    to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
     "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `outliers`: "remove",
     "report" or "ignore", at the family-wise `level`; `seed` is for random starts of direct problems.
 
@@ -69,7 +71,7 @@ def calibrate(
     measurements.check(mechanism)
     free = set(parameters or ()) - set(fixed)
     measurements = started(mechanism, measurements, posed=not free & set(FRAMES))
-    options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual}
+    options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual, "tolerance": tolerance}
     found = _fit(mechanism, measurements, options, method, max_iterations, seed)
     screening = Screening((), ())
     if outliers != "ignore" and found.result.status == "ok":
@@ -116,7 +118,7 @@ def _fit(
     problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
     start = parameters_from_poses(problem.model, measurements)
     p = problem.model.nominal if start is None else start
-    postures = solve_postures(problem.model, measurements, p, seed=seed, tolerance=ROUGH)
+    postures = start_postures(problem, p, seed=seed)
     if not postures.solved.any():
         raise InputError(
             f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
@@ -126,9 +128,9 @@ def _fit(
     _check_determined(problem, postures, p)
     part, notes = _partial(problem, postures, options), []
     result = _estimate(part, postures.z[postures.solved], method, limit, p)
-    if not postures.solved.all():
+    if not postures.solved.all() and result.status == "ok":
         p = result.state.p
-        again = solve_postures(problem.model, measurements, p, seed=seed + 1, tolerance=ROUGH)
+        again = start_postures(problem, p, seed=seed + 1)
         if again.solved.sum() > postures.solved.sum():
             postures, part = again, _partial(problem, again, options)
             result = _estimate(part, again.z[again.solved], method, limit, p)

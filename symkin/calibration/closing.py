@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.calibration.direct import known_poses, signs, solved_steps, without_poses
+from symkin.calibration.direct import signs, solved_steps
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
 from symkin.model.closure import Closure, build_closure
@@ -128,17 +128,15 @@ def home_pose(mechanism: Mechanism) -> Pose:
     return shown if here > _POORER * there else reference
 
 
-def started(mechanism: Mechanism, measurements: Measurements, *, posed: bool = True) -> Measurements:
-    """The measurements with home as the start of the postures that have none and whose pose was not measured, where home is not
-    the reference: direct problems from a reference near a singularity end in any assembly mode. Measured poses are no starts where
-    they are seen through unknown frames (not `posed`)."""
-    home = home_pose(mechanism)
-    if home is mechanism.reference_pose or np.array_equal(home.matrix, mechanism.reference_pose.matrix):
-        return measurements
-    bare = np.array([pose is None for pose in known_poses(measurements if posed else without_poses(measurements))])
-    starts = np.full((len(measurements), 7), np.nan) if measurements.starts is None else measurements.starts.copy()
-    starts[bare] = [*home.position, *home.quaternion]
-    return replace(measurements, starts=starts)
+def joints_at(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
+    """Actuated joints (n, a) at platform poses (n, 7), the limbs as near to the reference as Newton finds them; NaN where a limb does
+    not reach the pose."""
+    closure = build_closure(mechanism)
+    starts = np.array([placed(mechanism, closure.reference, Pose(row[:3], row[3:])) for row in poses])
+    solver = _JointsOfPose(closure)
+    with np.errstate(all="ignore"):
+        values, closed = solver.newton(starts)
+    return np.where(closed[:, None], values[:, : len(mechanism.actuated)], np.nan)
 
 
 def _side_and_condition(model: PostureModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:
@@ -196,9 +194,13 @@ class _JointsOfPose:
         rows = closure.bound(closure.rows)
         self._newton = _Newton(System(unknowns, unknown, pose, rows, closure.bound(closure.errors), closure.size))
 
+    def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Joints by Newton from those in the values, and which postures closed."""
+        return self._newton.newton(values[:, : self.width], values[:, self.width :])
+
     def solve(self, values: np.ndarray) -> np.ndarray:
         """Values with joints from Newton where it closes; others as they were."""
-        joints, closed = self._newton.newton(values[:, : self.width], values[:, self.width :])
+        joints, closed = self.newton(values)
         return np.where(closed[:, None], np.hstack([joints, values[:, self.width :]]), values)
 
 

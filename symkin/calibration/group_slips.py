@@ -11,6 +11,7 @@ from symkin.calibration.believable import listed
 from symkin.calibration.direct import newton_postures, start_points
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.problem import build_calibration
+from symkin.calibration.starting import started
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 
@@ -128,7 +129,7 @@ def _distances(inclination: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 def _inclinations(mechanism: Mechanism, measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
     """Inclinations (n, 2) at the nominal geometry and groups (n,), -1 for postures that do not close."""
-    problem = build_calibration(mechanism, measurements)
+    problem = build_calibration(mechanism, started(mechanism, measurements))
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
         z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -78,8 +78,8 @@ def identifiability(
 
 
 def judge(problem: CalibrationProblem, state: State) -> Identifiability:
-    """Identifiability at any state with closed postures."""
-    state = ideal_state(problem, state)
+    """Identifiability at any state with closed postures: what the readings tell, without tolerances."""
+    state = ideal_state(replace(problem, prior=None), state)
     matrix = design(state)
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)

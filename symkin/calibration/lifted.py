@@ -80,6 +80,8 @@ def build_program(problem: CalibrationProblem, state: State, covariance: np.ndar
     constraints = ca.vertcat(ca.vec(rows) / model.closure.size, *(ca.vec(u) for u in unit), held)
     unknown = ca.vertcat(step, ca.vec(z), ca.vec(means))
     weight = 1.0 / max(readings.count, 1)
+    if problem.prior is not None:
+        residual = ca.vertcat(residual, step / ca.DM(problem.prior))
     nlp = {"x": unknown, "f": 0.5 * weight * ca.sumsqr(residual), "g": constraints}
     solver = ca.nlpsol("lifted", "ipopt", nlp, _OPTIONS | {"ipopt.max_iter": limit})
     changed = (state.p - model.nominal) / model.scales

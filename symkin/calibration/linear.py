@@ -25,8 +25,9 @@ from symkin.position.rank import RANK_TOLERANCE
 class LinearModel:
     """Whitened residuals e (N,) after projection, N = n K; `own` (N, 2), the orthonormal columns of each row's group, whose
     number is `group` (N,), -1 for none; `shared` (N, k), the rest of the basis; which rows hold a reading (N,), and the
-    transformation W (n, K, K) that whitened them. `within_reach` is the square that the projection to the parameters' columns took away: at a
-    minimum nothing, but for a form of residuals that weighs otherwise than joint noise and correlation ask."""
+    transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows after those.
+    `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but for a form of
+    residuals that weighs otherwise than joint noise and correlation ask."""
 
     residuals: np.ndarray
     own: np.ndarray
@@ -79,20 +80,22 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     whiten = whitening(readings, joint_covariance(problem, state))
     residuals = whiten @ deviations(readings, e.readings)[:, :, None]
     own = _group_columns(readings, whiten)
-    columns = whiten @ (slopes(e) @ admissible(problem, state))
-    norms = np.linalg.norm(columns, axis=(0, 1))
-    columns = columns[:, :, norms > 0] / norms[norms > 0]
+    free = admissible(problem, state)
+    known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
+    columns, by_known = whiten @ (slopes(e) @ free), by_known @ free
+    norms = np.hypot(np.linalg.norm(columns, axis=(0, 1)), np.linalg.norm(by_known, axis=0))
+    columns, by_known = (part[..., norms > 0] / norms[norms > 0] for part in (columns, by_known))
     for _ in range(2):  # the second time takes away what rounding left
         columns = _less_groups(readings, own, columns)
         residuals = _less_groups(readings, own, residuals)
     count = readings.values.size
-    shared = _basis(columns.reshape(count, -1))
-    flat = residuals.reshape(count)
-    group = np.repeat(readings.group, readings.values.shape[1])
+    shared = _basis(np.vstack([columns.reshape(count, -1), by_known]))
+    flat = np.concatenate([residuals.reshape(count), known])
+    group = np.concatenate([np.repeat(readings.group, readings.values.shape[1]), np.full(len(known), -1)])
+    taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
+    own = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
-    return LinearModel(
-        flat - shared @ along, own.reshape(count, 2), group, shared, readings.taken.reshape(-1), whiten, float(along @ along)
-    )
+    return LinearModel(flat - shared @ along, own, group, shared, taken, whiten, float(along @ along))
 
 
 def whitened(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:

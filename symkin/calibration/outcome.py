@@ -108,8 +108,8 @@ def _residuals(
 ) -> tuple[Residual, ...]:
     readings = problem.readings
     raw = state_residuals(problem, state)
-    left = np.sqrt(np.maximum(1.0 - model.absorbed, 0.0)).reshape(raw.shape)
-    whitened = model.residuals.reshape(raw.shape)
+    left = np.sqrt(np.maximum(1.0 - model.absorbed[: raw.size], 0.0)).reshape(raw.shape)
+    whitened = model.residuals[: raw.size].reshape(raw.shape)
     rows = []
     for i, k in np.argwhere(readings.taken):
         kind, component = problem.model.columns[k]

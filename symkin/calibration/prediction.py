@@ -9,12 +9,17 @@ import numpy as np
 from symkin.calibration.calibrate import Calibration
 from symkin.calibration.closing import Configurations, home_pose
 from symkin.calibration.corrected import with_parameters
+from symkin.calibration.departure import platform_poses
 from symkin.calibration.direct import solve_postures
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import build_model
 from symkin.calibration.sensitivity import lever, pose_slopes, without_frames
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.starting import has_home
+from symkin.calibration.workspace import Workspace, platform_points
 from symkin.errors import SymkinError
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply
 
 _POSES = 200
 """Poses of the workspace at which standard deviations are computed."""
@@ -23,19 +28,24 @@ _OFF = 1e-3
 _BLIND = (1e-4, 1e-2)
 """Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard deviation:
 slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
+_REGION = f"{_POSES} random poses in the region measured"
+_MOST_TILT = np.radians(85.0)
+"""Most tilt of the region about its middle; a workspace has less than a right angle."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseSigma:
     """Standard deviations (n, 6) of position (length unit) and rotation vector (radians) at poses (n, 7), constant base and
     tool frames taken away. `blind` says that a direction which no reading tells moves the pose: the geometry is then not
-    whole. `where` names the poses; `outside` (n,) are those at which some joint is beyond all of its readings."""
+    whole. `where` names the poses; `outside` (n,) are those at which some joint is beyond all of its readings. `about_home` is the same
+    over the default workspace about home, None where that is not known or cannot be taken."""
 
     poses: np.ndarray
     sigma: np.ndarray
     blind: bool
     where: str
     outside: np.ndarray
+    about_home: PoseSigma | None = None
 
     @property
     def position(self) -> np.ndarray:
@@ -48,10 +58,18 @@ class PoseSigma:
 
 
 def pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
-    """Standard deviations over random poses of the identified mechanism's workspace, else over the postures measured."""
+    """Standard deviations over random poses of the region that was measured, else at the postures measured; and about home."""
     identified = with_parameters(replace(fit.mechanism, example=None), fit.values)
-    workspace = Workspace.about(identified, start=home_pose(fit.mechanism))
-    made, where = _poses(workspace, fit.measurements.joints[list(fit.used)], seed)
+    made, where = _measured_region(identified, fit, seed)
+    about_home = None
+    if has_home(fit.mechanism):
+        home = Workspace.about(identified, start=home_pose(fit.mechanism))
+        drawn = _drawn(home, seed)
+        about_home = None if drawn is None else _sigma(fit, identified, drawn, f"{_POSES} random poses about home")
+    return replace(_sigma(fit, identified, made, where), about_home=about_home)
+
+
+def _sigma(fit: Calibration, identified: Mechanism, made: Configurations, where: str) -> PoseSigma:
     names, scales = fit.problem.names, fit.problem.model.scales
     slopes, frames = pose_slopes(identified, made, names)
     slopes = without_frames(slopes, frames, lever(identified))
@@ -65,13 +83,46 @@ def pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
     return PoseSigma(made.poses, sigma, blind, where, outside)
 
 
-def _poses(workspace: Workspace, joints: np.ndarray, seed: int) -> tuple[Configurations, str]:
+# --- poses -----------------------------------------------------------------------------------------------------------
+
+
+def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tuple[Configurations, str]:
+    """Random poses within the box and the turns that the measured poses span (an arm: within its measured joint values), else the
+    postures measured."""
+    joints = fit.measurements.joints[list(fit.used)]
+    if identified.serial:
+        drawn = np.random.default_rng(seed).uniform(joints.min(axis=0), joints.max(axis=0), (_POSES, joints.shape[1]))
+        return _at_joints(identified, drawn, None), _REGION
+    poses = platform_poses(fit.problem, fit.state.p, fit.state.z)
+    found = _drawn(_spanned(identified, poses), seed)
+    return (found, _REGION) if found is not None else (_at_joints(identified, joints, poses), "the postures measured")
+
+
+def _spanned(mechanism: Mechanism, poses: np.ndarray) -> Workspace:
+    """The workspace about the middle of poses (n, 7) that holds them all."""
+    middles = np.array([Pose(row[:3], row[3:]).apply(np.mean(platform_points(mechanism), axis=0)) for row in poses])
+    low, high = middles.min(axis=0), middles.max(axis=0)
+    central = poses[int(np.argmax(np.sum((poses[:, 3:] @ poses[:, 3:].T) ** 2, axis=1))), 3:]
+    at = 0.5 * (low + high) - Pose(np.zeros(3), central).apply(np.mean(platform_points(mechanism), axis=0))
+    turns = np.array([euler_from_quaternion(multiply(q, conjugate(central)), "xyz") for q in poses[:, 3:]])
+    most = np.max(np.abs(turns), axis=0)
+    return Workspace(
+        mechanism, 0.5 * (high - low), tilt=min(float(np.max(most[:2])), _MOST_TILT), spin=float(most[2]), start=Pose(at, central)
+    )
+
+
+def _drawn(workspace: Workspace, seed: int) -> Configurations | None:
     rng = np.random.default_rng(seed)
     try:
-        return workspace.draw(workspace.inclinations(_POSES, rng), rng, held=False), f"{_POSES} random poses about home"
+        return workspace.draw(workspace.inclinations(_POSES, rng), rng, held=False)
     except SymkinError:
-        m = Measurements(joints)
-        model = build_model(workspace.mechanism, m, ())
-        postures = solve_postures(model, m, np.zeros(0))
-        z, joints = postures.z[postures.solved], joints[postures.solved]
-        return Configurations(np.hstack([joints, z]), joints, model.poses(z, np.zeros(0))), "the postures measured"
+        return None
+
+
+def _at_joints(mechanism: Mechanism, joints: np.ndarray, starts: np.ndarray | None) -> Configurations:
+    """Closed configurations at joint values, those that are solved."""
+    m = Measurements(joints, starts=starts)
+    model = build_model(mechanism, m, ())
+    postures = solve_postures(model, m, np.zeros(0))
+    z, joints = postures.z[postures.solved], joints[postures.solved]
+    return Configurations(np.hstack([joints, z]), joints, model.poses(z, np.zeros(0)))

@@ -23,7 +23,9 @@ class NothingReadError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class CalibrationProblem:
-    """`model.names` are the free parameters; `fixed` those that the user asked for and holds at their nominal values."""
+    """`model.names` are the free parameters; `fixed` those that the user asked for and holds at their nominal values. `prior` (P,)
+    holds standard deviations of the scaled parameters about nominal, infinite where there is none: the manufacturing tolerances, by
+    which the estimate is the maximum a posteriori; None: least squares of the readings alone."""
 
     mechanism: Mechanism
     measurements: Measurements
@@ -31,6 +33,7 @@ class CalibrationProblem:
     readings: Readings
     fixed: tuple[str, ...]
     form: Form
+    prior: np.ndarray | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -44,6 +47,14 @@ class CalibrationProblem:
         own = dict(state)
         model = build_model(own["mechanism"], own["measurements"], own.pop("_free"))
         self.__dict__.update(own, model=model)
+
+    def prior_rows(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Residuals (k,) of parameters p from nominal over their tolerances, and their derivative (k, P) by scaled parameters."""
+        if self.prior is None:
+            return None
+        known = np.isfinite(self.prior)
+        change = (p - self.model.nominal) / self.model.scales
+        return (change / self.prior)[known], np.diag(1.0 / self.prior)[known]
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -59,8 +70,10 @@ def build_calibration(
     parameters: Sequence[str] | None = None,
     fixed: Sequence[str] = (),
     residual: str = "means",
+    tolerance: tuple[float, float] | None = None,
 ) -> CalibrationProblem:
-    """The problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held.
+    """The problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held; `tolerance` is that of
+    lengths (length unit) and of angles and directions (radians).
 
     Raises InputError for unknown names, for readings that do not fit the mechanism and for measurements without any.
     """
@@ -90,7 +103,20 @@ def build_calibration(
             "the measurements hold no reading beside the joints: give groups of two postures or more, inclinations, "
             "positions, orientations or distances"
         )
-    return CalibrationProblem(mechanism, measurements, model, readings, tuple(fixed), residual)
+    if tolerance is not None and not readings.known:
+        raise InputError("a tolerance is weighed against the noise, and standard deviations of readings are missing: give them")
+    prior = None if tolerance is None else _prior(model, *tolerance)
+    return CalibrationProblem(mechanism, measurements, model, readings, tuple(fixed), residual, prior)
+
+
+def _prior(model: PostureModel, length: float, angle: float) -> np.ndarray:
+    """Standard deviations of scaled parameters; frames between the mechanism and what is measured are not made to a tolerance, and
+    factors of readings are no geometry."""
+    if not (0.0 < length < np.inf and 0.0 < angle < np.inf):
+        raise InputError(f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and positive, are needed")
+    free = [name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names]
+    spread = [length if kind == "length" else angle for kind in model.kinds]
+    return np.where(free, np.inf, np.array(spread) / model.scales)
 
 
 def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:

@@ -12,8 +12,10 @@ import numpy as np
 
 from symkin.calibration.believable import is_exact
 from symkin.calibration.calibrate import Calibration, Parameter
+from symkin.calibration.departure import Departure
 from symkin.calibration.holdout import HeldOut
 from symkin.calibration.parameters import FRAMES
+from symkin.calibration.plausible import is_another, other_machine
 from symkin.calibration.prediction import PoseSigma
 from symkin.calibration.residuals import ANGULAR
 from symkin.calibration.sequence import SequenceChoice
@@ -30,7 +32,8 @@ _FRAME = "frame"
 @dataclass(frozen=True, eq=False)
 class FitReport:
     """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, slips that
-    may explain readings which do not fit, and the pose's standard deviation."""
+    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why it is not
+    to be used."""
 
     fit: Calibration
     data: str
@@ -39,6 +42,7 @@ class FitReport:
     suspicions: tuple[str, ...]
     notes: tuple[str, ...]
     sigma: PoseSigma
+    gone: Departure
     refusal: str | None = None
     held_out: HeldOut | None = None
 
@@ -66,14 +70,14 @@ class FitReport:
             sure = (
                 "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
             )
+            other = f"; {other_machine(self.fit, self.gone)}" if is_another(self.fit, self.gone) else ""
             if self.held_out is not None and self.held_out.p_value is not None:
                 shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
-                return f"believable: {sure}, and {shown}" if self.fit.p_value is not None else f"believable: {sure}, but {shown}"
-            return (
-                f"believable: {sure}"
-                if self.fit.p_value is not None
-                else f"converged; {sure}, so that no test says whether it is right"
-            )
+                link = "and" if self.fit.p_value is not None else "but"
+                return f"believable: {sure}, {link} {shown}{other}"
+            if self.fit.p_value is not None:
+                return f"believable: {sure}{other}"
+            return f"converged; {sure}, so that no test says whether it is right{other}"
         why = f"; {self.suspicions[0]}" if self.suspicions else ""
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
@@ -82,7 +86,7 @@ class FitReport:
         if self.sigma.blind:
             return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
         if self.refusal is not None:
-            return f"NOT USABLE: {self.refusal}{why}"
+            return f"NOT USABLE: {self.refusal}{'' if why[2:] in self.refusal else why}"
         return "NOT BELIEVABLE: " + (self.suspicions[0] if self.suspicions else self._doubt())
 
     def _doubt(self) -> str:
@@ -127,13 +131,13 @@ class FitReport:
 
     def _beyond(self) -> tuple[str, ...]:
         """What is known of poses outside the measured postures, where they are many."""
-        sigma, m = self.sigma, self.fit.mechanism
-        if not self.usable or np.mean(sigma.outside) <= _BEYOND:
+        sigma, m = self.sigma.about_home, self.fit.mechanism
+        if sigma is None or not self.usable or np.mean(sigma.outside) <= _BEYOND:
             return ()
         there, inside = (float(np.max(sigma.position[part], initial=0.0)) for part in (sigma.outside, ~sigma.outside))
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {m.length_unit} elsewhere"
         return (
-            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace need joint values beyond those measured: the "
+            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about home need joint values beyond those measured: the "
             f"largest standard deviation of the position is {there:.3g} {m.length_unit} there{elsewhere}; "
             "no reading has tested the model there; measure as far as the mechanism is used",
         )
@@ -177,6 +181,9 @@ class FitReport:
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
+        lines.append(
+            f"  the geometry's poses differ from the file's by {100 * self.gone.share:.2g} % of their spread (frames aligned)"
+        )
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
         if changed:
             lines.append(f"  largest changes: {', '.join(changed)}")
@@ -258,6 +265,10 @@ class FitReport:
                 "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
                 "runner_up": self.sequence.runner_up, "runner_up_chi_square": _finite(self.sequence.runner_up_chi_square),
                 "clear": self.sequence.clear,
+            },
+            "departure": {
+                "share": _finite(self.gone.share), "position": self.gone.position, "angle": m.angle_out(self.gone.angle), "open": self.gone.open,
+                "postures": self.gone.postures,
             },
             "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
             "singular_values": found.singular_values.tolist(), "frames": list(self.frames), "unobservable": list(self.unobservable),

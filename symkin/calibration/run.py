@@ -11,14 +11,14 @@ import numpy as np
 
 from symkin.calibration.believable import listed
 from symkin.calibration.calibrate import Calibration, calibrate
-from symkin.calibration.closing import started
+from symkin.calibration.departure import departure
 from symkin.calibration.files import DataFile
 from symkin.calibration.gauge import joint_frames
 from symkin.calibration.group_slips import wrong_groups
 from symkin.calibration.holdout import draw, held_out_count, predict
 from symkin.calibration.measurements import Distance, Measurements
 from symkin.calibration.parameters import FRAMES, bound_by_motion, parameter_names
-from symkin.calibration.plausible import is_beyond, refusal
+from symkin.calibration.plausible import is_beyond, is_noticed, refusal
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.problem import default_parameters
 from symkin.calibration.report import FitReport
@@ -52,34 +52,38 @@ class NotFittedError(InputError):
 def fit_file(
     mechanism: Mechanism, data: DataFile, *, parameters: str | None = None, hold: str | None = None, frames: str = LEAST,
     sigmas: Mapping[str, np.ndarray | float] | None = None, command: str = "", seed: int = 0, hold_out: str | None = None,
-    **options: Any,
+    any_machine: bool = False, **options: Any,
 ) -> FitReport:  # fmt: skip
     """Fit and judge. `parameters` and `hold` are patterns separated by commas, `frames` is "least" or "joints:..." (see
     `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `hold_out` is how many
-    postures (`20`, `20%`) are only predicted; `options` are those of `calibrate`.
+    postures (`20`, `20%`) are only predicted; with `any_machine` a geometry far from the file's is not refused for that;
+    `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
     names = default_parameters(mechanism) if parameters is None else matching(mechanism, parameters)
     held = dict.fromkeys((*(() if hold is None else _matched(mechanism, hold)), *frame_names(mechanism, frames)))
     fixed = tuple(name for name in held if name in names)
     data = replace(data, notes=(*data.notes, *_left_out(mechanism, parameters or EVERYTHING, names))).without_copies()
-    data = replace(data, measurements=started(mechanism, with_sigmas(data, sigmas or {})))
+    data = replace(data, measurements=with_sigmas(data, sigmas or {}))
     data, kept_back = _divided(data, hold_out, seed)
     options = {**options, "parameters": names, "fixed": fixed}
     choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
     measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
     fit = _fitted(mechanism, data, measurements, seed, options)
     frames_sought = _unknown_frames(options)
-    slips = () if fit.believable and fit.p_value is not None else suspicions(mechanism, measurements, frames_sought)
+    gone = departure(fit.problem, fit.state)
+    plain = fit.believable and fit.p_value is not None and not is_noticed(fit, gone)
+    slips = () if plain else suspicions(mechanism, measurements, frames_sought)
     if not slips and not fit.believable:
         slips = wrong_groups(mechanism, measurements)
         if not slips and (fit.status != "ok" or is_beyond(fit)):
             slips = _wrong_sequence(mechanism, data, options)
-    refused = None if fit.believable else refusal(fit, misfit(mechanism, measurements, frames_sought), slips)
+    at_nominal = 0.0 if fit.believable else misfit(mechanism, measurements, frames_sought)
+    refused = refusal(fit, at_nominal, slips, gone, any_machine=any_machine)
     held_out = (
         None if kept_back is None else predict(fit, kept_back.with_sequence("" if choice is None else choice.sequence), seed)
     )
-    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), refused, held_out)
+    return FitReport(fit, data.path, command, choice, slips, data.notes, pose_sigma(fit, seed), gone, refused, held_out)
 
 
 def _divided(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:

@@ -23,6 +23,7 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.plausible import BEYOND
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.residuals import ANGULAR
+from symkin.calibration.starting import started
 from symkin.calibration.statistics import UNLIKELY, chi_square_tail, f_tail
 from symkin.calibration.steps import design, spectrum
 from symkin.errors import InputError
@@ -211,6 +212,7 @@ def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str
 
 
 def _start(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> _Start:
+    measurements = started(mechanism, measurements)
     problem = _problem(mechanism, measurements, options)
     model = problem.model
     first = parameters_from_poses(model, measurements)

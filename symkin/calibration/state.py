@@ -8,7 +8,7 @@ coordinates cannot meet (overconstrained mechanisms) are left over: they constra
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,6 +57,8 @@ def evaluate(
     pending = solved_steps(e.rows_z, e.rows[:, :, None])[:, :, 0]
     readings, slopes, leftover = _condensed(e, pending)
     fit = linearise(form, problem.readings, readings, slopes, covariance)
+    if problem.prior is not None:
+        fit = replace(fit, prior=problem.prior_rows(p))
     return State(p, z, fit, e, pending, leftover, signs(e.rows_z))
 
 

@@ -55,11 +55,12 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     scaled = problem.model.scales[:, None] * (free @ inverse)
     if problem.form == "maximum likelihood":
         return np.asarray(scaled @ scaled.T)
-    gain = _gain(problem, scaled.reshape(len(scaled), len(readings.values), -1))
+    own, prior = scaled[:, : readings.values.size], scaled[:, readings.values.size :]
+    gain = _gain(problem, own.reshape(len(scaled), len(readings.values), -1))
     spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
     s = noise + spread[:, :, None] * np.eye(spread.shape[1])
     flat = gain.transpose(1, 0, 2)
-    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0))
+    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0) + prior @ prior.T)
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:

@@ -9,19 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import combinations, permutations
 
 import numpy as np
 
-from symkin.calibration.closing import started
+from symkin.calibration.column_slips import is_possible, wrong_columns
 from symkin.calibration.direct import newton_postures, start_points
 from symkin.calibration.frames import frames_at
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.plausible import better_part
 from symkin.calibration.problem import build_calibration
 from symkin.calibration.residuals import linearise
+from symkin.calibration.starting import has_home, started
 from symkin.errors import SymkinError
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
 _ROWS = 40
@@ -52,8 +53,10 @@ def suspicions(mechanism: Mechanism, measurements: Measurements, frames: Sequenc
     found = [*_units(mechanism, bare)] or [*_one_unit(mechanism, bare)]
     if not found:
         found = [*_better(mechanism, bare, _slips(mechanism, bare), frames)]
+        if not found:
+            found = [*_better(mechanism, bare, wrong_columns(mechanism, bare, partial(misfit, frames=frames)), frames)]
         if bare.position is not None:
-            alone = started(mechanism, replace(bare, orientation=None))
+            alone = replace(bare, orientation=None)
             found += _better(mechanism, alone, _position_slips(alone, bare.position), frames)
     return tuple(found[:3])
 
@@ -132,7 +135,8 @@ def misfit(mechanism: Mechanism, measurements: Measurements, frames: Sequence[st
     four fifths of the postures, so that single bad rows do not count; a posture that does not close counts as one size. `frames`
     that are unknown are where they fit best."""
     try:
-        problem = build_calibration(mechanism, _bare(measurements), parameters=frames or None)
+        ready = started(mechanism, _bare(measurements), posed=not frames, completed=not has_home(mechanism))
+        problem = build_calibration(mechanism, ready, parameters=frames or None)
     except SymkinError:
         return math.inf
     model, m = problem.model, problem.measurements
@@ -159,12 +163,12 @@ def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measure
         if actuated[a].is_angular == actuated[b].is_angular:
             joints = np.array(m.joints)
             joints[:, [a, b]] = joints[:, [b, a]]
-            if _possible(actuated, joints):
+            if is_possible(actuated, joints):
                 yield f"the columns {actuated[a].name} and {actuated[b].name} look exchanged", replace(m, joints=joints)
     for k, c in enumerate(actuated):
-        if c.is_angular:
-            joints = np.array(m.joints)
-            joints[:, k] *= -1
+        joints = np.array(m.joints)
+        joints[:, k] *= -1
+        if is_possible(actuated, joints):
             yield f"the sign of {c.name} looks reversed", replace(m, joints=joints)
     if m.position is not None:
         for factor, text in _LENGTHS.items():
@@ -195,7 +199,3 @@ def _position_slips(m: Measurements, position: np.ndarray) -> Iterator[tuple[str
             yield f"the columns {names} look exchanged: {names} seem to stand in {others}", replace(m, position=changed)
     for k in read:
         yield f"the sign of {'xyz'[k]} looks reversed", replace(m, position=position * np.where(np.arange(3) == k, -1.0, 1.0))
-
-
-def _possible(actuated: tuple[Coordinate, ...], joints: np.ndarray) -> bool:
-    return all(c.least is None or bool(np.all(joints[:, k] > c.least)) for k, c in enumerate(actuated))

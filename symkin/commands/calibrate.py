@@ -12,6 +12,7 @@ import typer
 
 from symkin.commands.calibrate_folder import check_folder, write_fit, write_unfitted
 from symkin.commands.calibrate_options import (
+    AnyMachineOption,
     BoxOption,
     CriterionName,
     CsvOption,
@@ -37,9 +38,18 @@ from symkin.commands.calibrate_options import (
     SigmaOption,
     SpinOption,
     TiltOption,
+    ToleranceOption,
 )
 from symkin.commands.options import MechArgument, SeedOption, check_output
-from symkin.commands.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
+from symkin.commands.quantities import (
+    angle_pairs,
+    check_noise,
+    distance_points,
+    joint_quantities,
+    noise_quantity,
+    quantity,
+    tolerances,
+)
 from symkin.errors import InputError
 from symkin.written_files import check_own_file, write_own_file
 
@@ -79,6 +89,8 @@ def fit(
     distance: DistanceOption = None,
     sigma_distance: SigmaOption = None,
     hold_out: HoldOutOption = None,
+    tolerance: ToleranceOption = None,
+    any_machine: AnyMachineOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
@@ -99,7 +111,8 @@ def fit(
         report = fit_file(
             mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
             frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
-            outliers=outliers.value, hold_out=hold_out,
+            outliers=outliers.value, tolerance=None if tolerance is None else tolerances(tolerance, mechanism), any_machine=any_machine,
+            hold_out=hold_out,
         )  # fmt: skip
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)

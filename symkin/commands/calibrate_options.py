@@ -82,6 +82,17 @@ PatternOption = Annotated[
     str | None,
     typer.Option(metavar="A,B,...", help="Names or patterns such as 'leg*.base.*'; all: every parameter of the closure."),
 ]
+ToleranceOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LENGTH,ANGLE",
+        help="Manufacturing tolerances, as in 1mm,0.1deg: standard deviations about the file's geometry, weighed against the noise.",
+    ),
+]
+AnyMachineOption = Annotated[
+    bool,
+    typer.Option("--any-machine", help="Write the geometry even where it is another machine than the file describes."),
+]
 DistanceOption = Annotated[
     list[str] | None,
     typer.Option(

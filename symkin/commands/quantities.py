@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from typing import TYPE_CHECKING
 
 from symkin.csv_table import UNITS
@@ -81,6 +82,19 @@ def joint_quantities(text: str, mechanism: Mechanism, option: str) -> np.ndarray
     import numpy as np
 
     return np.array([values["angle" if c.is_angular else "length"] for c in mechanism.actuated])
+
+
+def tolerances(text: str, mechanism: Mechanism) -> tuple[float, float]:
+    """Tolerances of lengths (length unit) and of angles (radians), from `1mm,0.1deg` in any order."""
+    values: dict[str, float] = {}
+    for part in text.split(","):
+        match = _QUANTITY.fullmatch(part)
+        kind = UNITS[match[2]][0] if match and match[2] in UNITS else ""
+        if kind in ("length", "angle") and kind not in values:
+            values[kind] = quantity(part, kind, mechanism, "tolerance", least=sys.float_info.min)
+    if len(values) != 2 or text.count(",") != 1:
+        raise InputError(f"--tolerance {text!r}: a length and an angle with their units are needed, as in 1mm,0.1deg")
+    return values["length"], values["angle"]
 
 
 def distance_points(texts: list[str] | None, mechanism: Mechanism) -> dict[str, DistancePoints]:

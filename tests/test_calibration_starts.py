@@ -1,0 +1,124 @@
+"""Which mode each posture starts in: what was read of it decides, whatever the file of the mechanism leaves open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import hexapods
+import numpy as np
+import pytest
+
+import symkin
+from symkin.calibration.calibrate import calibrate
+from symkin.calibration.files import read_measurements
+from symkin.calibration.measurements import Measurements
+from symkin.calibration.problem import build_calibration
+from symkin.calibration.run import fit_file
+from symkin.calibration.starting import start_postures, started
+from symkin.calibration.workspace import platform_points
+from symkin.spatial.rotation import matrix_from_quaternion
+
+
+def machine(folder, rng, *, home):
+    """A nominal mechanism, and joint centres of the true one, off by up to 1 mm."""
+    base, platform = hexapods.rings(rng)
+    path = folder / "hexapod.toml"
+    path.write_text(hexapods.toml(base, platform, home=home))
+    return symkin.load(str(path)), *(t + rng.uniform(-1, 1, (6, 3)) for t in (base, platform))
+
+
+def data(folder, mechanism, base, platform, rng, rows, change):
+    """A file of rows whose readings are changed, with the true poses."""
+    position, q = hexapods.poses(rows, rng)
+    read = hexapods.noisy(hexapods.legs(base, platform, position, q), position, q, rng)
+    path = folder / "data.csv"
+    path.write_text(hexapods.csv(*change(*read)))
+    return read_measurements(path, mechanism), position, q
+
+
+def blank(column, rows):
+    """Readings with one of them (1: positions, 2: orientations) blank in some rows."""
+
+    def change(*read):
+        read = [np.array(part) for part in read]
+        read[column][rows] = np.nan
+        return read
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        blank(2, [3, 30, 59]),
+        blank(2, slice(5, None)),
+        blank(1, slice(0, 60, 4)),
+        lambda *read: (read[0], read[1], None),
+    ],
+    ids=["three orientations", "all orientations but five", "a quarter of the positions", "positions only"],
+)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_blank_readings_do_not_lose_the_fit(tmp_path, seed, change):
+    """Rods without a reference pose, so that home is the origin: the fit is believable, and every posture stands at its true pose."""
+    rng = np.random.default_rng(seed)
+    mechanism, base, platform = machine(tmp_path, rng, home=False)
+    file, position, q = data(tmp_path, mechanism, base, platform, rng, 60, change)
+    report = fit_file(mechanism, file)
+    assert report.believable, report.verdict
+    assert np.max(np.abs(report.fit.poses[:, :3] - position[list(report.fit.used)])) < 0.1
+    if file.measurements.orientation is not None:
+        turn = np.abs(np.sum(report.fit.poses[:, 3:] * q[list(report.fit.used)], axis=1))
+        assert np.all(turn > 1 - 1e-7)
+
+
+def test_six_blank_orientations_among_six_hundred(tmp_path):
+    """As the log of a controller has them: believable, nothing left out."""
+    rng = np.random.default_rng(4)
+    mechanism, base, platform = machine(tmp_path, rng, home=True)
+    file, position, _ = data(tmp_path, mechanism, base, platform, rng, 600, blank(2, rng.choice(600, 6, replace=False)))
+    report = fit_file(mechanism, file)
+    assert report.believable, report.verdict
+    assert not report.fit.unsolved
+    assert np.max(np.abs(report.fit.poses[:, :3] - position)) < 0.1
+
+
+def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
+    """Groups of equal inclination and no reference pose: the groups agree in the mode that was measured, platform above base."""
+    rng = np.random.default_rng(7)
+    mechanism, base, platform = machine(tmp_path, rng, home=False)
+    groups = np.repeat(np.arange(8), 5)
+    position, q = hexapods.poses(40, rng)
+    tilt, yaw = hexapods.poses(8, rng)[1][groups], np.radians(10) * rng.uniform(-1, 1, 40)
+    spin = np.column_stack([np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)])
+    w, u = spin[:, :1], spin[:, 1:]
+    q = np.hstack(
+        [
+            w * tilt[:, :1] - np.sum(u * tilt[:, 1:], axis=1, keepdims=True),
+            w * tilt[:, 1:] + tilt[:, :1] * u + np.cross(u, tilt[:, 1:]),
+        ]
+    )
+    m = Measurements(hexapods.legs(base, platform, position, q), groups=groups, group_sigma=1e-5)
+    problem = build_calibration(mechanism, started(mechanism, m))
+    found = start_postures(problem, problem.model.nominal)
+    at = problem.model.poses(found.z, problem.model.nominal)
+    assert found.solved.all()
+    assert np.max(np.abs(at[:, :3] - position)) < 20
+    assert calibrate(mechanism, m).status == "ok"
+
+
+def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
+    """Postures far from the reference pose: the poses at which standard deviations are stated lie within the box of those measured."""
+    rng = np.random.default_rng(3)
+    mechanism, base, platform = machine(tmp_path, rng, home=True)
+    moved = replace(mechanism, platform_position=(0.0, 0.0, 600.0))
+    file, position, q = data(tmp_path, mechanism, base, platform, rng, 50, lambda *read: read)
+    report = fit_file(moved, file)
+    middle = np.mean(platform_points(mechanism), axis=0)
+    at, said = (
+        p[:, :3] + np.array([matrix_from_quaternion(v) @ middle for v in p[:, 3:]])
+        for p in (np.hstack([position, q]), report.sigma.poses)
+    )
+    assert np.all(said > at.min(axis=0) - 5)
+    assert np.all(said < at.max(axis=0) + 5)
+    assert np.all(np.ptp(said, axis=0) > 0.5 * np.ptp(at, axis=0))
+    assert "region measured" in report.sigma_text()
