@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import ParamSpec, TypeVar
+
+import numpy as np
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 _filters = threading.RLock()
 """Held while the filters are changed, which belong to the process: two threads would restore each other's."""
@@ -17,3 +24,15 @@ def warnings_ignored(message: str = "") -> Iterator[None]:
     with _filters, warnings.catch_warnings():
         warnings.filterwarnings("ignore", message)
         yield
+
+
+def without_float_warnings(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Call a function with NumPy's warnings of overflow and of what is not finite off: it judges its numbers itself. (NumPy's
+    own errstate is no decorator for threads before version 2.)"""
+
+    @functools.wraps(function)
+    def quiet(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return function(*args, **kwargs)
+
+    return quiet

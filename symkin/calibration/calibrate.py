@@ -25,6 +25,7 @@ from symkin.calibration.result import Calibration, Parameter, Residual
 from symkin.calibration.starting import start_postures, started
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.quiet import without_float_warnings
 
 __all__ = ["METHODS", "OUTLIER_RULES", "Calibration", "Parameter", "Residual", "calibrate"]
 
@@ -41,6 +42,7 @@ _GROSS = 0.1
 """Outliers whose statistic is this share of the largest, or more, are taken out together."""
 
 
+@without_float_warnings
 def calibrate(
     mechanism: Mechanism,
     measurements: Measurements,

@@ -19,7 +19,7 @@ from symkin.calibration.steps import null_directions
 from symkin.position.least_squares import IPOPT
 
 _OPTIONS = {
-    "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",
+    "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "calc_lam_p": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",
     "ipopt.mu_strategy": "adaptive",
 }  # fmt: skip
 _POLISH = 3

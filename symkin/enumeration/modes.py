@@ -21,6 +21,7 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import MOST_MODES, Roots
 from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
 from symkin.position.starts import start_values
+from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 
 MOST_STARTS = 1_000_000
@@ -28,6 +29,7 @@ _NEARLY_CLOSED = 1e-4
 METHODS = ("continuation", "multistart")
 
 
+@without_float_warnings
 def modes(
     mechanism: Mechanism,
     *,

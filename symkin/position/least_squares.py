@@ -82,6 +82,7 @@ def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Rec
     options = {
         "print_time": False,
         "show_eval_warnings": False,
+        "calc_lam_p": False,
         "iteration_callback": recorder,
         "ipopt": {"print_level": 0, "sb": "yes", "tol": settings.tolerance, "max_iter": settings.max_iterations},
     }

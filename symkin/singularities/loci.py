@@ -19,6 +19,7 @@ from symkin.errors import InputError
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import angle_meaning
+from symkin.quiet import without_float_warnings
 from symkin.singularities.locus import Locus, make_locus, merged
 from symkin.singularities.locus_seeds import seeds_of
 from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
@@ -99,6 +100,7 @@ class Loci:
         return loci_text(self)
 
 
+@without_float_warnings
 def singular_loci(
     solution: Solution,
     plane: Sequence[str],

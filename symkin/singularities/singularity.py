@@ -28,6 +28,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.motion.velocity import variables_of
 from symkin.position.rank import RANK_TOLERANCE
 from symkin.position.solution import Solution
+from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
@@ -135,6 +136,7 @@ class Singularity:
         return singularity_text(self)
 
 
+@without_float_warnings
 def singularity(
     mechanism: Mechanism | Solution,
     *,
@@ -163,6 +165,7 @@ def singularity(
     return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance)
 
 
+@without_float_warnings
 def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:

@@ -1,0 +1,64 @@
+"""What commands say of long work off a terminal: lines on stderr, stdout as it is."""
+
+import json
+import logging
+import re
+import subprocess
+import sys
+import time
+
+from symkin.commands import progress
+
+
+def _lines(capsys, monkeypatch, work):
+    monkeypatch.setattr(progress, "_FIRST", 0.05)
+    with progress.progress_bar("solutions") as show:
+        work(show)
+    return capsys.readouterr()
+
+
+def test_short_work_says_nothing(capsys):
+    """A word comes after some seconds only."""
+    with progress.progress_bar("solutions") as show:
+        show(1, 2)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_long_work_says_what_is_done_and_how_much_of_it(capsys, monkeypatch):
+    """What symkin logs, with the share that is done and the time; nothing on stdout."""
+
+    def work(show):
+        logging.getLogger("symkin.paths").info("generic solutions are searched")
+        show(3, 10)
+        time.sleep(0.5)
+
+    out, err = _lines(capsys, monkeypatch, work)
+    assert out == ""
+    assert re.fullmatch(r"symkin: generic solutions are searched, 3 of 10 \(\d+ s\)\n", err)
+
+
+def test_the_log_is_left_as_it_was(capsys, monkeypatch):
+    logger = logging.getLogger("symkin")
+    before = logger.level, list(logger.handlers)
+    _lines(capsys, monkeypatch, lambda _: None)
+    assert (logger.level, logger.handlers) == before
+
+
+CODE = """
+import sys, time
+from symkin.commands import progress
+from symkin.enumeration import modes
+progress._FIRST = 0.05
+search = modes._result
+modes._result = lambda *a: (time.sleep(0.4), search(*a))[1]
+from symkin.cli import main
+main(["modes", "zhang2009", "--json"])
+"""
+
+
+def test_json_stays_alone_on_stdout():
+    """A command that takes longer than the first line's time: the line is on stderr, stdout is one object."""
+    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=120, check=False)
+    assert json.loads(done.stdout)["mechanism"] == "zhang2009"
+    assert done.stderr.startswith("symkin: ")
+    assert done.returncode == 0
