@@ -1,5 +1,6 @@
 """Workers of every kind give the same bits, and a kill of one, or of the driver, loses the chunks under way only."""
 
+import json
 import multiprocessing
 import os
 import signal
@@ -186,3 +187,40 @@ def test_dask_addresses_that_do_not_answer(tmp_path, monkeypatch):
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             sweep(PLATFORM, {"leg1": [140.0]}, tmp_path / "s", dask=address)
     assert not (tmp_path / "s").exists()
+
+
+@pytest.fixture
+def processes(tmp_path):
+    """A scheduler and a worker as processes of their own: the scheduler and its address."""
+    pytest.importorskip("distributed")
+    file, quiet = str(tmp_path / "scheduler.json"), {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    run = [sys.executable, "-m"]
+    options = ["--scheduler-file", file, "--no-dashboard"]
+    scheduler = subprocess.Popen(
+        [*run, "distributed.cli.dask_scheduler", *options, "--port", "0", "--host", "127.0.0.1"], **quiet
+    )
+    worker = subprocess.Popen([*run, "distributed.cli.dask_worker", *options, "--nworkers", "1", "--nthreads", "1"], **quiet)
+    end = time.monotonic() + 60
+    while not (tmp_path / "scheduler.json").exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    yield scheduler, json.loads((tmp_path / "scheduler.json").read_text(encoding="utf-8"))["address"]
+    for process in (worker, scheduler):
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, monkeypatch, capfd):
+    """What Dask's threads say of it is not shown, and the same sweep goes on elsewhere, to the same files."""
+    monkeypatch.setattr("symkin.sweeps.executors._PATIENCE_S", 30.0)
+    scheduler, address = processes
+
+    def kill(done, total):
+        if done:
+            scheduler.kill()
+
+    with pytest.raises(InputError, match=r"the Dask scheduler at .* has ended.*what is done is kept"):
+        sweep(PLATFORM, GRID, tmp_path / "s", dask=address, chunk=CHUNK, progress=kill)
+    assert "Traceback" not in capfd.readouterr().err
+    sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=CHUNK)
+    assert same_files(whole, tmp_path / "s")

@@ -6,13 +6,14 @@ that were under way are computed again.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -30,6 +31,13 @@ _ENDING_S = 5.0
 """Seconds given to a pool to end once its processes are; one left in the middle of it writes into closed pipes."""
 _KEPT = "what is done is kept, and the same sweep goes on from there"
 _GUARD = "a script that sweeps must do so under `if __name__ == '__main__':`, and a worker needs memory enough"
+
+
+_DASK_LOGGERS = (
+    "distributed", "distributed.client", "distributed.comm", "distributed.core", "distributed.utils", "distributed.batched",
+    "tornado", "tornado.application", "tornado.general", "asyncio",
+)  # fmt: skip
+"""Loggers of Dask's client and of the event loop in which it runs."""
 
 
 class Here(Executor):
@@ -172,7 +180,7 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def dask_crew(address: str) -> Iterator[Crew]:
-    """The workers of the Dask scheduler at an address."""
+    """The workers of the Dask scheduler at an address. Raises InputError where it does not answer, and where it ends."""
     try:
         import distributed
 
@@ -181,6 +189,11 @@ def dask_crew(address: str) -> Iterator[Crew]:
         from symkin.sweeps.store import MISSING
 
         raise InputError(MISSING) from None
+    with _quiet_loggers():
+        yield from _dask_crew(connect, address)
+
+
+def _dask_crew(connect: Any, address: str) -> Iterator[Crew]:
     try:
         client = connect(address, timeout=_PATIENCE_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError, TypeError, KeyError) as error:
@@ -194,9 +207,27 @@ def dask_crew(address: str) -> Iterator[Crew]:
                 f"the Dask scheduler at {address!r} has no workers; start some with `dask worker {address}`"
             ) from None
         yield Crew(client.get_executor(pure=False), _UNDER_WAY * max(1, sum(client.ncores().values())))
+    except (OSError, TimeoutError, RuntimeError, CancelledError, InputError):
+        if client.status == "running":
+            raise
+        raise InputError(f"the Dask scheduler at {address!r} has ended, or cannot be reached any more; {_KEPT}") from None
     finally:
-        with suppress(OSError, TimeoutError):
+        with suppress(OSError, TimeoutError, RuntimeError):
             client.close(timeout=_PATIENCE_S)
+
+
+@contextmanager
+def _quiet_loggers() -> Iterator[None]:
+    """What Dask's threads log of a lost connection, tracebacks and all, is said once, by the error."""
+    loggers = [logging.getLogger(name) for name in _DASK_LOGGERS]
+    former = [logger.disabled for logger in loggers]
+    for logger in loggers:
+        logger.disabled = True
+    try:
+        yield
+    finally:
+        for logger, was in zip(loggers, former, strict=True):
+            logger.disabled = was
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from symkin.sweeps.quantities import QUANTITIES, variables
 _MODE_CHUNK = 8
 """Modes in one chunk of an array; more modes of a point make more chunks."""
 _SAMPLE_DIMENSION = "point"
-_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "chunk", "done", _SAMPLE_DIMENSION)
+_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "chunk", "done", "digest", _SAMPLE_DIMENSION)
 RESERVED = frozenset(_DIMENSIONS) | {v.name for quantity in QUANTITIES for v in variables(quantity, True, "")}
 """Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
 
@@ -62,12 +62,41 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
         "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",),
         attributes={"long_name": "chunks of points that are written"},
     )  # fmt: skip
-    for text, name in (("x y z", "axis"), ("w x y z", "component")):
-        _strings(group, name, text.split(), name)
-    _strings(group, "joint", [name for name, _ in joints], "joint")
-    _strings(group, "joint_units", [unit for _, unit in joints], "joint")
+    create_digest(group, len(plan.blocks))
+    for name, values in _texts(plan).items():
+        _strings(group, name, values, "joint" if name == "joint_units" else name)
     _create_coordinates(group, plan, names, dimensions)
     consolidate(folder)
+
+
+def create_digest(group: Any, chunks: int) -> None:
+    """The array that tells lost and damaged files (see `damage`)."""
+    group.create_array(
+        "digest", shape=(chunks,), chunks=(1,), dtype="uint64", fill_value=0, dimension_names=("chunk",),
+        attributes={"long_name": "numbers made of the files of each chunk, by which lost and damaged ones are told"},
+    )  # fmt: skip
+
+
+def expected_coordinates(plan: Plan) -> dict[str, np.ndarray]:
+    """What the arrays of names and coordinates hold."""
+    space = plan.space
+    names = labels([axis.name for axis in space.axes])
+    if space.sample is None:
+        values = {name: axis.values for name, axis in zip(names, space.axes, strict=True)}
+    else:
+        points = space.points((slice(0, space.sample),))
+        values = {name: points[:, k] for k, name in enumerate(names)}
+    return {**{name: np.array(texts, dtype=object) for name, texts in _texts(plan).items()}, **values}
+
+
+def _texts(plan: Plan) -> dict[str, list[str]]:
+    joints = joint_labels(build_closure(plan.mechanism))
+    return {
+        "axis": ["x", "y", "z"],
+        "component": ["w", "x", "y", "z"],
+        "joint": [name for name, _ in joints],
+        "joint_units": [unit for _, unit in joints],
+    }
 
 
 def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,8 @@ Progress = Callable[[int, int], None]
 @dataclass(frozen=True)
 class Swept:
     """A finished sweep: its folder, how many points and chunks it has, how many chunks this run computed, the most modes of
-    any point, and how many points have each count of real modes."""
+    any point, how many points have each count of real modes, and how many chunks of the folder were lost or damaged and are
+    computed again."""
 
     folder: Path
     points: int
@@ -37,6 +38,7 @@ class Swept:
     computed: int
     most_modes: int
     points_by_count: Mapping[int, int]
+    damaged: int = 0
 
     def open(self) -> Any:
         """The labelled arrays, an `xarray.Dataset`."""
@@ -48,7 +50,10 @@ class Swept:
         counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
         none = "" if self.most_modes else " (no point has a solution)"
-        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}\n{self.folder}"
+        one = self.damaged == 1
+        what = f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged and {'is' if one else 'are'}"
+        again = f"\n{what} computed again" if self.damaged else ""
+        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}{again}\n{self.folder}"
 
 
 def sweep(
@@ -103,8 +108,8 @@ def sweep(
     with _crew(executor, workers, dask) as crew:
         store = open_store(folder, plan, pinned, enumerator.bound)
         with locked(folder):
-            store.mend()
-            return _run(store, crew, Job(plan, pinned).packed(), progress)
+            damaged = store.mend()
+            return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
 
 
 def _crew(executor: Executor | None, workers: int | None, dask: str | None) -> AbstractContextManager[Crew]:

@@ -1,7 +1,7 @@
 """The folder of a sweep: a Zarr group that `xarray.open_zarr` reads, written chunk by chunk.
 
 A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after the chunk's data, so
-that whatever a killed run left is computed again. The dimension `mode` grows to the most modes met, whatever the order.
+that whatever a killed run left is computed again; `digest` tells files that were lost or damaged since (see `damage`). The dimension `mode` grows to the most modes met, whatever the order.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.errors import InputError
+from symkin.sweeps.damage import check_descriptions, digest_of, mend_chunks, mend_coordinates
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import consolidate, create_arrays
 from symkin.sweeps.plan import Plan, difference
@@ -54,14 +55,19 @@ class Store:
         return {self.arrays[v.name].shape[len(self.plan.space.shape)] for v in self.per_mode}
 
     @interrupts_held()
-    def mend(self) -> None:
-        """Remove what a killed run left half written; to be called by the only run in the folder."""
+    def mend(self) -> int:
+        """Remove what a killed run left half written, and what was lost or damaged since; how many chunks these were. To be
+        called by the only run in the folder."""
         with refused_writing(self.folder):
             for rest in self.folder.rglob("*.partial"):
                 rest.unlink(missing_ok=True)
+            check_descriptions(self.folder, self)
             if len(self.lengths()) > 1:
                 self.grow(max(self.lengths()))
+            damaged = mend_chunks(self)
+            mend_coordinates(self)
             consolidate(self.folder)
+        return damaged
 
     @interrupts_held()
     def counts(self, index: int) -> np.ndarray:
@@ -83,6 +89,7 @@ class Store:
                     gap = target.shape[dimensions] - values.shape[1]
                     values = np.pad(values, [(0, 0), (0, gap), *[(0, 0)] * (values.ndim - 2)], constant_values=v.fill)
                 target[block] = values.reshape(*shape, *values.shape[1:])
+            self.group["digest"][index] = digest_of(self, index)
             self.arrays["done"][index] = 1
 
     def grow(self, modes: int) -> None:

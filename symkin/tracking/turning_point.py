@@ -23,8 +23,9 @@ PointKind = Literal["turning point", "bifurcation", "degenerate"]
 
 _CONVERGED = 1e-11
 """Rows and null vectors of an accepted singular point, dimensionless, are below this."""
-_CROSSING = 1e-13
-"""The same for a bifurcation, whose equations are more than its unknowns: a larger rest is that of a near miss."""
+_CROSSING = 10 * np.finfo(float).eps
+"""The same for a bifurcation, whose equations are more than its unknowns: what is left there beyond rounding (2e-16 at most for
+parallelograms, deltas and five-bars that do branch) is the distance by which the path misses it."""
 _STEPS = 25
 _NULL = 1e-7
 """A singular value below this times the largest of [dG/dz, dG/du] counts as zero at a located point."""
@@ -84,7 +85,8 @@ def _near(actual: np.ndarray, expected: np.ndarray) -> bool:
 
 
 def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray | None) -> SingularPoint | None:
-    """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there."""
+    """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there. `null` is that of a turning point;
+    one at which the ranks are those of a bifurcation is none: whether branches meet, the equations of a bifurcation say."""
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
@@ -93,7 +95,7 @@ def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarr
         return None
     basis = right[system.width - zeros : system.width].T
     if zeros > 1 or whole[system.width - 1] < _NULL * whole[0]:
-        return SingularPoint("bifurcation", y, basis, 0.0)
+        return None if null is not None else SingularPoint("bifurcation", y, basis, 0.0)
     v = basis[:, 0] if null is None else null
     curvature = _curvature(system, c, y, v, jacobian)
     return SingularPoint("turning point" if abs(curvature) > _FLAT else "degenerate", y, v[:, None], curvature)

@@ -1,0 +1,142 @@
+"""Lost and damaged files of a sweep's folder: what is marked as done is compared with what was written.
+
+Zarr reads a chunk without a file as fill values, which is right for one that holds nothing else and wrong for one that was
+lost. So the array `digest` has a number for each chunk of points, made of the names and bytes of its files. A folder without
+that array (from an earlier version) gets it once: there a chunk counts as good that can be read and has as many modes as
+its counts say.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.sweeps.layout import create_digest, expected_coordinates
+
+if TYPE_CHECKING:
+    from symkin.sweeps.store import Store
+
+_SOMETIMES_NAN = ("distance_type_1", "distance_type_2")
+"""Numbers of a mode that are not there where the mechanism has no such kind of singularity."""
+
+
+def digest_of(store: Store, index: int) -> int:
+    """A number of 64 bits made of the files of a chunk of points, their names and bytes."""
+    found = hashlib.blake2b(digest_size=8)
+    for path in chunk_files(store, index):
+        content = path.read_bytes()
+        found.update(f"{path.relative_to(store.folder).as_posix()} {len(content)} ".encode())
+        found.update(content)
+    return int.from_bytes(found.digest(), "little")
+
+
+def chunk_files(store: Store, index: int) -> Iterator[Path]:
+    """The files that hold a chunk of points, in order."""
+    place = [str(int(i)) for i in np.unravel_index(index, store.plan.blocks.grid)]
+    for variable in store.plan.variables:
+        path = store.folder.joinpath(variable.name, "c", *place)
+        if path.is_file():
+            yield path
+        elif path.is_dir():
+            yield from sorted(p for p in path.rglob("*") if p.is_file())
+
+
+def mend_chunks(store: Store) -> int:
+    """Take the mark of chunks whose files are not those that were written, and remove these files; how many there are."""
+    _remove_unreadable(store, "done")
+    found = _adopt(store) if "digest" not in store.group else 0
+    _remove_unreadable(store, "digest")
+    digests = np.asarray(store.group["digest"][:])
+    damaged = [int(i) for i in np.flatnonzero(store.done()) if int(digests[i]) != digest_of(store, int(i))]
+    for index in damaged:
+        _forget(store, index)
+    return found + len(damaged)
+
+
+def mend_coordinates(store: Store) -> None:
+    """Write anew the names and coordinates that are not those of the plan."""
+    for name, values in expected_coordinates(store.plan).items():
+        if not _is_equal(store.group[name], values):
+            for path in (store.folder / name / "c").rglob("*"):
+                if path.is_file():
+                    path.unlink()
+            store.group[name][:] = values
+
+
+def check_descriptions(folder: Path, store: Store) -> None:
+    """Raises InputError where the description of an array is lost or cannot be read."""
+    for name in (*(v.name for v in store.plan.variables), "done", *expected_coordinates(store.plan)):
+        if _readable(store.group.__getitem__, name) is None:
+            raise InputError(
+                f"{folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
+                "restore it, or sweep into another folder"
+            )
+
+
+def _forget(store: Store, index: int) -> None:
+    store.group["done"][index] = 0
+    for path in list(chunk_files(store, index)):
+        path.unlink()
+
+
+def _adopt(store: Store) -> int:
+    """Give a folder that has none its digests, for the chunks that are good as far as can be told; how many are not."""
+    create_digest(store.group, len(store.plan.blocks))
+    damaged = 0
+    for index in (int(i) for i in np.flatnonzero(store.done())):
+        if _is_plausible(store, index):
+            store.group["digest"][index] = digest_of(store, index)
+        else:
+            _forget(store, index)
+            damaged += 1
+    return damaged
+
+
+def _is_plausible(store: Store, index: int) -> bool:
+    """Whether every array of a chunk can be read, the counts are there, and each mode has its numbers."""
+    block = store.plan.blocks[index]
+    arrays = {v.name: _readable(store.arrays[v.name].__getitem__, block) for v in store.plan.variables}
+    if any(values is None for values in arrays.values()):
+        return False
+    counts = np.maximum(arrays["count"], 0)
+    there = any(path.is_relative_to(store.folder / "count") for path in chunk_files(store, index))
+    told = [v for v in store.per_mode if np.dtype(v.dtype).kind == "f" and v.name not in _SOMETIMES_NAN]
+    return there and all(np.array_equal(_modes_stored(arrays[v.name], counts.ndim), counts) for v in told)
+
+
+def _modes_stored(values: np.ndarray, dimensions: int) -> np.ndarray:
+    """How many modes of each point have numbers; infinite conditions count."""
+    per_mode = ~np.isnan(values).reshape(*values.shape[: dimensions + 1], -1).all(axis=-1)
+    return np.asarray(per_mode.sum(axis=-1))
+
+
+def _remove_unreadable(store: Store, name: str) -> None:
+    """Remove the files of a per-chunk array that cannot be read: their chunks are computed again."""
+    array = store.group[name]
+    if _readable(array.__getitem__, slice(None)) is not None:
+        return
+    for path in (store.folder / name / "c").iterdir():
+        if _readable(array.__getitem__, int(path.name)) is None:
+            path.unlink()
+
+
+def _is_equal(array: Any, values: np.ndarray) -> bool:
+    found = _readable(array.__getitem__, slice(None))
+    return found is not None and np.array_equal(np.asarray(found), values)
+
+
+def _readable(read: Any, key: Any) -> Any:
+    """What a call of Zarr reads, None where the file cannot be decoded: decoders raise errors of many kinds."""
+    try:
+        return read(key)
+    except FileNotFoundError:
+        return None
+    except (OSError, MemoryError):
+        raise
+    except Exception:
+        return None

@@ -1,0 +1,110 @@
+"""Files of a sweep's folder that were lost or damaged are noticed when it is opened, and what they held is computed again."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin import InputError
+from symkin.cli import main
+from symkin.sweeps.run import Swept, sweep
+
+pytest.importorskip("xarray")
+pytestmark = pytest.mark.usefixtures("kept_starts")
+PLATFORM = symkin.load("zhang2009")
+GRID = {"leg1": np.linspace(100, 160, 4), "leg2": np.linspace(320, 370, 3)}
+CHUNK = 3
+
+
+def swept(folder: Path) -> Swept:
+    return sweep(PLATFORM, GRID, folder, workers=0, chunk=CHUNK)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("damage") / "whole"
+    swept(folder)
+    return folder
+
+
+def lose(path: Path) -> None:
+    path.unlink()
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-3])
+
+
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+def blank(path: Path) -> None:
+    """Of the same length, all zero: what a power cut leaves."""
+    path.write_bytes(bytes(path.stat().st_size))
+
+
+ARRAYS = ["count", "completeness", "position", "quaternion", "joints", "residual", "done", "digest", "leg1", "joint", "axis"]
+
+
+@pytest.mark.parametrize("array", ARRAYS)
+@pytest.mark.parametrize("harm", [lose, cut, empty, blank], ids=lambda harm: harm.__name__)
+def test_a_harmed_file_is_written_anew(array, harm, whole, tmp_path) -> None:
+    """Whatever file is harmed and however, the folder holds the same bytes afterwards, and no count is a fill value."""
+    folder = tmp_path / "s"
+    shutil.copytree(whole, folder)
+    files = sorted(path for path in (folder / array / "c").rglob("*") if path.is_file())
+    harm(files[len(files) // 2])
+    found = swept(folder)
+    assert content(folder) == content(whole)
+    assert -1 not in found.points_by_count
+    assert found.computed <= 1
+    if array not in ("done", "leg1", "joint", "axis"):
+        assert found.damaged == 1
+        assert "1 chunk was lost or damaged and is computed again" in str(found)
+
+
+@pytest.mark.parametrize("array", ["count", "residual", "position"])
+def test_a_folder_of_an_earlier_version_is_examined_once(array, whole, tmp_path) -> None:
+    """Without digests a lost file shows in the counts; good chunks are kept."""
+    folder = tmp_path / "s"
+    shutil.copytree(whole, folder)
+    shutil.rmtree(folder / "digest")
+    assert swept(folder).computed == 0
+    assert content(folder) == content(whole)
+    shutil.rmtree(folder / "digest")
+    next(path for path in sorted((folder / array / "c").rglob("*")) if path.is_file()).unlink()
+    found = swept(folder)
+    assert (found.computed, found.damaged) == (1, 1)
+    assert content(folder) == content(whole)
+
+
+def test_a_lost_description_is_said(whole, tmp_path) -> None:
+    """What a number means cannot be made up."""
+    folder = tmp_path / "s"
+    shutil.copytree(whole, folder)
+    (folder / "count" / "zarr.json").unlink()
+    with pytest.raises(InputError, match=r"count/zarr\.json.*lost or damaged"):
+        swept(folder)
+
+
+def test_the_command_says_what_was_lost(whole, tmp_path, capsys) -> None:
+    """The same options go on in the harmed folder; the histogram has no -1."""
+    folder = tmp_path / "s"
+    shutil.copytree(whole, folder)
+    shutil.rmtree(folder / "count" / "c")
+    options = ["--grid", "leg1=100:160:4,leg2=320:370:3", "-o", str(folder), "--workers", "0", "--chunk", str(CHUNK)]
+    with pytest.raises(SystemExit) as stop:
+        main(["sweep", "zhang2009", *options])
+    printed = capsys.readouterr().out
+    assert not stop.value.code
+    assert "-1:" not in printed
+    assert "4 chunks were lost or damaged and are computed again" in printed
