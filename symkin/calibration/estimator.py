@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.calibration.descent import Descent, untold
 from symkin.calibration.problem import CalibrationProblem
-from symkin.calibration.residuals import Form
+from symkin.calibration.residuals import Condensed, Form
 from symkin.calibration.state import State, evaluate, ideal_design, joint_covariance, merit, restored, settled, stepped
 from symkin.calibration.steps import damped_step, null_directions
 
@@ -165,8 +165,10 @@ class _Search:
     def _bent(self, step: np.ndarray) -> np.ndarray:
         """A damped step with half of its geodesic acceleration (Transtrum and Sethna 2012), which follows a curved valley: the second
         derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that is no small
-        correction."""
+        correction, and where residuals are condensed."""
         fit = self.state.fit
+        if isinstance(fit, Condensed):
+            return step
         probe = self._stepped(self.state, _PROBE * step)
         if probe is None:
             return step

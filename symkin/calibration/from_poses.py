@@ -15,6 +15,8 @@ from symkin.calibration.model import PostureModel
 
 _STEPS = 40
 """Most Gauss-Newton steps; a start needs no more."""
+_ROWS = 2000
+"""Most postures that are used, spread evenly over the file: a start needs no more."""
 _SMALLEST = 1e-6
 """Directions with singular values below this of the largest are left at their start."""
 
@@ -25,6 +27,9 @@ def parameters_from_poses(model: PostureModel, measurements: Measurements) -> np
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
     if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
         return None
+    if np.sum(given) > _ROWS:
+        some = np.flatnonzero(given)[np.linspace(0, np.sum(given) - 1, _ROWS).astype(int)]
+        return parameters_from_poses(model, measurements.subset(some))
     joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
     passive = np.flatnonzero([c.role == "passive" for c in model.system.unknowns for _ in range(c.freedom)])
     with np.errstate(all="ignore"):

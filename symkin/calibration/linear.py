@@ -9,6 +9,7 @@ left, whichever form of the residuals was minimised.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,9 +17,12 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
-from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance, slopes
+from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance_at, slopes
 from symkin.calibration.steps import spectrum
 from symkin.position.rank import RANK_TOLERANCE
+
+_BLOCK = 20_000
+"""Rows that are multiplied at once where there are many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +58,7 @@ class LinearModel:
     @property
     def absorbed(self) -> np.ndarray:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q Q^T."""
-        return np.asarray(np.sum(self.own**2, axis=1) + np.sum(self.shared**2, axis=1))
+        return np.asarray(np.einsum("ij,ij->i", self.own, self.own) + np.einsum("ij,ij->i", self.shared, self.shared))
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
         """(1 - Q Q^T) restricted to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
@@ -75,33 +79,41 @@ class LinearModel:
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     """The linear model of all readings at a state with closed postures."""
-    readings = problem.readings
-    e = evaluate_readings(problem, state)
-    whiten = whitening(readings, joint_covariance(problem, state))
-    residuals = whiten @ deviations(readings, e.readings)[:, :, None]
-    own = _group_columns(readings, whiten)
-    free = admissible(problem, state)
+    readings, free = problem.readings, admissible(problem, state)
     known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
-    columns, by_known = whiten @ (slopes(e) @ free), by_known @ free
-    norms = np.hypot(np.linalg.norm(columns, axis=(0, 1)), np.linalg.norm(by_known, axis=0))
-    columns, by_known = (part[..., norms > 0] / norms[norms > 0] for part in (columns, by_known))
-    for _ in range(2):  # the second time takes away what rounding left
-        columns = _less_groups(readings, own, columns)
-        residuals = _less_groups(readings, own, residuals)
-    count = readings.values.size
-    shared = _basis(np.vstack([columns.reshape(count, -1), by_known]))
+    by_known = by_known @ free
+    shape = readings.values.shape
+    residuals, own, whiten = np.zeros((*shape, 1)), np.zeros((*shape, 2)), np.zeros((*shape, shape[1]))
+    columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
+    for rows, part in problem.parts:
+        e = evaluate_readings(part, state.p, state.z[rows])
+        whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
+        own[rows] = _group_columns(part.readings, whiten[rows])
+        made, r = whiten[rows] @ (slopes(e) @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
+        squares += np.sum(made**2, axis=(0, 1))
+        for _ in range(2):  # the second time takes away what rounding left
+            made, r = _less_groups(part.readings, own[rows], made), _less_groups(part.readings, own[rows], r)
+        columns[rows], residuals[rows] = made, r
+    kept, count = squares > 0, readings.values.size
+    flat_columns = columns.reshape(count, -1)
+    if len(known):
+        flat_columns = np.vstack([flat_columns, by_known])
+    if not kept.all():
+        flat_columns = flat_columns[:, kept]
+    flat_columns /= np.sqrt(squares[kept])
+    shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
     flat = np.concatenate([residuals.reshape(count), known])
-    group = np.concatenate([np.repeat(readings.group, readings.values.shape[1]), np.full(len(known), -1)])
+    group = np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)])
     taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
-    own = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
+    own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
-    return LinearModel(flat - shared @ along, own, group, shared, taken, whiten, float(along @ along))
+    return LinearModel(flat - shared @ along, own_columns, group, shared, taken, whiten, float(along @ along))
 
 
 def whitened(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
     """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
-    readings, e = problem.readings, evaluate_readings(problem, state)
-    whiten = whitening(readings, joint_covariance(problem, state))
+    readings, e = problem.readings, evaluate_readings(problem, state.p, state.z)
+    whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
     both = np.concatenate([deviations(readings, e.readings)[:, :, None], slopes(e)], axis=2)
     both = _less_groups(readings, _group_columns(readings, whiten), whiten @ both)
     return both[:, :, 0], both[:, :, 1:]
@@ -149,3 +161,32 @@ def _basis(columns: np.ndarray) -> np.ndarray:
         return columns
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(left[:, singular > RANK_TOLERANCE * max(1.0, float(singular[0]))])
+
+
+def _basis_in_place(columns: np.ndarray) -> np.ndarray:
+    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of the columns, R = U S V^T, the basis
+    is columns V / S; what rounding leaves of that is taken away by its own triangle."""
+    _, singular, right = np.linalg.svd(_triangle(columns), full_matrices=False)
+    kept = singular > RANK_TOLERANCE * max(1.0, float(singular[0]))
+    _multiply(columns, right[kept].T / singular[kept])
+    basis = columns[:, : int(kept.sum())]
+    _multiply(basis, np.linalg.inv(_triangle(basis)))
+    return basis
+
+
+def _blocks(columns: np.ndarray) -> Iterator[np.ndarray]:
+    yield from (columns[k : k + _BLOCK] for k in range(0, len(columns), _BLOCK))
+
+
+def _triangle(columns: np.ndarray) -> np.ndarray:
+    """R (k, k) of columns (N, k) = Q R."""
+    found = np.zeros((0, columns.shape[1]))
+    for block in _blocks(columns):
+        found = np.asarray(np.linalg.qr(np.vstack([found, block]), mode="r"))
+    return found
+
+
+def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
+    """columns @ factor, in the first columns."""
+    for block in _blocks(columns):
+        block[:, : factor.shape[1]] = block @ factor

@@ -29,17 +29,30 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
     noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
     here = evaluate(problem, state.p, state.z, problem.form, noise)
     free = admissible(problem, here)
-    left, singular, right = np.linalg.svd(here.fit.matrix @ free, full_matrices=False)
+    _, singular, right = np.linalg.svd(here.fit.matrix @ free, full_matrices=False)
     inverse = np.sqrt(spread) * free @ right.T / singular
     sigma = np.linalg.norm(inverse, axis=1)
     for step in inverse.T[-_WEAKEST:]:
         for sign in (1.0, -1.0):
-            departure = _departure(problem, here, sign * step, noise)
-            if departure is None:
+            pull = _pull(problem, here, sign * step, noise)
+            if pull is None:
                 return np.where(sigma > 0, np.inf, 0.0)
-            change = inverse @ (left.T @ departure) / np.sqrt(spread)
+            change = inverse @ (right @ (free.T @ pull) / singular) / np.sqrt(spread)
             found = np.maximum(found, np.divide(np.abs(change), sigma, out=np.zeros_like(sigma), where=sigma > 0))
     return found
+
+
+def _pull(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
+    """(dr/dp)^T d (P,) of the departure d, part by part; None where postures do not close."""
+    total = np.zeros(len(step))
+    for rows, part in problem.parts:
+        some = None if noise is None else noise[rows]
+        near = evaluate(part, here.p, here.z[rows], problem.form, some) if problem.is_large else here
+        departure = _departure(part, near, step, some)
+        if departure is None:
+            return None
+        total += near.fit.matrix.T @ departure
+    return total
 
 
 def _departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:

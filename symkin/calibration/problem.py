@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
 from symkin.calibration.parameters import bound_by_motion
@@ -15,6 +16,10 @@ from symkin.calibration.residuals import FORMS, Form, Readings, build_readings
 from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
+
+MOST_ROWS, PART = 10_000, 4_000
+"""Postures beyond which derivatives are not kept but made anew part by part, and how many a part has: derivatives of 10,000 postures
+of a hexapod take some 100 MB, as much as a program may."""
 
 
 class NothingReadError(InputError):
@@ -41,7 +46,7 @@ class CalibrationProblem:
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle without the model, whose symbols are built anew from the mechanism, the measurements and the names."""
-        return {**{k: v for k, v in self.__dict__.items() if k != "model"}, "_free": self.names}
+        return {**{k: v for k, v in self.__dict__.items() if k not in ("model", "parts")}, "_free": self.names}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         own = dict(state)
@@ -55,6 +60,24 @@ class CalibrationProblem:
         known = np.isfinite(self.prior)
         change = (p - self.model.nominal) / self.model.scales
         return (change / self.prior)[known], np.diag(1.0 / self.prior)[known]
+
+    @property
+    def is_large(self) -> bool:
+        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all postures."""
+        system = self.model.system
+        return len(self.measurements) > MOST_ROWS and int(system.rows.shape[0]) == system.freedom
+
+    @cached_property
+    def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
+        """Numbers of postures and the problem of these alone, members of a group together and what is known beside the readings left
+        out; one part where the problem is not large."""
+        if not self.is_large:
+            return ((np.arange(len(self.measurements)), self),)
+        return tuple((rows, self._of(rows)) for rows in _divided(self.readings))
+
+    def _of(self, rows: np.ndarray) -> CalibrationProblem:
+        some = self.measurements.subset(rows)
+        return replace(self, measurements=some, readings=build_readings(self.model, some), prior=None)
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -117,6 +140,14 @@ def _prior(model: PostureModel, length: float, angle: float) -> np.ndarray:
     free = [name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
+
+
+def _divided(readings: Readings) -> list[np.ndarray]:
+    """Numbers of postures in parts of `PART`, or of a group where one has more."""
+    order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
+    heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(int)
+    cuts = heads[np.flatnonzero(np.diff(heads // PART, prepend=0))]
+    return [rows for rows in np.split(order, cuts) if len(rows)]
 
 
 def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:

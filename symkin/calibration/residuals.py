@@ -9,7 +9,7 @@ In a group only equality is known. Three forms of it:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
 
@@ -160,6 +160,18 @@ class Linearised:
     def matrix(self) -> np.ndarray:
         own = self.jacobian.reshape(-1, self.jacobian.shape[2])
         return own if self.prior is None else np.vstack([own, self.prior[1]])
+
+
+@dataclass(frozen=True, eq=False)
+class Condensed(Linearised):
+    """Residuals r (n, K) of many postures; in place of dr/dp and r the triangle that is left of both, so that |r + J d|^2 is the
+    same for all d."""
+
+    right: np.ndarray = field(kw_only=True)
+
+    @property
+    def vector(self) -> np.ndarray:
+        return self.right
 
 
 def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, covariance: np.ndarray | None = None) -> Linearised:

@@ -16,7 +16,7 @@ from symkin.calibration.direct import CLOSED, newton_postures, signs, solved_ste
 from symkin.calibration.ideal import ideal
 from symkin.calibration.model import Evaluation
 from symkin.calibration.problem import CalibrationProblem
-from symkin.calibration.residuals import Form, Linearised, linearise
+from symkin.calibration.residuals import Condensed, Form, Linearised, linearise
 from symkin.calibration.steps import admitted, design
 
 PREDICTED = 1e-4
@@ -53,6 +53,8 @@ def evaluate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None = None
 ) -> State:
     """Closure and readings at (p, z), condensed to p."""
+    if problem.is_large:
+        return _evaluate_parts(problem, p, z, form, covariance)
     e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
     pending = solved_steps(e.rows_z, e.rows[:, :, None])[:, :, 0]
     readings, slopes, leftover = _condensed(e, pending)
@@ -72,9 +74,9 @@ def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
 
 
-def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
-    """Closure and readings of a state, without the condensation."""
-    return problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions)
+def evaluate_readings(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
+    """Closure and readings at (p, z), without the condensation; of a large problem only part by part."""
+    return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
 
 
 def slopes(e: Evaluation) -> np.ndarray:
@@ -84,13 +86,20 @@ def slopes(e: Evaluation) -> np.ndarray:
 
 def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     """Covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
-    sigma = problem.measurements.sigma("joint")
-    model, joints = problem.model, problem.measurements.joints
-    width = len(model.columns)
+    width = len(problem.model.columns)
+    made = np.zeros((len(state.z), width, width))
+    for rows, part in problem.parts:
+        made[rows] = joint_covariance_at(part, state.p, state.z[rows])
+    return made
+
+
+def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The same at (p, z); of a large problem only part by part."""
+    sigma, model, joints = problem.measurements.sigma("joint"), problem.model, problem.measurements.joints
     if sigma is None:
-        return np.zeros((len(joints), width, width))
-    e = evaluate_readings(problem, state)
-    by_joint = e.readings_z @ solved_steps(e.rows_z, model.rows_by_joint(state.z, joints, state.p)) * sigma[:, None, :]
+        return np.zeros((len(z), len(model.columns), len(model.columns)))
+    e = evaluate_readings(problem, p, z)
+    by_joint = e.readings_z @ solved_steps(e.rows_z, model.rows_by_joint(z, joints, p)) * sigma[:, None, :]
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
@@ -154,3 +163,39 @@ def ideal_design(problem: CalibrationProblem, state: State) -> np.ndarray:
 def ideal_state(problem: CalibrationProblem, state: State) -> State:
     other, z = ideal(problem, state.p, state.z)
     return evaluate(other, state.p, z, "means")
+
+
+# --- many postures -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class LargeState(State):
+    """A state of a large problem, without the derivatives of single postures: `values` is empty, and `fit` condensed."""
+
+    problem: CalibrationProblem
+
+    def follow(self, step: np.ndarray) -> np.ndarray:
+        moved = np.empty_like(self.pending)
+        for rows, part in self.problem.parts:
+            e = evaluate_readings(part, self.p, self.z[rows])
+            moved[rows] = -self.pending[rows] - solved_steps(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
+        return moved
+
+
+def _evaluate_parts(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None
+) -> LargeState:
+    """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the triangle of those before."""
+    width = len(problem.names)
+    known, by_known = problem.prior_rows(p) or (np.zeros(0), np.zeros((0, width)))
+    triangle, residuals = np.column_stack([by_known, known]), np.zeros(problem.readings.values.shape)
+    pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
+    for rows, part in problem.parts:
+        state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
+        residuals[rows], pending[rows], side[rows] = state.fit.residuals, state.pending, state.signs
+        below = np.column_stack([state.fit.matrix, state.fit.vector])
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
+    fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
+    nothing = np.zeros(0)
+    values = Evaluation(nothing, nothing, nothing, nothing, nothing, nothing)
+    return LargeState(p, z, fit, values, pending, None, side, problem)

@@ -47,7 +47,6 @@ def f_tail(value: float, first: int, second: int) -> float:
 def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     """Covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised:
     A S A^T with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
-    readings = problem.readings
     noise = joint_covariance(problem, state)
     mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
     free = admissible(problem, mixed)
@@ -55,12 +54,27 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     scaled = problem.model.scales[:, None] * (free @ inverse)
     if problem.form == "maximum likelihood":
         return np.asarray(scaled @ scaled.T)
-    own, prior = scaled[:, : readings.values.size], scaled[:, readings.values.size :]
-    gain = _gain(problem, own.reshape(len(scaled), len(readings.values), -1))
+    known = problem.prior_rows(state.p)
+    if not problem.is_large:
+        own, prior = np.split(scaled, [problem.readings.values.size], axis=1)
+        return np.asarray(_propagated(problem, own, noise) + prior @ prior.T)
+    back = scaled @ inverse.T @ free.T  # (J^T J)^+ with J^T in place of J^+
+    prior = back @ (np.zeros((0, len(scaled))) if known is None else known[1]).T
+    total = prior @ prior.T
+    for rows, part in problem.parts:
+        slopes = evaluate(part, state.p, state.z[rows], problem.form).fit.matrix
+        total += _propagated(part, back @ slopes.T, noise[rows])
+    return np.asarray(total)
+
+
+def _propagated(problem: CalibrationProblem, scaled: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """A S A^T, from dp per residual (P, N) and the covariance (n, K, K) that joint noise gives the readings."""
+    readings = problem.readings
+    gain = _gain(problem, scaled.reshape(len(scaled), len(readings.values), -1))
     spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
     s = noise + spread[:, :, None] * np.eye(spread.shape[1])
     flat = gain.transpose(1, 0, 2)
-    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0) + prior @ prior.T)
+    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0))
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
