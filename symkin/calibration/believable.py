@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.motions import all_values
+from symkin.calibration.parallel_axes import nearly_parallel
 from symkin.calibration.plausible import FAR, beyond_tolerance, moved_far
 from symkin.calibration.residuals import only_rounding
 from symkin.calibration.statistics import UNLIKELY
@@ -90,12 +92,21 @@ def is_exact(fit: Calibration) -> bool:
 def _rank(fit: Calibration) -> Iterator[str]:
     found = fit.identifiability
     if not found.is_clear:
-        yield f"the rank {found.rank} is not clear: singular values fall by a factor of only {found.gap:.3g} there"
+        yield f"the rank {found.rank} is not clear: singular values fall by a factor of only {found.gap:.3g} there{_parallel(fit)}"
     if found.condition > _ILL:
-        yield f"the identification Jacobian has condition {found.condition:.2g}; choose postures that differ more"
+        yield f"the identification Jacobian has condition {found.condition:.2g}; {_parallel(fit)[2:] or 'choose postures that differ more'}"
     if found.unobservable:
         yield f"not observable, held by the least change from nominal: {'; '.join(found.unobservable)}"
     yield from found.advice
+
+
+def _parallel(fit: Calibration) -> str:
+    """What nearly parallel axes have to do with a rank that is not clear."""
+    pairs = nearly_parallel(fit.mechanism, all_values(fit.problem.model, fit.state.p))
+    free = {n for n in fit.problem.names if n.endswith(".d")}
+    if not pairs or len(free) < 2:
+        return ""
+    return f"; {', '.join(pairs)} are parallel axes or nearly so, and their offsets d are told by how little they are not: hold one of each pair"
 
 
 def listed(items: list[str]) -> str:

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from symkin.calibration.direct import Postures, signs
+from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
 from symkin.calibration.estimator import Estimate, descended, estimate
 from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
@@ -130,9 +130,10 @@ def _fit(
     _check_determined(problem, postures, p)
     part, notes = _partial(problem, postures, options), []
     result = _estimate(part, postures.z[postures.solved], method, limit, p)
-    if not postures.solved.all() and result.status == "ok":
+    if not postures.solved.all():
         p = result.state.p
-        again = start_postures(problem, p, seed=seed + 1)
+        solve = start_postures if result.status == "ok" else _solve_roughly
+        again = solve(problem, p, seed=seed + 1)
         if again.solved.sum() > postures.solved.sum():
             postures, part = again, _partial(problem, again, options)
             result = _estimate(part, again.z[again.solved], method, limit, p)
@@ -150,6 +151,11 @@ def _fit(
         result = least_change(part, result, "nested")
     begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
     return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes))
+
+
+def _solve_roughly(problem: CalibrationProblem, p: np.ndarray, *, seed: int) -> Postures:
+    """The direct problems near their starts, whatever mode they end in."""
+    return solve_postures(problem.model, problem.measurements, p, seed=seed, tolerance=ROUGH)
 
 
 def _is_near(problem: CalibrationProblem, result: Estimate) -> bool:

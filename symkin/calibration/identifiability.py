@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from symkin.calibration.direct import solve_postures
 from symkin.calibration.estimator import estimate
 from symkin.calibration.measurements import Measurements
-from symkin.calibration.motions import named_motions
+from symkin.calibration.motions import all_values, named_motions
+from symkin.calibration.parallel_axes import parallel_offsets
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.state import State, ideal_state
 from symkin.calibration.steps import design, spectrum
@@ -45,6 +47,19 @@ class Identifiability:
     null_space: np.ndarray
     unobservable: tuple[str, ...]
     advice: tuple[str, ...]
+
+    @cached_property
+    def base_set(self) -> tuple[str, ...]:
+        """As many parameters as the rank, that the readings tell when the others are held: of the null space, by elimination with
+        pivots, the parameters that span it best are left out."""
+        rest, dropped = self.null_space.copy(), set[int]()
+        for _ in range(self.null_space.shape[1]):
+            sizes = np.linalg.norm(rest, axis=1)
+            pivot = int(np.flatnonzero(sizes >= (1 - 1e-9) * sizes.max())[-1])
+            dropped.add(pivot)
+            unit = rest[pivot] / sizes[pivot]
+            rest -= np.outer(rest @ unit, unit)
+        return tuple(n for k, n in enumerate(self.names) if k not in dropped)
 
     @property
     def condition(self) -> float:
@@ -113,6 +128,10 @@ def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.n
 
     for name, direction in named_motions(problem.model, p):
         take(name, direction)
+    for name, velocity in parallel_offsets(problem.mechanism, all_values(problem.model, p)):
+        if all(n in problem.names for n in velocity):
+            direction = np.array([velocity.get(n, 0.0) for n in problem.names])
+            take(name, direction / np.linalg.norm(direction))
     for k, name in enumerate(problem.names):
         take(f"{name} (no effect)", np.eye(len(p))[k])
     for direction in _sparse_directions(null_space):

@@ -31,13 +31,17 @@ def named_motions(model: PostureModel, p: np.ndarray) -> Iterator[tuple[str, np.
     """(name, scaled direction over the model's parameters) of every known change at p, most telling first. A change
     that would need a parameter that is held is left out."""
     values = dict(zip(model.names, p, strict=True))
-    nominal = _nominal(model)
-    for name, velocity in _all(model.mechanism, nominal | values):
+    for name, velocity in _all(model.mechanism, all_values(model, p)):
         moved = {k: v for k, v in velocity.items() if abs(v) > 1e-14}
         if not moved or any(k not in values for k in moved):
             continue
         direction = np.array([moved.get(n, 0.0) for n in model.names]) / model.scales
         yield name, direction / np.linalg.norm(direction)
+
+
+def all_values(model: PostureModel, p: np.ndarray) -> Velocity:
+    """Values of all parameters by name: nominal, those of the model's as p has them."""
+    return _nominal(model) | dict(zip(model.names, map(float, p), strict=True))
 
 
 def _nominal(model: PostureModel) -> Velocity:
@@ -53,7 +57,7 @@ def _nominal(model: PostureModel) -> Velocity:
 def _all(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
     if mechanism.dh is None:
         yield from _frames(mechanism, values)
-    yield from _local(mechanism, values)
+    yield from written_freedoms(mechanism, values)
     yield from _measuring(mechanism, values)
     yield "size of the whole mechanism", _stretched(mechanism, values)
     scales = {n: v for n, v in values.items() if n.endswith(".scale")}
@@ -218,7 +222,7 @@ def _stretched(mechanism: Mechanism, values: Mapping[str, float]) -> Velocity:
 # --- single joints -------------------------------------------------------------------------------------------------
 
 
-def _local(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+def written_freedoms(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
     """Freedoms in how a joint is written down: where on its axis its point lies, the length of a direction."""
     for limb, joint in mechanism.joints:
         path = joint.name if mechanism.serial else f"{limb.name}.{joint.name}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.calibrate import Calibration
-from symkin.calibration.closing import Configurations, home_pose
+from symkin.calibration.closing import Closing, Configurations, home_pose
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.departure import platform_poses
 from symkin.calibration.direct import solve_postures
@@ -15,11 +15,11 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import build_model
 from symkin.calibration.sensitivity import lever, pose_slopes, without_frames
 from symkin.calibration.starting import has_home
-from symkin.calibration.workspace import Workspace, platform_points
+from symkin.calibration.workspace import Workspace
 from symkin.errors import SymkinError
+from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply
 
 _POSES = 200
 """Poses of the workspace at which standard deviations are computed."""
@@ -29,8 +29,8 @@ _BLIND = (1e-4, 1e-2)
 """Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard deviation:
 slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
 _REGION = f"{_POSES} random poses in the region measured"
-_MOST_TILT = np.radians(85.0)
-"""Most tilt of the region about its middle; a workspace has less than a right angle."""
+_DRAWN = 2 * _POSES
+"""Poses that are drawn for these; some do not close or are near a singularity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,28 +87,36 @@ def _sigma(fit: Calibration, identified: Mechanism, made: Configurations, where:
 
 
 def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tuple[Configurations, str]:
-    """Random poses within the box and the turns that the measured poses span (an arm: within its measured joint values), else the
-    postures measured."""
+    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the postures measured."""
     joints = fit.measurements.joints[list(fit.used)]
+    rng = np.random.default_rng(seed)
     if identified.serial:
-        drawn = np.random.default_rng(seed).uniform(joints.min(axis=0), joints.max(axis=0), (_POSES, joints.shape[1]))
+        drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (_POSES, joints.shape[1]))
         return _at_joints(identified, drawn, None), _REGION
     poses = platform_poses(fit.problem, fit.state.p, fit.state.z)
-    found = _drawn(_spanned(identified, poses), seed)
-    return (found, _REGION) if found is not None else (_at_joints(identified, joints, poses), "the postures measured")
+    central = poses[int(np.argmax(np.sum((poses[:, 3:] @ poses[:, 3:].T) ** 2, axis=1)))]
+    closing = Closing(identified, Pose(central[:3], central[3:]))
+    made, good = closing.close(_between(fit, rng), None, limits=False)
+    kept = np.flatnonzero(good)[:_POSES]
+    return (made.take(kept), _REGION) if len(kept) else (_at_joints(identified, joints, poses), "the postures measured")
 
 
-def _spanned(mechanism: Mechanism, poses: np.ndarray) -> Workspace:
-    """The workspace about the middle of poses (n, 7) that holds them all."""
-    middles = np.array([Pose(row[:3], row[3:]).apply(np.mean(platform_points(mechanism), axis=0)) for row in poses])
-    low, high = middles.min(axis=0), middles.max(axis=0)
-    central = poses[int(np.argmax(np.sum((poses[:, 3:] @ poses[:, 3:].T) ** 2, axis=1))), 3:]
-    at = 0.5 * (low + high) - Pose(np.zeros(3), central).apply(np.mean(platform_points(mechanism), axis=0))
-    turns = np.array([euler_from_quaternion(multiply(q, conjugate(central)), "xyz") for q in poses[:, 3:]])
-    most = np.max(np.abs(turns), axis=0)
-    return Workspace(
-        mechanism, 0.5 * (high - low), tilt=min(float(np.max(most[:2])), _MOST_TILT), spin=float(most[2]), start=Pose(at, central)
-    )
+def _between(fit: Calibration, rng: np.random.Generator) -> np.ndarray:
+    """Variables of the closure (k, width) between pairs of measured postures, quaternions by the shorter way."""
+    measured = np.hstack([fit.problem.measurements.joints, fit.state.z])
+    first, second = measured[rng.integers(len(measured), size=(2, _DRAWN))]
+    share = rng.uniform(0.0, 1.0, (_DRAWN, 1))
+    closure = build_closure(fit.mechanism)
+    for c in closure.coordinates:
+        if c.kind == "quaternion":
+            place = closure.slices[c.name]
+            second[:, place] *= np.where(np.sum(first[:, place] * second[:, place], axis=1, keepdims=True) < 0, -1.0, 1.0)
+    made = (1 - share) * first + share * second
+    for c in closure.coordinates:
+        if c.kind == "quaternion":
+            place = closure.slices[c.name]
+            made[:, place] /= np.linalg.norm(made[:, place], axis=1, keepdims=True)
+    return np.asarray(made)
 
 
 def _drawn(workspace: Workspace, seed: int) -> Configurations | None:

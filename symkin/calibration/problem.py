@@ -10,11 +10,11 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.calibration.measurements import Measurements
+from symkin.calibration.minimal import minimal_parameters
 from symkin.calibration.model import PostureModel, build_model
 from symkin.calibration.parameters import bound_by_motion
 from symkin.calibration.residuals import FORMS, Form, Readings, build_readings
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 
 MOST_ROWS, PART = 10_000, 4_000
@@ -151,6 +151,5 @@ def _divided(readings: Readings) -> list[np.ndarray]:
 
 
 def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:
-    """All that the closure uses, without those that a declared motion binds."""
-    bound = bound_by_motion(mechanism)
-    return tuple(n for n in build_closure(mechanism).parameter_names if n not in bound)
+    """All that moves poses (see `minimal`), without those that a declared motion binds."""
+    return minimal_parameters(mechanism)

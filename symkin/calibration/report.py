@@ -178,6 +178,8 @@ class FitReport:
         lines += [f"  {missing}: {text}" for text in self.unobservable[:_LARGEST]]
         if len(self.unobservable) > _LARGEST:
             lines.append(f"  and {len(self.unobservable) - _LARGEST} more combinations (report.md)")
+        if self.unobservable:
+            lines.append(f"  {len(found.base_set)} parameters are a base set, for --parameters (report.md)")
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
@@ -271,6 +273,7 @@ class FitReport:
                 "postures": self.gone.postures,
             },
             "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
+            "base_set": list(found.base_set),
             "singular_values": found.singular_values.tolist(), "frames": list(self.frames), "unobservable": list(self.unobservable),
             "advice": list(found.advice),
             "parameters": [
@@ -331,6 +334,10 @@ class FitReport:
         lines += ["## Observability", "", f"Rank {fit.rank} of {len(fit.identifiability.names)}."]
         lines += [f"- frame: {text}" for text in self.frames] + [f"- **not observable**: {text}" for text in self.unobservable]
         lines += [f"- to do: {text}" for text in fit.identifiability.advice]
+        if fit.identifiability.unobservable:
+            names = ",".join(fit.identifiability.base_set)
+            lines += ["", "A base set, which these readings tell whole where the other parameters are held:", ""]
+            lines += ["```text", f"--parameters {names}", "```"]
         lines += ["", "## Outliers", ""] + ([f"- {o.reason}" for o in fit.outliers] or ["None."])
         lines += ["", "## Notes", ""] + ([f"- {note}" for note in self.all_notes] or ["None."])
         return "\n".join(lines) + "\n"

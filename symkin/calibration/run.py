@@ -29,7 +29,7 @@ from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 
 EVERYTHING = "all"
-"""The pattern that stands for every parameter of the closure."""
+"""The pattern that stands for every parameter that moves poses."""
 _SHOWN = 12
 """Most names that a message lists."""
 LEAST = "least"
@@ -146,14 +146,14 @@ def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
 
 def matching(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
     """Parameter names that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every parameter
-    of the closure. What a declared motion binds is only matched by its whole name. Raises InputError for a pattern that matches
+    that moves poses (see `minimal`). What a declared motion binds is only matched by its whole name. Raises InputError for a pattern that matches
     nothing."""
     bound = bound_by_motion(mechanism) - {part.strip() for part in patterns.split(",")}
     return tuple(name for name in _matched(mechanism, patterns) if name not in bound)
 
 
 def _matched(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
-    known, own = parameter_names(mechanism), set(build_closure(mechanism).parameter_names)
+    known, own = parameter_names(mechanism), set(default_parameters(mechanism))
     wanted: set[str] = set()
     for pattern in (part.strip() for part in patterns.split(",")):
         found = own if pattern == EVERYTHING else {name for name in known if fnmatchcase(name, pattern)}
@@ -168,7 +168,8 @@ def _matched(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
 
 def _left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) -> tuple[str, ...]:
     """A note on what the patterns match and the declared motion binds."""
-    missing = [name for name in _matched(mechanism, patterns) if name not in names]
+    bound = bound_by_motion(mechanism) if patterns == EVERYTHING else frozenset(_matched(mechanism, patterns))
+    missing = [name for name in build_closure(mechanism).parameter_names if name in bound and name not in names]
     if not missing:
         return ()
     return (
