@@ -3,9 +3,14 @@
 from collections.abc import Callable
 from typing import Any
 
+from symkin.text import shortened
+
 
 class SymkinError(Exception):
-    """Base of every error that symkin raises on purpose."""
+    """Base of every error that symkin raises on purpose. Long values in its message are cut."""
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(shortened(str(message)))
 
 
 class MechanismError(SymkinError):

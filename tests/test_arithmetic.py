@@ -6,8 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symkin import MechanismError
+from symkin import InputError, MechanismError
+from symkin.commands.options import whole_number
 from symkin.model.arithmetic import evaluate
+from symkin.model.written_number import written_number
 
 VALUES = {
     "240/sqrt(3)": 240 / math.sqrt(3),
@@ -71,10 +73,17 @@ def test_sums_and_products_are_pythons(text):
 
 REFUSED = """x|e|inf|nan|abs(1)|sqrt|sqrt()|sqrt(1, 2)|sqrt(x=4)|__import__('os')|().__class__|pi.real|(1).real|[1]|1, 2|
 1 if 1 else 2|1 < 2|not 1|~1|1 % 2|7 // 2|1 << 2|1 @ 2|2**3|2 ** 3|1_000|True|False|None|'1'|"1"|1j|lambda: 1|x := 1|
-(x := 1)|1 +|(|)|1 2||   |sin|sin 30|cos[0]|*[1]|f'{1}'|1;2|print(1)|exp(1)|sqrt(*[4])|π|1e|0x""".replace("\n", "").split("|")
+(x := 1)|1 +|(|)|1 2||   |sin|sin 30|cos[0]|*[1]|f'{1}'|1;2|print(1)|exp(1)|sqrt(*[4])|π|1e|0x|0x10|0b1|
+1e1_0|PI|Sqrt(4)|sqrt(2,)|(1,)|007|1.2.3|1 .5|1. 5|1#2|2^|2^*3|infinity|-inf|+nan|2pi|pi2|2(3)|(2)(3)|sqrt4|1if 1else 2""".replace(
+    "\n", ""
+).split("|")
 
 
-@pytest.mark.parametrize("text", REFUSED)
+OTHER_SCRIPTS = ["\u0661", "\uff11", "1e\u0661", "\uff50\uff49", "\U0001d429\U0001d422"]
+"""Digits and letters that Python takes for 1 and pi: Arabic, wide and bold ones."""
+
+
+@pytest.mark.parametrize("text", [*REFUSED, *OTHER_SCRIPTS])
 def test_anything_else_is_refused(text):
     """Names, calls, attributes, '**', booleans, empty text: one line that quotes the text and says what is allowed."""
     with pytest.raises(MechanismError) as error:
@@ -85,7 +94,22 @@ def test_anything_else_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["1/0", "0^-1", "sqrt(-1)", "(-8)^(1/3)", "10^400", "9^9^9^9", "1e308*10", "1e999", "1e308 + 1e308"]
+    "text",
+    [
+        "1/0",
+        "0^-1",
+        "sqrt(-1)",
+        "(-8)^(1/3)",
+        "10^400",
+        "9^9^9^9",
+        "1e308*10",
+        "1e999",
+        "1e308 + 1e308",
+        "1/1e400",
+        "1/(1e308*10)",
+        "1e400*0",
+        "1e308*10/1e308",
+    ],
 )
 def test_what_has_no_finite_value_is_refused(text):
     """Division by zero, roots of negative numbers, overflow, huge powers: refused at once, no wait."""
@@ -100,6 +124,22 @@ def test_what_has_no_finite_value_is_refused(text):
 def test_odd_texts_have_a_value_or_a_message(text):
     """Deep nesting, long numbers, control characters: a number or MechanismError, nothing else."""
     assert has_value_or_message(text, "deg")
+
+
+@pytest.mark.parametrize("text", ["1_000", "1e1_0", "0x10", "infinit", "", " ", "1,5", *OTHER_SCRIPTS])
+def test_numbers_of_the_command_line_are_those_of_files(text):
+    """Python's own spellings of numbers (digits of other scripts, _) are refused as they are in files."""
+    with pytest.raises(InputError, match="is not a number"):
+        written_number(text, "deg")
+    with pytest.raises(InputError):
+        whole_number(text)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_written_numbers_are_pythons(number):
+    """What Python prints of a float is read back as the same float; a spaced one too."""
+    assert written_number(repr(number), "deg") == number
+    assert written_number(f" {number!r} ", "rad") == number
 
 
 @given(st.text(max_size=30) | st.text("0123456789.+-*/^() sincota", max_size=30))

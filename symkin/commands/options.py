@@ -10,15 +10,16 @@ from typing import Annotated, Any
 import typer
 
 from symkin.errors import InputError
-from symkin.model.written_number import written_number
+from symkin.model.written_number import whole, written_number
+from symkin.text import shown
 
 
 def whole_number(text: str) -> int:
     """An integer option, refused with its value."""
-    try:
-        return int(text)
-    except ValueError:
-        raise InputError(f"{text!r} is not a whole number; --starts, --seed and other counts take whole numbers from 0") from None
+    number = whole(str(text))  # Typer passes defaults through here too
+    if number is None:
+        raise InputError(f"{shown(text)} is not a whole number; --starts, --seed and other counts take whole numbers from 0")
+    return number
 
 
 MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
@@ -64,7 +65,7 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
         raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
     if any(given is not None and Path(given).exists() and Path(given).resolve() == output.resolve() for given in inputs):
         raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
-    if output.suffix == ".toml":
+    if ".toml" in (output.suffix, output.resolve().suffix):
         raise InputError(f"-o: {str(output)!r} is the name of a mechanism file; give another suffix")
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from symkin.csv_table import UNITS
 from symkin.errors import InputError
+from symkin.model.arithmetic import plain_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,10 +26,8 @@ _QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
 def quantity(text: str, kind: str, mechanism: Mechanism, option: str, *, least: float = 0.0) -> float:
     """A length in the mechanism's unit or an angle in radians, from `2um`, `0.001deg` or a plain number in the mechanism's unit."""
     match = _QUANTITY.fullmatch(text)
-    try:
-        number = float(match[1]) if match else math.nan
-    except ValueError:
-        number = math.nan
+    read = plain_number(match[1]) if match else None
+    number = math.nan if read is None else read
     allowed = [name for name, (measured, _) in UNITS.items() if measured == kind]
     own = mechanism.length_unit if kind == "length" else mechanism.angle_unit
     unit = (match[2] or own) if match else own

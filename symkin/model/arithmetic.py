@@ -1,23 +1,33 @@
-"""Numbers written as arithmetic in mechanism files: "240/sqrt(3)", "pi/6"."""
+"""Numbers written as arithmetic in mechanism files: "240/sqrt(3)", "pi/6".
+
+    sum     = product (("+" | "-") product)*
+    product = factor (("*" | "/") factor)*
+    factor  = ("+" | "-") factor | power
+    power   = atom ["^" factor]
+    atom    = number | "pi" | "(" sum ")" | ("sqrt" | "sin" | "cos" | "tan") "(" sum ")"
+
+Numbers are decimal, in ASCII: 12, 0.5, .5, 5., 1e-3; no digit groups, no leading zeros, no inf, no nan. Spaces and tabs separate.
+"""
 
 from __future__ import annotations
 
-import ast
 import math
 import operator
+import re
 from collections.abc import Callable
 
 from symkin.errors import MechanismError
+from symkin.text import shown
 
 _ALLOWED = "numbers, + - * / ^ ( ), sqrt, sin, cos, tan, pi"
-_BINARY: dict[type, Callable[[float, float], float]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: math.pow,
-}
-_UNARY: dict[type, Callable[[float], float]] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
+_LONGEST = 200
+"""Characters of an expression, which bounds the depth of its brackets too."""
+_DECIMAL = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?"
+_NUMBER = re.compile(rf"[-+]?(?:{_DECIMAL})")
+_TOKEN = re.compile(rf"[ \t]*((?:{_DECIMAL})(?![0-9.])|[-+*/^()]|[a-z]+)[ \t]*")
+_FUNCTIONS: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
+_SIGNS: dict[str, Callable[[float, float], float]] = {"+": operator.add, "-": operator.sub}
+_TIMES: dict[str, Callable[[float, float], float]] = {"*": operator.mul, "/": operator.truediv}
 
 
 def evaluate(text: str, angle_unit: str) -> float:
@@ -25,36 +35,113 @@ def evaluate(text: str, angle_unit: str) -> float:
 
     Raises MechanismError for anything else than numbers, + - * / ^ ( ), sqrt, sin, cos, tan and pi.
     """
-    factor = math.pi / 180 if angle_unit == "deg" else 1.0
-    functions: dict[str, Callable[[float], float]] = {
-        "sqrt": math.sqrt,
-        "sin": lambda v: math.sin(v * factor),
-        "cos": lambda v: math.cos(v * factor),
-        "tan": lambda v: math.tan(v * factor),
-    }
-
-    def value(node: ast.AST) -> float:
-        match node:
-            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return float(number)
-            case ast.Name(id="pi"):
-                return math.pi
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-                return _BINARY[type(op)](value(left), value(right))
-            case ast.UnaryOp(op=op, operand=operand) if type(op) in _UNARY:
-                return _UNARY[type(op)](value(operand))
-            case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in functions:
-                return functions[name](value(argument))
-        raise MechanismError(f"{text!r} is no arithmetic; allowed: {_ALLOWED}")
-
-    if "**" in text or "_" in text or len(text) > 200:
-        raise MechanismError(f"{text!r} is no arithmetic; allowed: {_ALLOWED}")
     try:
-        result = value(ast.parse(text.strip().replace("^", "**"), mode="eval").body)
-    except (SyntaxError, RecursionError, MemoryError):
-        raise MechanismError(f"{text!r} is no arithmetic; allowed: {_ALLOWED}") from None
+        return _Parser(text, math.pi / 180 if angle_unit == "deg" else 1.0).value()
+    except _NoArithmeticError:
+        longer = f", to {_LONGEST} characters" if len(text) > _LONGEST else ""
+        raise MechanismError(f"{shown(text)} is no arithmetic; allowed: {_ALLOWED}{longer}") from None
     except (ArithmeticError, ValueError) as error:
-        raise MechanismError(f"{text!r} has no value ({error})") from None
-    if not math.isfinite(result):
-        raise MechanismError(f"{text!r} is not finite")
-    return result
+        raise MechanismError(f"{shown(text)} has no value ({error})") from None
+    except _NotFiniteError:
+        raise MechanismError(f"{shown(text)} is not finite") from None
+
+
+def plain_number(text: str) -> float | None:
+    """The value of a decimal number with or without a sign; None for any other text. What is too large is infinite."""
+    stripped = text.strip(" \t\r\n")
+    return float(stripped) if _NUMBER.fullmatch(stripped) else None
+
+
+class _NoArithmeticError(Exception):
+    pass
+
+
+class _NotFiniteError(Exception):
+    pass
+
+
+class _Parser:
+    """One expression, read from left to right; `factor` turns its angles into radians."""
+
+    def __init__(self, text: str, factor: float) -> None:
+        self.tokens = _tokens(text)
+        self.factor = factor
+
+    def value(self) -> float:
+        result = self._sum()
+        if self.tokens:
+            raise _NoArithmeticError
+        return result
+
+    def _next(self, *allowed: str) -> str | None:
+        """Take the next token if it is allowed."""
+        return self.tokens.pop() if self.tokens and self.tokens[-1] in allowed else None
+
+    def _need(self, token: str) -> None:
+        if self._next(token) is None:
+            raise _NoArithmeticError
+
+    def _sum(self) -> float:
+        return self._left_to_right(self._product, _SIGNS)
+
+    def _product(self) -> float:
+        return self._left_to_right(self._signed, _TIMES)
+
+    def _left_to_right(self, operand: Callable[[], float], operations: dict[str, Callable[[float, float], float]]) -> float:
+        result = operand()
+        while (sign := self._next(*operations)) is not None:
+            result = _finite(operations[sign](result, operand()))
+        return result
+
+    def _signed(self) -> float:
+        sign = self._next("+", "-")
+        if sign is None:
+            return self._power()
+        return -self._signed() if sign == "-" else self._signed()
+
+    def _power(self) -> float:
+        base = self._atom()
+        return base if self._next("^") is None else _finite(math.pow(base, self._signed()))
+
+    def _atom(self) -> float:
+        if not self.tokens:
+            raise _NoArithmeticError
+        token = self.tokens.pop()
+        if _NUMBER.fullmatch(token):
+            return _finite(float(token))
+        if token == "pi":
+            return math.pi
+        if token == "(":
+            return self._bracketed()
+        if token != "sqrt" and token not in _FUNCTIONS:
+            raise _NoArithmeticError
+        self._need("(")
+        argument = self._bracketed()
+        return _finite(math.sqrt(argument) if token == "sqrt" else _FUNCTIONS[token](argument * self.factor))
+
+    def _bracketed(self) -> float:
+        """The rest of a sum in brackets."""
+        result = self._sum()
+        self._need(")")
+        return result
+
+
+def _tokens(text: str) -> list[str]:
+    """Numbers, names and signs, the first one last."""
+    stripped = text.strip(" \t\r\n")
+    if len(text) > _LONGEST:
+        raise _NoArithmeticError
+    found, place = [], 0
+    while place < len(stripped):
+        match = _TOKEN.match(stripped, place)
+        if match is None:
+            raise _NoArithmeticError
+        found.append(match[1])
+        place = match.end()
+    return found[::-1]
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise _NotFiniteError
+    return value

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.model.written_number import written_number
+from symkin.model.written_number import whole, written_number
 
 _MOST_VALUES = 10**7
 _ROUNDING = 1e-9
@@ -37,10 +37,9 @@ def _values(name: str, text: str, angle_unit: str) -> np.ndarray:
     if len(parts) != 3:
         raise InputError(f"--grid: {name} = {text!r}; allowed: {_FORMS} (with --random: {_SAMPLE_FORMS})")
     low, high = _ends(name, parts, angle_unit)
-    try:
-        count = int(parts[2])
-    except ValueError:
-        raise InputError(f"--grid: the count {parts[2].strip()!r} of {name} is not a whole number") from None
+    count = whole(parts[2])
+    if count is None:
+        raise InputError(f"--grid: the count {parts[2].strip()!r} of {name} is not a whole number")
     if not 1 <= count <= _MOST_VALUES:
         raise InputError(f"--grid: {name} has {count} values; allowed: 1 to {_MOST_VALUES}")
     if (count == 1) != (low == high):
