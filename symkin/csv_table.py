@@ -8,9 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,6 +25,9 @@ from symkin.csv_dialect import (
     with_points,
 )
 from symkin.errors import InputError
+from symkin.model.arithmetic import plain_number
+from symkin.outputs import write_output
+from symkin.text import code_point, refused_character
 
 UNITS: dict[str, tuple[str, float]] = {
     "m": ("length", 1.0), "mm": ("length", 1e-3), "um": ("length", 1e-6), "in": ("length", 0.0254),
@@ -151,10 +152,8 @@ class Table:
         cell = column.cells[row].strip()
         if not cell and empty:
             return math.nan
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
+        number = plain_number(cell)
+        value = math.nan if number is None else number
         if not math.isfinite(value):
             raise InputError(
                 f"{self.path}, line {self.lines[row]}, column {column.header!r}: {repr(cell) if cell else 'an empty cell'} is not a number; a finite number is needed"
@@ -166,6 +165,7 @@ def read_table(path: str | Path) -> Table:
     """Read a CSV file with a header of `name` or `name[unit]`, its cells separated by commas, semicolons or tabs."""
     text, notes = read_text(path)
     rows, separator = split_rows(str(path), text)
+    _refuse_controls(str(path), rows)
     if not rows:
         raise InputError(f"{path}: the file is empty; a header of names and units is needed, as in leg1[mm],theta[deg]")
     headers = [cell.strip() for cell in rows[0][1]]
@@ -212,20 +212,8 @@ def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequenc
 
 
 def replace_text(path: str | Path, text: str) -> None:
-    """Write a text file whole or not at all: under a temporary name beside it, then in its place."""
-    target = Path(path)
-    try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    except OSError as error:
-        raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, target)
-    except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
-        raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
+    """Write a text file, as `write_output` does."""
+    write_output(path, text)
 
 
 def _value(cell: str) -> float | str:
@@ -237,7 +225,12 @@ def _value(cell: str) -> float | str:
     return value if math.isfinite(value) else cell.strip()
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _refuse_controls(path: str, rows: list[tuple[int, list[str]]]) -> None:
+    """Refuse cells with control or bidirectional characters, which are no text of a header, a label or a number."""
+    for line, row in rows:
+        for k, cell in enumerate(row, start=1):
+            refused = refused_character(cell.replace("\t", " "))
+            if refused is not None:
+                raise InputError(
+                    f"{path}, line {line}: cell {k} holds {code_point(refused)}; control and bidirectional characters are not allowed"
+                )

@@ -26,6 +26,8 @@ def digest(content: bytes) -> str:
 
 def read_manifest(folder: Path, key: str) -> dict[str, Any]:
     """What a folder's manifest says; empty where there is none that can be read, or one without `key`, of another kind."""
+    if not (folder / MANIFEST).is_file():  # reading a pipe would wait
+        return {}
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symkin._version import __version__
 from symkin.errors import InputError
+from symkin.outputs import write_output
+from symkin.text import markdown
 from symkin.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
 
 if TYPE_CHECKING:
@@ -76,7 +77,8 @@ def write_unfitted(mechanism: Mechanism, data: Path, error: NotFittedError, fold
         "mechanism": mechanism.name, "data": str(data), "verdict": str(error), "believable": False, "usable": False,
         "suspicions": list(error.suspicions),
     }  # fmt: skip
-    text = f"# Calibration of {mechanism.name}\n\n{error}\n\n" + "".join(f"- {line}\n" for line in error.suspicions)
+    lines = "".join(f"- {markdown(line)}\n" for line in error.suspicions)
+    text = f"# Calibration of {mechanism.name}\n\n{markdown(str(error))}\n\n{lines}"
     return _write_contents(
         folder, mechanism, {"report.json": (json.dumps(content, indent=1) + "\n").encode(), "report.md": text.encode()}
     )
@@ -90,10 +92,10 @@ def _write_contents(folder: Path, mechanism: Mechanism, contents: dict[str, byte
     digests = kept | {name: digest(content) for name, content in contents.items()}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _replace(folder / MANIFEST, _manifest(mechanism, digests, kept))
+        write_output(folder / MANIFEST, _manifest(mechanism, digests, kept))
         for name, content in contents.items():
-            _replace(folder / name, content)
-        _replace(folder / MANIFEST, _manifest(mechanism, digests, {}))
+            write_output(folder / name, content)
+        write_output(folder / MANIFEST, _manifest(mechanism, digests, {}))
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written ({error.strerror})") from None
     return [folder / name for name in (*contents, MANIFEST)]
@@ -104,15 +106,3 @@ def _manifest(mechanism: Mechanism, digests: dict[str, str], replaced: dict[str,
     if replaced:
         content[_REPLACED] = replaced
     return (json.dumps(content, indent=2) + "\n").encode()
-
-
-def _replace(target: Path, content: bytes) -> None:
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
-    except OSError:
-        Path(temporary).unlink(missing_ok=True)
-        raise

@@ -149,7 +149,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
     name, real = program.mechanism.name, program.real
     serial = program.mechanism.serial
     kind = f"{name}_real"
-    far = vectors.home if serial else _far(vectors)
+    far = _far(vectors)
     tables = [
         ("guesses", vectors.guesses),
         ("joints", vectors.joints),

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.errors import InputError
 from symkin.position.varied_pose import axis_title
 from symkin.view.box import COLOURS, drawing
 from symkin.view.loci_text import held_text, without_curves
-from symkin.view.plot import check_picture_path
+from symkin.view.plot import check_picture_path, write_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,20 +20,16 @@ if TYPE_CHECKING:
 
 KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
 """Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
-_DPI = 150
 _NARROW = 4.0
 """Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
 
 
 def draw_loci(loci: Loci, path: Path | str) -> None:
     """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
+
     target = check_picture_path(path)
     figure = figure_of_loci(loci)
-    try:
-        with drawing():
-            figure.savefig(target, dpi=_DPI)
-    except OSError as error:
-        raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+    write_picture(figure, target)
 
 
 def figure_of_loci(loci: Loci) -> Figure:

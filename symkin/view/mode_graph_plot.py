@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.errors import InputError
 from symkin.view.box import COLOURS, drawing
-from symkin.view.plot import check_picture_path
+from symkin.view.plot import check_picture_path, write_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,18 +21,14 @@ _COLOURS = ("#dde3ea", "#56b4e9", "#0072b2", "#d55e00")
 """Colours for none, one, two and more modes of a sheet at one point."""
 _COUNTS = ("no mode of the sheet", "one", "two", "three or more")
 """What the colours mean."""
-_DPI = 150
 
 
 def draw_mode_graph(graph: ModeGraph, path: Path | str, route: np.ndarray | None = None) -> None:
     """Write `figure_of_mode_graph` to a file. Raises InputError where it cannot be written."""
+
     target = check_picture_path(path)
     figure = figure_of_mode_graph(graph, route)
-    try:
-        with drawing():
-            figure.savefig(target, dpi=_DPI)
-    except OSError as error:
-        raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+    write_picture(figure, target)
 
 
 def figure_of_mode_graph(graph: ModeGraph, route: np.ndarray | None = None) -> Figure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import textwrap
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.outputs import write_output
 from symkin.quiet import warnings_ignored
 from symkin.view.box import COLOURS, View, drawing
 from symkin.view.panel import draw_skeleton, legend_entries
@@ -36,12 +38,21 @@ def draw_modes(modes: Modes, path: Path | str, *, most: int = 12) -> int:
     """
     target = check_picture_path(path)
     figure = figure_of_modes(modes, most)
+    write_picture(figure, target)
+    return len(figure.axes)
+
+
+def write_picture(figure: Figure, target: Path) -> None:
+    """Write a figure whole or not at all, in the format of the path's suffix. Raises InputError."""
+    content = io.BytesIO()
     try:
         with drawing(), warnings_ignored("Glyph .* missing"):
-            figure.savefig(target, dpi=_DPI)
+            figure.savefig(content, dpi=_DPI, format=target.suffix[1:].lower())
+        write_output(target, content.getvalue())
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
-    return len(figure.axes)
+    except InputError as error:
+        raise InputError(f"plot: {error}") from None
 
 
 def check_picture_path(path: Path | str) -> Path:

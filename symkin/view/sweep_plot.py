@@ -25,12 +25,11 @@ from symkin.sweeps.ranges import check_slices
 from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, drawing
 from symkin.view.plain_number import plain
-from symkin.view.plot import check_picture_path
+from symkin.view.plot import check_picture_path, write_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_DPI = 150
 _SHOWN = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}
 """The array that is drawn of each quantity."""
 _TITLES = {
@@ -69,13 +68,10 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
 
     Raises InputError for a folder that holds no sweep, a slice outside what is swept and a file that cannot be written.
     """
+
     target = check_picture_path(path)
     figure = figure_of_sweep(folder, slices or {})
-    try:
-        with drawing():
-            figure.savefig(target, dpi=_DPI)
-    except OSError as error:
-        raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+    write_picture(figure, target)
 
 
 def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:

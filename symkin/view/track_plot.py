@@ -10,15 +10,15 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.spatial.rotation import rotation_vector_from_quaternion
+from symkin.text import matplotlib_text
 from symkin.view.box import COLOURS, drawing
-from symkin.view.plot import check_picture_path
+from symkin.view.plot import check_picture_path, write_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from symkin.tracking.track_result import Track
 
-_DPI = 150
 _MOST_NAMED = 8
 """Curves of a panel that its legend names; of more, the first ones."""
 
@@ -29,11 +29,7 @@ def draw_track(track: Track, path: Path | str) -> None:
     if not track.samples:
         raise InputError(f"plot: {track.trajectory.mechanism.name} was not followed, so that there is nothing to draw")
     with drawing():
-        figure = figure_of_track(track)
-        try:
-            figure.savefig(target, dpi=_DPI)
-        except OSError as error:
-            raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+        write_picture(figure_of_track(track), target)
 
 
 @drawing()
@@ -48,7 +44,7 @@ def figure_of_track(track: Track) -> Figure:
     where = _abscissa(track)
     for ax, (label, curves) in zip(axes, panels, strict=False):
         for name, values in list(curves.items()):
-            ax.plot(where, values, label=name, lw=1.6, marker="." if len(where) < 40 else None)
+            ax.plot(where, values, label=matplotlib_text(name), lw=1.6, marker="." if len(where) < 40 else None)
         ax.set_ylabel(label)
         handles, names = ax.get_legend_handles_labels()
         ax.legend(handles[:_MOST_NAMED], names[:_MOST_NAMED], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
@@ -57,7 +53,8 @@ def figure_of_track(track: Track) -> Figure:
     for ax in axes:
         _mark_stop(ax, track, where)
     mechanism = track.trajectory.mechanism
-    figure.suptitle(f"{mechanism.title or mechanism.name}: one mode of the {track.trajectory.kind} problem", fontsize=11)
+    title = f"{mechanism.title or mechanism.name}: one mode of the {track.trajectory.kind} problem"
+    figure.suptitle(matplotlib_text(title), fontsize=11)
     return figure
 
 

@@ -1,0 +1,71 @@
+"""Writing what a user asked for: a regular file whole or not at all, through symbolic links, into devices and pipes as they are."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+import tempfile
+from pathlib import Path
+
+from symkin.errors import InputError
+
+
+def write_output(path: str | Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its permissions; a symbolic link stays
+    one, and what it leads to is written; a device, a pipe or this process's own output is written into. Raises InputError."""
+    data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
+    try:
+        there = _status(path)
+        if there is None or (stat.S_ISREG(there.st_mode) and not _is_own_output(there)):
+            _replace(Path(os.path.realpath(path)), data, there)
+        else:
+            _write_into(path, data, there)
+    except OSError as error:
+        raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
+
+
+def _status(path: str | Path) -> os.stat_result | None:
+    """What the path leads to; None where there is nothing yet."""
+    try:
+        return os.stat(path)
+    except FileNotFoundError:
+        return None
+
+
+def _is_own_output(there: os.stat_result) -> bool:
+    """Whether the file is where this process's standard output goes, as /dev/stdout is."""
+    try:
+        return os.path.samestat(there, os.fstat(1))
+    except OSError:
+        return False
+
+
+def _write_into(path: str | Path, data: bytes, there: os.stat_result) -> None:
+    """Write into what is there: nothing is made, cut off or replaced."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
+    with os.fdopen(os.dup(1) if _is_own_output(there) else os.open(path, os.O_WRONLY), "wb") as file:
+        file.write(data)
+
+
+def _replace(target: Path, data: bytes, there: os.stat_result | None) -> None:
+    """Write under a temporary name beside the file, then in its place; into a file whose folder takes no new ones."""
+    if there is not None and not os.access(target.parent, os.W_OK):
+        target.write_bytes(data)
+        return
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}"[:100] + ".")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(temporary, 0o666 & ~_umask() if there is None else stat.S_IMODE(there.st_mode))
+        os.replace(temporary, target)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
