@@ -1,5 +1,5 @@
-"""The command line (contract 2). Exit status: 0 done, 2 bad input, 3 no real solution or not converged, 130 interrupted
-by Ctrl-C."""
+"""The command line (contract 2). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not converged,
+130 interrupted by Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from symkin.commands.jacobian import jacobian
 from symkin.commands.options import Interrupted
 from symkin.commands.position import modes, solve
 from symkin.commands.singularities import singularities
+from symkin.commands.streams import prepare_streams, say, silence
 from symkin.commands.sweep import sweep
 from symkin.commands.track import track
 from symkin.errors import SymkinError
@@ -63,34 +64,46 @@ app.command()(track)
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command; every mistake of the user's becomes one line on stderr and exit status 2."""
+    prepare_streams()
+    os.environ["MPLBACKEND"] = "agg"  # pictures go to files only, and a wrong name would stop the import of matplotlib
+    sys.exit(_status(arguments))
+
+
+def _status(arguments: list[str] | None) -> int:
+    """Run a command, to its exit status."""
     try:
         status = app(args=arguments, prog_name="symkin", standalone_mode=False)
         sys.stdout.flush()
         if status == INTERRUPTED:
-            _say("interrupted")
+            say("interrupted")
+        return status or 0
     except SymkinError as error:
-        sys.exit(_complain(error))
+        return _complain(error)
     except (KeyboardInterrupt, Interrupted) as error:
-        _say(f"interrupted; {error}" if str(error) else "interrupted")
-        sys.exit(INTERRUPTED)
+        say(f"interrupted; {error}" if str(error) else "interrupted")
+        return INTERRUPTED
+    except SystemExit as stop:
+        if not isinstance(stop.__context__, BrokenPipeError):  # which Typer makes an exit status of 1 of
+            raise
+        return _reader_gone()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
+        return _reader_gone()
     except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(_complain(f"the output cannot be written ({error.strerror})"))
+        silence(sys.stdout)
+        return _complain(f"the output cannot be written ({error.strerror})")
     except Exception as error:
         if not hasattr(error, "exit_code"):
             raise
         text = error.format_message() if hasattr(error, "format_message") else ""
-        sys.exit(_complain(text.replace("Value error, ", "")) if text else error.exit_code)
-    sys.exit(status or 0)
+        return _complain(text.replace("Value error, ", "")) if text else int(error.exit_code)
+
+
+def _reader_gone() -> int:
+    """Whoever reads the output has enough, as `head` has: no fault."""
+    silence(sys.stdout)
+    return 0
 
 
 def _complain(message: object) -> int:
-    _say(message)
+    say(message)
     return 2
-
-
-def _say(message: object) -> None:
-    print("symkin: " + " ".join(str(message).split()), file=sys.stderr)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +20,7 @@ from symkin.commands.options import (
     whole_number,
 )
 from symkin.commands.progress import progress_bar
+from symkin.commands.streams import say
 from symkin.errors import InputError, SolveError
 from symkin.model.written_number import written_number
 
@@ -67,7 +67,7 @@ def singularities(
     except SolveError as error:
         if as_json and isinstance(error.result, SolveResult):
             print(json.dumps(error.result.to_json(), allow_nan=False))
-        print(f"symkin: {error}", file=sys.stderr)
+        say(error)
         raise typer.Exit(3) from None
     if plane is None:
         from symkin.singularities.singularity import classify
