@@ -1,0 +1,56 @@
+"""The lowest versions that pyproject.toml allows: `lowest.py bounds` lists them for pip, `lowest.py try` runs the shipped
+mechanisms through the commands with what is installed."""
+
+import contextlib
+import io
+import pathlib
+import re
+import sys
+import tomllib
+
+
+def bounds() -> list[str]:
+    """`name==version` for each direct dependency."""
+    project = tomllib.loads(pathlib.Path("pyproject.toml").read_text())["project"]
+    found = [re.match(r"([\w-]+)>=([\w.]+)", text) for text in project["dependencies"]]
+    assert all(found), "each dependency has a lower bound"
+    return [f"{match[1]}=={match[2]}" for match in found]
+
+
+def run(arguments: list[str], expected: int = 0) -> None:
+    """One command in this process; its exit status must be the expected one, and an error one line."""
+    from symkin.cli import main
+
+    said, complained = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
+        try:
+            main(arguments)
+        except SystemExit as stop:
+            status = stop.code
+    text = complained.getvalue()
+    assert (status or 0) == expected, f"{arguments}: status {status}: {text}"
+    assert said.getvalue() if not expected else text.startswith("symkin: ") and text.count("\n") == 1, arguments
+
+
+def try_commands() -> None:
+    import symkin
+
+    run(["list"])
+    for name in symkin.shipped_names():
+        run(["show", name])
+        run(["modes", name])
+        run(["solve", name, "--json"])
+        for language in ("casadi", "c", "numpy", "latex"):
+            run(["jacobian", name, "--format", language])
+    run(["modes", "zhang2009", "--plot", "lowest.png"])
+    run(["--help"])
+    run(["modes", "--help"])
+    for mistake in (["modes"], ["modes", "zhang2009", "--method", "none"], ["modes", "zhang2009", "--starts", "x"], ["none"]):
+        run(mistake, 2)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "bounds":
+        print("\n".join(bounds()))
+    else:
+        try_commands()
