@@ -28,6 +28,7 @@ from symkin import (
 )
 from symkin.model import file as mechanism_file
 from symkin.model.file import parse
+from symkin.model.names import text_fault
 
 # --- round trips ---------------------------------------------------------------------------------------------------
 
@@ -36,7 +37,7 @@ vectors = st.tuples(lengths, lengths, lengths)
 directions = vectors.filter(lambda v: math.hypot(*v) > 1e-3)
 quaternions = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: math.hypot(*q) > 0.1)
 unit_quaternions = quaternions.map(lambda q: tuple(c / math.hypot(*q) for c in q))
-TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=20).filter(lambda text: text_fault(text) is None)
 MOTIONS = ["spatial", "schoenflies", "planar", "translation", "spherical"]
 
 
@@ -376,7 +377,7 @@ def test_a_mistake_is_one_line_with_file_key_and_value(case, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["zhang", "ZHANG2009", "", " ", "zhang2009.tml", "../zhang2009", "zhang2009/", "\x00", "a" * 5000]
+    "name", ["zhang", "ZHANG2009", "", " ", "zhang2009.tml", "../zhang2009", "zhang2009/", "\x00", "a" * 50]
 )
 def test_an_unknown_mechanism_is_named_with_the_choice(name):
     """InputError: the name as given, a path to a .toml, and every shipped name."""

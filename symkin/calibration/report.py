@@ -20,6 +20,7 @@ from symkin.calibration.prediction import PoseSigma
 from symkin.calibration.residuals import ANGULAR
 from symkin.calibration.sequence import SequenceChoice
 from symkin.calibration.statistics import UNLIKELY
+from symkin.text import markdown, markdown_block, markdown_code
 
 _LARGEST = 6
 """Changes and outliers that the short text shows."""
@@ -307,16 +308,15 @@ class FitReport:
         lines = [
             f"# Calibration of {m.name}",
             "",
-            f"{self.verdict}.",
+            f"{markdown(self.verdict)}.",
             "",
-            "```text",
-            self.summary(),
-            "```",
+            *markdown_block("text", self.summary()),
             "",
-            f"Data: `{self.data}`. Command:",
+            f"Data: {markdown_code(self.data)}. Command:",
+            "",
+            *markdown_block("sh", self.command),
             "",
         ]
-        lines += ["```sh", self.command, "```", ""]
         lines += [f"![{f.stem.replace('_', ' ')}]({f.name})\n" for f in files if f.suffix == ".png"]
         lines += [
             "## Parameters",
@@ -327,19 +327,20 @@ class FitReport:
         for q in fit.parameters:
             sigma = "held" if q.held else "unknown" if q.sigma is None else f"{_out(self, q, q.sigma):.2g}"
             lines.append(
-                f"| {q.name} | {_unit(self, q)} | {_out(self, q, q.nominal):.9g} | {_out(self, q, q.value):.9g} | {sigma} | "
+                f"| {markdown(q.name)} | {_unit(self, q)} | {_out(self, q, q.nominal):.9g} | {_out(self, q, q.value):.9g} | {sigma} | "
                 f"{_out(self, q, q.change):+.3g} |"
             )
         lines += ["", "Parameters along what is not observable are held by the least change from nominal.", ""]
         lines += ["## Observability", "", f"Rank {fit.rank} of {len(fit.identifiability.names)}."]
-        lines += [f"- frame: {text}" for text in self.frames] + [f"- **not observable**: {text}" for text in self.unobservable]
-        lines += [f"- to do: {text}" for text in fit.identifiability.advice]
+        lines += [f"- frame: {markdown(text)}" for text in self.frames]
+        lines += [f"- **not observable**: {markdown(text)}" for text in self.unobservable]
+        lines += [f"- to do: {markdown(text)}" for text in fit.identifiability.advice]
         if fit.identifiability.unobservable:
             names = ",".join(fit.identifiability.base_set)
             lines += ["", "A base set, which these readings tell whole where the other parameters are held:", ""]
             lines += ["```text", f"--parameters {names}", "```"]
-        lines += ["", "## Outliers", ""] + ([f"- {o.reason}" for o in fit.outliers] or ["None."])
-        lines += ["", "## Notes", ""] + ([f"- {note}" for note in self.all_notes] or ["None."])
+        lines += ["", "## Outliers", ""] + ([f"- {markdown(o.reason)}" for o in fit.outliers] or ["None."])
+        lines += ["", "## Notes", ""] + ([f"- {markdown(note)}" for note in self.all_notes] or ["None."])
         return "\n".join(lines) + "\n"
 
 

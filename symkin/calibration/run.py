@@ -27,6 +27,7 @@ from symkin.calibration.suspicions import misfit, suspicions
 from symkin.errors import InputError
 from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
+from symkin.text import printable
 
 EVERYTHING = "all"
 """The pattern that stands for every parameter that moves poses."""
@@ -205,7 +206,7 @@ def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
 def calibrated_mechanism(report: FitReport) -> Mechanism:
     """The corrected mechanism; title and source say what it is."""
     fit, nominal = report.fit, report.fit.mechanism
-    how = f"calibrated from {len(fit.used)} postures of {report.data}: {report.verdict}"
+    how = printable(f"calibrated from {len(fit.used)} postures of {report.data}: {report.verdict}")
     return replace(
         fit.corrected,
         title=f"{nominal.title or nominal.name}, calibrated",

@@ -9,6 +9,7 @@ import casadi as ca
 from symkin.export.jacobian_header import header
 from symkin.firmware.emit import Emitter, Real, indent, indexed
 from symkin.motion.jacobian import Jacobian
+from symkin.text import c_comment
 
 
 def c_source(jacobian: Jacobian) -> str:
@@ -37,4 +38,4 @@ def _comment(jacobian: Jacobian) -> list[str]:
     order = (
         "variables[k] are the inputs, " + ("geometry[k] the geometry, " if jacobian.parameters else "") + "jacobian is row-major."
     )
-    return [line.replace("*/", "* /").replace("/*", "/ *") for line in [*header(jacobian, names), *textwrap.wrap(order, 110)]]
+    return [c_comment(line) for line in [*header(jacobian, names), *textwrap.wrap(order, 110)]]

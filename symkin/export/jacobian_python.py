@@ -8,6 +8,7 @@ import textwrap
 from symkin.export.expression import Python, module_functions, write
 from symkin.export.jacobian_header import allowed_names, free_prefix, header
 from symkin.motion.jacobian import Jacobian
+from symkin.text import docstring_line
 
 _NUMPY = module_functions("np", {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"})
 _SYMPY = module_functions("sp", {"abs": "Abs"})
@@ -85,7 +86,7 @@ def lambdified(modules="math"):
 
 
 def _docstring(lines: list[str]) -> list[str]:
-    safe = [line.replace("\\", "\\\\").replace('"', "'") for line in lines]
+    safe = [docstring_line(line) for line in lines]
     return [f'"""{safe[0]}', *safe[1:], '"""']
 
 

@@ -13,6 +13,7 @@ from symkin.export.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
 from symkin.export.expression import write as write_in
 from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
+from symkin.text import ascii_letters, latex_text
 
 _FUNCTIONS = {
     ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
@@ -34,7 +35,7 @@ def equations(mechanism: Mechanism) -> str:
         lines += [r"\begin{align*}", *(rf"{name} &= {text} \\" for name, text in definitions), r"\end{align*}"]
     lines.append(r"\begin{align*}")
     for row, text in zip(closure.row_sources, results, strict=True):
-        lines.append(rf"0 &= {text} && \text{{{_plain(row.limb)}: {row.relation}}} \\")
+        lines.append(rf"0 &= {text} && \text{{{latex_text(row.limb)}: {row.relation}}} \\")
     for place in norms:
         lines.append("0 &= " + " + ".join(f"{name}^2" for name in names[place]) + r" - 1 && \text{unit quaternion} \\")
     return "\n".join([*lines, r"\end{align*}"])
@@ -59,10 +60,10 @@ def symbol_name(name: str, component: int | None = None) -> str:
     """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion has e_0..e_3."""
     short = name.removeprefix("pose.")
     if component is not None:
-        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{_plain(short)}}}}}_{component}"
-    match = re.fullmatch(r"([A-Za-z]+?)_?(\d+)", short)
+        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{_upright(short)}}}}}_{component}"
+    match = re.fullmatch(r"([A-Za-z]+?)_?([0-9]+)", short)
     stem, index = match.groups() if match else (short, "")
-    head = rf"\{stem}" if stem in _GREEK else stem if len(stem) == 1 else rf"\mathrm{{{_plain(stem)}}}"
+    head = rf"\{stem}" if stem in _GREEK else stem if re.fullmatch("[A-Za-z]", stem) else rf"\mathrm{{{_upright(stem)}}}"
     return f"{head}_{{{index}}}" if index else head
 
 
@@ -71,10 +72,15 @@ def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
     found: dict[str, str] = {}
     for symbol, name in zip(symbols, full, strict=True):
         while _look(symbol) in found:
-            symbol = rf"\mathrm{{{_plain(re.sub(r'[^A-Za-z0-9_.]', '_', name))}}}"
+            symbol = rf"\mathrm{{{_upright(name)}}}"
             name += "_"
         found[_look(symbol)] = symbol
     return list(found.values())
+
+
+def _upright(name: str) -> str:
+    """A name in a symbol, where signs and spaces would be mathematics."""
+    return latex_text(re.sub(r"[^A-Za-z0-9_.]", "_", ascii_letters(name)))
 
 
 def _look(symbol: str) -> str:
@@ -193,7 +199,3 @@ def _constant(value: float, *, exact: bool) -> Text:
         text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
     level = SUM if value < 0 else PRODUCT if "cdot" in text else ATOM
     return Text(text if math.isfinite(value) else r"\infty", level)
-
-
-def _plain(text: str) -> str:
-    return text.replace("_", r"\_")

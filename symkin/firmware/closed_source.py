@@ -10,6 +10,7 @@ from symkin.firmware.emit import Emitter, indent, indexed
 from symkin.firmware.factor import curvature, rounded
 from symkin.firmware.motion import COLUMNS, coordinates_text, pose_text
 from symkin.firmware.source import KernelSource, Tuning, common_values, copy, factored, fill, kernel_source
+from symkin.model.names import identifiers
 from symkin.position.system import System
 
 
@@ -108,10 +109,16 @@ def _limbs_text(made: ClosedMechanism, values: dict[str, object]) -> str:
     return fill("limbs.c", values | {"limbs": indent(lines)})
 
 
+def _prefix(made: ClosedMechanism, block: Block) -> str:
+    """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
+    rods = [other for other in made.blocks if other.kernel is None]
+    return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
+
+
 def _rod_lines(made: ClosedMechanism, block: Block) -> list[str]:
     emitter = Emitter(
         ca.Function("rod", [block.system.known, made.geometry.symbols], [block.rod], {"cse": True}),
-        [indexed("c", int(block.system.known.shape[0])), made.geometry.names], made.real, prefix=f"{block.system.unknowns[0].name}_",
+        [indexed("c", int(block.system.known.shape[0])), made.geometry.names], made.real, prefix=_prefix(made, block),
     )  # fmt: skip
     text = emitter.value(0, 0)
     array, there, _ = _places(made, block)[0]
@@ -196,7 +203,7 @@ def _inverse_text(made: ClosedMechanism, values: dict[str, object]) -> str:
         places = [(there, here) for array, there, here in _places(made, block) if array == "q"]
         if block.kernel is None:
             emitter = Emitter(ca.Function("rod", [block.system.unknown, block.system.known, made.geometry.symbols], [ca.densify(block.sides)], {"cse": True}),
-                              [["0"], indexed("c", int(block.system.known.shape[0])), made.geometry.names], real, prefix=f"{block.system.unknowns[0].name}_")  # fmt: skip
+                              [["0"], indexed("c", int(block.system.known.shape[0])), made.geometry.names], real, prefix=_prefix(made, block))  # fmt: skip
             texts = [emitter.value(0, j) for j in range(len(columns))]
             lines += [
                 *emitter.lines,

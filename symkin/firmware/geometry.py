@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.firmware.emit import Real
 from symkin.model.closure import Closure
+from symkin.model.names import identifiers
 from symkin.position.problem import Problem
 from symkin.position.system import System
 
@@ -34,15 +34,7 @@ class Geometry:
     @cached_property
     def members(self) -> list[str]:
         """Members of the struct: key paths with C's letters, `leg1.base.x` as `leg1_base_x`."""
-        if not self.at_run_time:
-            return []
-        found: list[str] = []
-        for name in self.closure.parameter_names:
-            member = re.sub(r"\W", "_", name)
-            while member in found:
-                member += "_"
-            found.append(member)
-        return found
+        return identifiers(self.closure.parameter_names) if self.at_run_time else []
 
     @property
     def names(self) -> list[str]:

@@ -15,7 +15,9 @@ from symkin.model.dh import DHRow, DHTable
 from symkin.model.joint import Joint, interval
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
+from symkin.model.names import name_fault
 from symkin.model.other_classes import JOINT_TYPES, class_not_described, is_second_platform, second_platform
+from symkin.text import shown
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
@@ -36,7 +38,7 @@ def load(name_or_path: str | Path) -> Mechanism:
     path = Path(name_or_path)
     if path.suffix == ".toml":
         return read(path)
-    raise InputError(f"mechanism {text!r} is unknown; allowed: a path to a .toml file, or {', '.join(shipped_names())}")
+    raise InputError(f"mechanism {shown(text)} is unknown; allowed: a path to a .toml file, or {', '.join(shipped_names())}")
 
 
 def read(path: Path) -> Mechanism:
@@ -207,7 +209,7 @@ def _key_path(data: Any, keys: tuple[str | int, ...], prefix: tuple[str | int, .
         if depth >= len(prefix):
             node = node[key] if _has(node, key) else None
         text += f"[{key}]" if isinstance(key, int) else f"{'.' if text else ''}{key}"
-        if isinstance(key, int) and isinstance(node, dict) and isinstance(node.get("name"), str):
+        if isinstance(key, int) and isinstance(node, dict) and name_fault(node.get("name")) is None:
             text += f" ({node['name']})"
     return text
 
@@ -227,13 +229,13 @@ def _sentence(path: str, error: Any, model: Any) -> str:
             return f"{path} is an unknown key; allowed: {', '.join(_allowed_keys(model, error['loc']))}"
         case "literal_error":
             instead = JOINT_TYPES.get(value) if path.endswith(".type") and isinstance(value, str) else None
-            allowed = f"{path} = {value!r} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
+            allowed = f"{path} = {shown(value)} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
             return f"{allowed}; {instead}" if instead else allowed
         case "too_short" | "too_long":
             limit = error["ctx"].get("min_length", error["ctx"].get("max_length"))
-            return f"{path} = {_short(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
+            return f"{path} = {shown(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
         case _:
-            return f"{path} = {_short(value)}: {error['msg']}"
+            return f"{path} = {shown(value)}: {error['msg']}"
 
 
 def _allowed_keys(model: Any, loc: tuple[str | int, ...]) -> list[str]:
@@ -246,8 +248,3 @@ def _allowed_keys(model: Any, loc: tuple[str | int, ...]) -> list[str]:
             candidates = [annotation, *typing.get_args(annotation)]
             model = next((c for c in candidates if hasattr(c, "model_fields")), model)
     return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

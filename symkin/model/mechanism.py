@@ -16,6 +16,7 @@ from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb
+from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.spatial.pose import Pose
 
 Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
@@ -61,6 +62,8 @@ class Mechanism:
         object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{frame}.position"))
         object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{frame}.quaternion"))
         _check_names(self)
+        for key in ("title", "source"):
+            object.__setattr__(self, key, check_text(getattr(self, key), key))
         _check_choice("motion", self.motion, MOTIONS)
         _check_choice("length_unit", self.length_unit, LENGTH_UNITS)
         _check_choice("angle_unit", self.angle_unit, ANGLE_UNITS)
@@ -176,11 +179,13 @@ def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:
 
 
 def _check_names(mechanism: Mechanism) -> None:
-    if not (mechanism.name.isascii() and mechanism.name.isidentifier()):
-        raise MechanismError(f"name = {mechanism.name!r} is no C identifier; allowed: letters, digits and _, no digit first")
+    check_mechanism_name(mechanism.name)
     limb_names = [limb.name for limb in mechanism.limbs]
     coordinate_names = [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
     coordinate_names += [joint.name for _, joint in mechanism.joints]
+    for what, names in (("limb", limb_names), ("joint", coordinate_names)):
+        for name in names:
+            check_name(name, f"{what}: name")
     made = [c.name for _, joint in mechanism.joints for c in joint.coordinates]
     made += [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
     for name in made:
@@ -191,8 +196,6 @@ def _check_names(mechanism: Mechanism) -> None:
             raise MechanismError(f"the coordinate {name!r} belongs to two joints; C and U joints make names such as 'u.1'")
     for what, names in (("limbs", limb_names), ("joints or rod limbs", coordinate_names)):
         for name in names:
-            if not name:
-                raise MechanismError(f"one of the {what} has an empty name")
             if names.count(name) > 1:
                 raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from symkin.errors import MechanismError
 from symkin.model.arithmetic import evaluate
+from symkin.model.names import name_fault, text_fault
 
 
 def _number(value: Any, info: ValidationInfo) -> float:
@@ -33,7 +35,22 @@ def _number(value: Any, info: ValidationInfo) -> float:
 Number = Annotated[float, BeforeValidator(_number)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
-Name = Annotated[str, Field(min_length=1)]
+
+
+def _without(fault: Callable[[object], str | None]) -> AfterValidator:
+    """A text in which nothing is wrong."""
+
+    def checked(text: str) -> str:
+        reason = fault(text)
+        if reason is not None:
+            raise PydanticCustomError("text", "{reason}", {"reason": reason})
+        return text
+
+    return AfterValidator(checked)
+
+
+Name = Annotated[str, _without(name_fault)]
+Text = Annotated[str, _without(text_fault)]
 
 
 def _whole(value: Any) -> Any:
@@ -115,9 +132,9 @@ class ExampleTable(Table):
 
 class MechanismTable(Table):
     format: Annotated[Literal[1], BeforeValidator(_whole)]
-    name: Name
-    title: str = ""
-    source: str = ""
+    name: str
+    title: Text = ""
+    source: Text = ""
     length_unit: Literal["m", "mm"]
     angle_unit: Literal["deg", "rad"]
     limb: list[dict[str, Any]] = []

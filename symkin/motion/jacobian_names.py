@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import casadi as ca
 
+from symkin.model.names import identifier
 from symkin.motion.velocity import VelocityEquations
 
 JacobianKind = Literal["direct", "inverse", "analytic", "passive"]
@@ -71,10 +71,9 @@ def _components(name: str, width: int) -> list[str]:
 
 
 def _identifier(name: str, taken: set[str]) -> str:
-    """A name of ASCII letters, digits and single _, a letter first, that no other has."""
-    stem = re.sub(r"[^0-9A-Za-z]+", "_", name).strip("_")
-    stem = stem if stem[:1].isalpha() else f"q_{stem}".rstrip("_")
-    text, number = stem, 2
+    """An identifier that no other has, in capitals or not."""
+    stem = text = identifier(name)
+    number = 2
     while text.lower() in taken:
         text, number = f"{stem}_{number}", number + 1
     taken.add(text.lower())

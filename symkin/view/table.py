@@ -143,12 +143,12 @@ def _plural(word: str, count: int) -> str:
 def _render(table: Table) -> str:
     width = max(shutil.get_terminal_size((120, 40)).columns, _natural_width(table))
     buffer = io.StringIO()
-    Console(file=buffer, width=width, highlight=False).print(table)
+    Console(file=buffer, width=width, highlight=False, markup=False, emoji=False).print(table)
     return "\n".join(line.rstrip() for line in buffer.getvalue().rstrip().splitlines())
 
 
 def _natural_width(table: Table) -> int:
     from rich.measure import Measurement
 
-    console = Console(width=10_000)
+    console = Console(width=10_000, markup=False, emoji=False)
     return Measurement.get(console, console.options, table).maximum
