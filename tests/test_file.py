@@ -376,9 +376,7 @@ def test_a_mistake_is_one_line_with_file_key_and_value(case, tmp_path):
     assert "pydantic" not in message
 
 
-@pytest.mark.parametrize(
-    "name", ["zhang", "ZHANG2009", "", " ", "zhang2009.tml", "../zhang2009", "zhang2009/", "\x00", "a" * 50]
-)
+@pytest.mark.parametrize("name", ["zhang", "ZHANG2009", "", " ", "zhang2009.tml", "../zhang2009", "zhang2009/", "\x00", "a" * 50])
 def test_an_unknown_mechanism_is_named_with_the_choice(name):
     """InputError: the name as given, a path to a .toml, and every shipped name."""
     with pytest.raises(InputError) as error:

@@ -462,3 +462,40 @@ def test_messages_hold_no_control_characters(tmp_path, capsys):
     said = capsys.readouterr().err
     assert said[:-1].isprintable()
     assert "\\x1b[2J" in said
+
+
+# --- calibration ---------------------------------------------------------------------------------------------------
+
+LABELS = ["<script>injected()</script>", "![i](http://x)", "a|b `c` **d**", "=1+1", "[red]e[/red] $x^$"]
+"""Labels of groups that attack a report's Markdown."""
+
+
+def test_reports_of_calibrations_are_text(tmp_path, capsys):
+    """Labels, paths and titles from users stand in report.md as they are, and the mechanism file written is read again."""
+    folder = tmp_path / "a`b <b>"
+    folder.mkdir()
+    joints = [Joint(f"q{k}", "R", (0.3 * k, 0.1 * k, 0.0), a, actuated=True) for k, a in enumerate([Z, (0.0, 1.0, 0.2)])]
+    arm = Mechanism("arm", [Limb("arm", joints)], (0.7, 0.1, 0.3), serial=True, length_unit="m", title=TITLE, source=SOURCE)
+    (folder / "arm.toml").write_text(arm.to_toml(), encoding="utf-8")
+    data = folder / "d``a.csv"
+    simulated = ["simulate", str(folder / "arm.toml"), "--postures", "15", "--readings", "pose", "-o", str(data)]
+    run(capsys, "calibrate", *simulated)
+    rows = list(csv.reader(io.StringIO(data.read_text(encoding="utf-8"))))
+    rows[3][rows[0].index("x[m]")] = "5.0"  # an outlier, which the report names
+    rows = [[label, *row] for label, row in zip(["group", *(f"{LABELS[k % 5]}{k}" for k in range(15))], rows, strict=True)]
+    with data.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(rows)
+    run(capsys, "calibrate", "fit", str(folder / "arm.toml"), str(data), "-o", str(folder / "out"), "--parameters", "q1.point.*")
+    text = (folder / "out" / "report.md").read_text(encoding="utf-8")
+    tokens = MarkdownIt("commonmark").enable("table").parse(text)
+    inline = [child for token in tokens for child in token.children or []]
+    assert not [token for token in [*tokens, *inline] if "html" in token.type or token.type == "link_open"]
+    assert {str(token.attrs["src"]) for token in inline if token.type == "image"} == {
+        "residuals.png",
+        "parameters.png",
+        "pose_sigma.png",
+    }
+    assert str(data) in [token.content for token in inline if token.type == "code_inline"]
+    written = symkin.load(folder / "out" / "arm.toml")
+    assert written.title.startswith(TITLE)
+    assert json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))["data"] == str(data)
