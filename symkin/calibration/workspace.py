@@ -168,5 +168,5 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
     inverse = mechanism.reference_pose.inverse()  # points of joints are given at the reference
     for limb in mechanism.limbs:
         if not isinstance(limb, RodLimb):
-            points += [np.array(rod.platform) for rod in limb.rods] or [inverse.apply(np.array(limb.joints[-1].point))]
+            points += [np.array(rod.platform) for rod in limb.rods] or [inverse.apply(mechanism.places[limb.joints[-1].name])]
     return np.array(points)

@@ -23,8 +23,8 @@ from symkin.paths.engine import engine_of
 from symkin.paths.instance import instance
 from symkin.paths.monodromy import Fibre
 from symkin.paths.six_distances import meet_all_distances, redundant_distances
-from symkin.paths.start_store import start_of
-from symkin.paths.systems import system_of
+from symkin.paths.start_store import TIED, start_of
+from symkin.paths.systems import squared, system_of
 from symkin.paths.values import known_values, real_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
@@ -34,6 +34,8 @@ from symkin.position.roots import SINGULAR_ROOT, Proofs, Roots, is_of_continuum,
 from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
 
+_ALL_ROWS = 1e-6
+"""Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to 1e-9."""
 _LEAST_ERROR_STARTS = 200
 """Random starts for the least closure error where no root is real."""
 
@@ -47,6 +49,9 @@ def by_continuation(
     for block in problem.blocks:
         match = None if reason else system_of(problem, block)
         start, why = (None, reason) if match is None else start_of(problem, match, block, progress)
+        if match is not None and start is None and why == TIED:
+            match = squared(match)
+            start, why = start_of(problem, match, block, progress)
         if match is None or start is None:
             blocks.append(batched(problem, block, given, starts, rng))
             notes.append(f"{', '.join(sorted(c.name for c in block.unknowns))}: sampled by multistart, {why}")
@@ -98,7 +103,7 @@ def _block_roots(
     points = points[first]
     return Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=complex_count(algebraic, _isolated(problem, ends, given)) * 2 ** len(dyads_of(problem)),
+        complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(dyads_of(problem)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
     )  # fmt: skip
 
@@ -119,6 +124,15 @@ def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
         f"of {6 + more} distances six have been solved, the others are met up to rounding",
     )
     return replace(found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason)
+
+
+def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Roots (width, n) that meet all rows of the block, where `algebraic` holds combinations of them."""
+    whole = system_of(problem, block)
+    if whole.count <= algebraic.count or whole.width != algebraic.width:
+        return z
+    f, _ = whole.linearise(z, np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1))
+    return np.asarray(z[:, np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS])
 
 
 def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> Roots:

@@ -150,6 +150,10 @@ class JointSymbols:
         zero = table.scalar(f"{path}.zero", joint.zero) if joint.freedom == 1 else ca.SX(0)
         return JointSymbols(joint, point, axis, axis2, pitch, zero)
 
+    def moved(self, shift: float) -> JointSymbols:
+        """The same joint by another point of its axis."""
+        return self if shift == 0.0 or self.axis is None else replace(self, point=self.point + shift * self.axis)
+
     def snapped(self, size: float) -> JointSymbols:
         """The same joint with constants free of rounding noise."""
         return replace(self, point=snapped(self.point, size), axis=snapped(self.axis), axis2=snapped(self.axis2))

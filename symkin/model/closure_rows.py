@@ -20,7 +20,7 @@ import numpy as np
 
 from symkin.model.chain import Chain, JointSymbols, PlatformSide, Step
 from symkin.model.dh import reference_frames
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.model.parameters import ParameterTable, snapped
@@ -88,6 +88,7 @@ class RowBuilder:
     def build_rows(self) -> None:
         m = self.mechanism
         joints, tool = self._geometry()
+        joints = {name: [symbols.moved(self._shift(symbols.joint)) for symbols in chain] for name, chain in joints.items()}
         if self.table.bound:
             joints = {name: [symbols.snapped(m.size) for symbols in chain] for name, chain in joints.items()}
             tool = Pose(snapped(tool.position, m.size), snapped(tool.quaternion))
@@ -122,6 +123,11 @@ class RowBuilder:
         position = table.vector(f"{frame}.position", m.platform_position)
         quaternion = table.vector(f"{frame}.quaternion", m.platform_quaternion, "wxyz")
         return joints, Pose(position, quaternion / ca.sqrt(ca.dot(quaternion, quaternion)))
+
+    def _shift(self, joint: Joint) -> float:
+        """How far along its axis a joint's point is moved from where it is described; the joint is the same for any geometry."""
+        away = self.mechanism.places[joint.name] - np.array(joint.point)
+        return float(away @ np.array(joint.axis)) if away.any() else 0.0
 
     def _declare_pose(self, reference: Pose) -> None:
         self.reference = reference

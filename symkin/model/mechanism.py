@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal
@@ -17,12 +17,15 @@ from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.names import check_mechanism_name, check_name, check_text
+from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
 
 Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
 MOTIONS: tuple[Motion, ...] = ("spatial", "schoenflies", "planar", "translation", "spherical")
 LENGTH_UNITS = ("m", "mm")
 ANGLE_UNITS = ("deg", "rad")
+_MUCH_LARGER = 3.0
+"""Points along nearly parallel axes are moved where the described ones spread more than this many times as far."""
 
 
 @dataclass(frozen=True)
@@ -100,11 +103,24 @@ class Mechanism:
         return float(np.linalg.norm(end - np.array(limb.base))) - limb.offset
 
     @cached_property
+    def places(self) -> dict[str, np.ndarray]:
+        """A point of each joint at the reference: the one described; or, where that makes the mechanism much larger than it
+        is, one of its axis that is near the limb's other points (see `placement`)."""
+        described = {joint.name: np.array(joint.point) for _, joint in self.joints}
+        origin, placed = np.array(self.platform_position), dict(described)
+        for limb in self.limbs:
+            placed |= placed_points(limb, origin) if isinstance(limb, Limb) else {}
+        return placed if 0.0 < _MUCH_LARGER * self._spread(placed) < self._spread(described) else described
+
+    @cached_property
     def size(self) -> float:
-        """Characteristic length: the largest distance between joint points at the reference; where all of them
-        coincide, that to the platform origin, or 1."""
+        """Characteristic length: the largest distance between the joints' `places`, centres and rod ends at the reference;
+        where all of them coincide, that to the platform origin, or 1."""
+        return self._spread(self.places) or 1.0
+
+    def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         reference = self.reference_pose
-        points = [np.array(joint.point) for _, joint in self.joints]
+        points = list(places.values())
         for limb in self.limbs:
             if isinstance(limb, RodLimb):
                 points += [np.array(limb.base), reference.apply(np.array(limb.platform))]
@@ -112,7 +128,7 @@ class Mechanism:
                 points += [np.array(rod.start) for rod in limb.rods]
                 points += [reference.apply(np.array(rod.platform)) for rod in limb.rods]
         spread = _diameter(points)
-        return spread or _diameter([*points, np.array(self.platform_position)]) or 1.0
+        return spread or _diameter([*points, np.array(self.platform_position)])
 
     def angle_out(self, radians: float) -> float:
         """From radians to the mechanism's angle unit."""

@@ -15,7 +15,7 @@ import numpy as np
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.circles import Germ, circle, follow, gaps, separations
 from symkin.paths.ends import Ends, SingularRoots
-from symkin.paths.engine import newton, track
+from symkin.paths.engine import aligned, newton, track
 from symkin.paths.local import NULL, ROWS, is_no_pose, lie_on_sets, look, polish
 from symkin.paths.monodromy import Fibre
 from symkin.paths.tracker import Tracked, TrackSettings
@@ -87,6 +87,9 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
     with np.errstate(all="ignore"):
         if are_regular(system, tracked, target).all():
             return Ends(tracked.z, SingularRoots.none(system.width), 0, ())
+        done = _with_far_roots(system, start, target, tracked)
+        if done is not None:
+            return done
         best = _attempt(system, start.z, start.k, target, tracked, 1e-4)
         for attempt, place in enumerate(_BASES):
             if not best.unresolved:
@@ -118,6 +121,30 @@ def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -
         good[doubtful] = look(system, z[:, doubtful], target).share > _SINGULAR
     regular[places] = good & ~is_no_pose(system, z) & (separations(system, z) > _ONE)
     return regular
+
+
+def _with_far_roots(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked) -> Ends | None:
+    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's method with more bits finds
+    and ball arithmetic proves; else None."""
+    from symkin.proof.far_roots import are_far, carried, settled
+
+    z = tracked.z.copy()
+    left = np.flatnonzero(~are_regular(system, tracked, target))
+    if system.projective or system.count != system.width or not are_far(system, z[:, left]).all():
+        return None
+    found, z[:, left] = settled(system, z[:, left], target)
+    doubtful = np.isin(np.arange(z.shape[1]), left[~found]) | (separations(system, z) < _ONE)
+    end = aligned(system, start.k, target)
+    for again in (doubtful, ~doubtful) if doubtful.any() else ():
+        came, points = carried(system, start.z[:, again], start.k, end)
+        found, z[:, again] = settled(system, points, target) if came.all() else (came, points)
+        if not found.all():
+            return None
+        if (separations(system, z) >= _ONE).all():
+            break
+    if (separations(system, z) < _ONE).any():
+        return None
+    return Ends(z, SingularRoots.none(system.width), 0, ())
 
 
 def _attempt(

@@ -27,6 +27,8 @@ MOST_WORK = 1.5e7
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the instructions of a step's
 evaluation, weighed by the count of paths - and a search is given up. A count, not a clock, so that the same input gives
 the same answer."""
+_ORDINARY = 1e-2
+"""Least share of the largest singular value of the rows' derivatives in 1, which is their order at an ordinary point."""
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
@@ -187,11 +189,11 @@ def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
 
 
 def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
-    """The root is isolated at fixed k."""
+    """The root is isolated at fixed k. Where a known quaternion has e.e = 0 all rows vanish, and their derivatives with them."""
     _, jz, _ = full_linearisation(system, z, k)
     singular = np.linalg.svd(jz, compute_uv=False)
     need = system.width - (1 if system.projective else 0)
-    return bool(len(singular) >= need and singular[need - 1] > 1e-7 * singular[0])
+    return bool(len(singular) >= need and singular[need - 1] > 1e-7 * max(singular[0], _ORDINARY))
 
 
 def fibre(

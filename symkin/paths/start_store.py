@@ -39,6 +39,7 @@ from symkin.paths.monodromy import (
     random_point,
 )
 from symkin.paths.six_distances import DISTANCES, distance_data, distance_function, is_universal
+from symkin.paths.six_revolute import arm_start, is_six_revolute
 from symkin.paths.symmetry import Orbits, Symmetries, find_symmetries
 from symkin.paths.symmetry import orbits as orbits_under
 from symkin.paths.tracker import TrackSettings
@@ -55,6 +56,8 @@ from symkin.position.system import System
 
 LOG = logging.getLogger(__name__)
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
+TIED = "the given values must satisfy conditions of their own"
+"""Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
 _VERSION = 5
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots."""
@@ -92,7 +95,10 @@ def compute_start(
     from which real instances take few steps."""
     LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
     data = distance_data(problem)
-    if data is not None:
+    if is_six_revolute(problem):
+        found = _from_universal_arm(problem, system)
+        reason = "" if found is not None else "paths from the universal start of six revolute joints are unresolved"
+    elif data is not None:
         found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
         reason = "" if found is not None else "paths from the universal start of six distances are unresolved"
     else:
@@ -157,6 +163,39 @@ def _from_universal(
     return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
 
 
+def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | None:
+    """Track the 16 universal roots to this arm at a random complex pose; None where a path stays unresolved each time."""
+    scale = coordinate_scale(problem, problem.known_coordinates)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        pose = random_known(problem, rng, near=True)
+        k = known_values(problem, pose)
+        z, unresolved = arm_start(problem, pose)
+        if unresolved or not z.shape[1]:
+            continue
+        ends = _settled(system, z, k)
+        if ends is None:
+            continue
+
+        def corner(base: np.ndarray = pose, rng: np.random.Generator = rng) -> np.ndarray:
+            return known_values(problem, base + 2.0 * loop_radius(rng) * scale * complex_normal(len(base), rng))
+
+        return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
+    return None
+
+
+def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
+    """Roots polished on a machine's own rows, those far from real ones by more bits; None where one is not found."""
+    from symkin.proof.far_roots import are_far, settled
+
+    ends, last = newton(system, z, k)
+    left = np.flatnonzero(~(last <= 1e-9))
+    if not are_far(system, z[:, left]).all():
+        return None
+    found, ends[:, left] = settled(system, z[:, left], k)
+    return ends if found.all() else None
+
+
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
@@ -169,7 +208,7 @@ def _by_monodromy(
         return random_point(problem, system, rng, near=near)
 
     if not _is_determined(system, points):
-        return None, "the given values must satisfy conditions of their own"
+        return None, TIED
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
     first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, progress=progress)
     if first is None:

@@ -88,6 +88,14 @@ def system_of(problem: Problem, block: System) -> AlgebraicSystem:
     return algebraic_systems(problem)[numbers[0]]
 
 
+@lru_cache(maxsize=64)
+def squared(system: AlgebraicSystem) -> AlgebraicSystem:
+    """As many random combinations of the rows as there are unknowns: their roots are those of all rows, and others that the rows
+    tell apart. The given values need satisfy no conditions then."""
+    mixed = np.random.default_rng(7).normal(size=(system.width, system.count))
+    return replace(system, rows=ca.mtimes(ca.DM(mixed / np.linalg.norm(mixed, axis=1, keepdims=True)), system.rows))
+
+
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
     return [1.0 if c.is_angular else size for c in coordinates]
 

@@ -11,6 +11,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.position.feasible_pose import PROJECTED, nearest_pose
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
@@ -126,7 +127,44 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
         off = 0.0
     elif off > 0.0:
         notes = (f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}",)
+    if off == 0.0:
+        values, off, more = _feasible(mechanism, values)
+        notes += more
     return Given("inverse", values, {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}, notes, off)
+
+
+def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:
+    """Pose coordinates that the joints can take, where they tie them to each other: those of a pose with few digits are moved to
+    the nearest; a distance that is more than rounding, and what is said of it."""
+    nearest = nearest_pose(mechanism, values)
+    if nearest is None:
+        return values, 0.0, ()
+    frame, unit = "tool" if mechanism.serial else "platform", mechanism.length_unit
+    if nearest.distance <= PROJECTED * mechanism.size:
+        note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
+        return nearest.values, 0.0, note
+    there = ", ".join(f"{v:.7g}" for v in _pose_numbers(mechanism, nearest.values))
+    note = (
+        f"the joints tie the coordinates of the {frame}'s pose, and this one lies {nearest.distance:.3g} {unit} (angles times the "
+        f"size) off those that it can take; the nearest is {there}",
+    )
+    return values, nearest.distance, note
+
+
+def _pose_numbers(mechanism: Mechanism, values: np.ndarray) -> list[float]:
+    """x, y, z, qw, qx, qy, qz of pose coordinates of the mechanism's motion."""
+    if mechanism.motion == "spatial":
+        return [float(v) + 0.0 for v in values]
+    reference = mechanism.reference_pose
+    position, q = np.array(reference.position, dtype=float), np.array(reference.quaternion, dtype=float)
+    if mechanism.motion == "spherical":
+        q = np.asarray(values)
+    else:
+        lengths = 2 if mechanism.motion == "planar" else 3
+        position[:lengths] = values[:lengths]
+        turn = float(values[lengths]) if len(values) > lengths else 0.0
+        q = np.asarray(multiply(np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)]), q))
+    return [float(v) + 0.0 for v in (*position, *q)]
 
 
 def _numbers(values: Sequence[float], what: str) -> list[float]:

@@ -75,7 +75,7 @@ def solve(
             if result.solution is not None:
                 result = replace(result, notes=(*result.notes, *start_notes(result.solution, given.kind, start)))
     if check and result.solution is None:
-        raise SolveError(result.message, result)
+        raise SolveError("; ".join([result.message, *given.notes]), result)
     return result
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from symkin.model.graph import instructions
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.paths.six_distances import universal_system
+from symkin.paths.six_revolute import is_six_revolute
 from symkin.position.problem import Problem
 from symkin.proof.balls import Number
 from symkin.proof.certificate import Certificates
@@ -64,7 +65,7 @@ def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
 
     if problem.kind == "direct" and system is universal_system():
         return Bound(SIX_DISTANCES, system, known)
-    if _is_six_revolute(problem):
+    if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
         return Bound(SIX_REVOLUTE, arm, lambda values: (*exact_known(problem, values), *geometry))
     degree = univariate_degree(system)
@@ -85,12 +86,6 @@ def proves(certificates: Certificates, bound: Bound) -> bool:
         and not np.any(certificates.real == "unknown")
         and certificates.distinct == len(certificates.certified) == bound.theorem.count
     )
-
-
-def _is_six_revolute(problem: Problem) -> bool:
-    joints = [joint for _, joint in problem.mechanism.joints]
-    is_arm = problem.kind == "inverse" and problem.mechanism.serial and problem.mechanism.motion == "spatial"
-    return is_arm and len(joints) == 6 and all(joint.type == "R" for joint in joints)
 
 
 # --- one row in one unknown --------------------------------------------------------------------------------------

@@ -186,7 +186,7 @@ def _base_point(mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarra
     held = [joint for joint in limb.joints if joint.type != "P"]
     leading = limb.joints[: limb.joints.index(held[0])] if held else limb.joints
     target = places[held[0].name] if held else _end_point(mechanism, limb, places)
-    return _beside(np.array(first.point), target, leading)
+    return _beside(mechanism.places[first.name], target, leading)
 
 
 def _end_point(mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -206,7 +206,7 @@ def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
     """A point on each joint at the reference; where the joints of all limbs meet in one point (a spherical mechanism),
     points of their axes at the distance `size` from it stand for them."""
     joints = [joint for _, joint in mechanism.joints]
-    points = {joint.name: np.array(joint.point) for joint in joints}
+    points = dict(mechanism.places)
     held = [points[joint.name] for joint in joints if joint.type != "P"]
     others = any(isinstance(limb, RodLimb) or limb.rods for limb in mechanism.limbs)
     if others or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.size:

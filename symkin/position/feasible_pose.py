@@ -1,0 +1,138 @@
+"""The nearest pose that a mechanism can take, where its joints tie the pose's coordinates to each other (a 3-RPS platform, a
+tool on four joints): a pose written with few digits lies beside these poses and closes no loop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from symkin.model.mechanism import Mechanism
+from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.mobility import closed_configurations
+from symkin.position.problem import Problem, build_problem
+from symkin.position.rank import Rank
+from symkin.position.system import System
+
+PROJECTED = 1e-4
+"""Distance over the size below which a pose is one of few digits: tables print three of a length, five of a quaternion."""
+_CLOSED = 1e-11
+"""Largest closure error over the size of a pose that is left as it is."""
+_STARTS = 32
+"""Random joint values from which each limb is brought as near to the pose as it comes."""
+_STEPS = 40
+"""Steps to the nearest feasible pose at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class NearestPose:
+    """Pose coordinates that close all loops, near given ones, and their distance: the largest difference of a coordinate, angles
+    times the size."""
+
+    values: np.ndarray
+    distance: float
+
+
+@lru_cache(maxsize=128)
+def ties_poses(mechanism: Mechanism) -> bool:
+    """Whether the joints put conditions on the pose's coordinates: at closed configurations, moves of the pose that no joints
+    follow."""
+    problem = build_problem(mechanism, "inverse")
+    if not problem.closure.role("pose") or problem.generic_rank == int(problem.system.rows.shape[0]):
+        return False
+    whole, joints = _whole(problem), problem.system.freedom
+    found = []
+    for values in closed_configurations(problem.closure, 2)[:3]:
+        _, jacobian = whole.linearise_one(_take(problem, values), np.zeros(0))
+        found.append(Rank.of(jacobian).value > Rank.of(jacobian[:, :joints]).value)
+    return all(found)
+
+
+def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
+    """The feasible pose nearest to pose coordinates; None where the joints do not tie them, the pose closes all loops already,
+    or no feasible one was found."""
+    if not ties_poses(mechanism):
+        return None
+    problem = build_problem(mechanism, "inverse")
+    joints = _nearest_joints(problem, pose)
+    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.size:
+        return None
+    whole, z = _whole(problem), np.concatenate([joints, pose])
+    for _ in range(_STEPS):
+        step = _step(problem, whole, z, pose)
+        if step is None:
+            return None
+        z = whole.move(z[None], step[None])[0]
+        if float(np.max(np.abs(step))) < 1e-13 * whole.size:
+            break
+    if not whole.residual(z, np.zeros(0)) <= 1e-10 * whole.size:
+        return None
+    found = z[len(joints) :]
+    return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))
+
+
+def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
+    """Joint values of each limb that leave the least closure error at a pose."""
+    rng = np.random.default_rng(0)
+    values = problem.closure.reference
+    named: dict[str, np.ndarray] = {}
+    for block in problem.blocks:
+        here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
+        starts = block.move(
+            np.tile(here, (_STARTS, 1)),
+            block.size * rng.normal(size=(_STARTS, block.freedom)) * (np.arange(_STARTS) > 0)[:, None],
+        )
+        batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
+        largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)
+        best = block.polish(batch.points[int(np.argmin(largest))], pose, steps=8)
+        named |= {c.name: best[s] for c, s in zip(block.unknowns, block.slices, strict=True)}
+    return np.concatenate([named[c.name] for c in problem.system.unknowns] or [np.zeros(0)])
+
+
+def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) -> np.ndarray | None:
+    """A step to rows that vanish whose pose part is as near to the wanted pose as the linearised rows allow: with N the rows'
+    combinations that no joint moves, N (F + J_X x) = 0, |x - x0| least, x0 the way back to the wanted pose; the joints follow."""
+    rows, jacobian = whole.linearise_one(z, np.zeros(0))
+    if not np.isfinite(jacobian).all():
+        return None
+    count = problem.system.freedom
+    joints, pose = jacobian[:, :count], jacobian[:, count:]
+    left, singular, _ = np.linalg.svd(joints)
+    rank = int(np.sum(singular > 1e-9 * max(float(singular[0]), 1e-300))) if singular.size else 0
+    held = left[:, rank:].T
+    back = -_difference(problem, z[-len(wanted) :], wanted)
+    tie = held @ pose
+    x = back - np.linalg.lstsq(tie, held @ rows + tie @ back, rcond=1e-9)[0]
+    q = np.linalg.lstsq(joints, -(rows + pose @ x), rcond=1e-12)[0]
+    return np.concatenate([q, x])
+
+
+def _difference(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Tangent vector (length unit) from the pose b to the pose a."""
+    size, parts, begin = problem.closure.size, [], 0
+    for c in problem.known_coordinates:
+        place = slice(begin, begin + c.width)
+        begin += c.width
+        if c.kind == "quaternion":
+            p, q = a[place], b[place]
+            turn = np.array([p[1] * q[0] - p[0] * q[1], p[2] * q[0] - p[0] * q[2], p[3] * q[0] - p[0] * q[3]])
+            turn = turn - np.cross(p[1:], q[1:])
+            parts.append(2 * size * np.sign(p @ q) * turn)
+        else:
+            parts.append((size if c.is_angular else 1.0) * (a[place] - b[place]))
+    return np.concatenate(parts)
+
+
+@lru_cache(maxsize=64)
+def _whole(problem: Problem) -> System:
+    """All rows with joints and pose unknown, joints first."""
+    system = problem.system
+    both = ca.vertcat(system.unknown, system.known)
+    return System((*system.unknowns, *problem.known_coordinates), both, ca.SX(0, 1), system.rows, system.errors, system.size)
+
+
+def _take(problem: Problem, values: np.ndarray) -> np.ndarray:
+    return np.concatenate([problem.take(values, problem.system.unknowns), problem.take(values, problem.known_coordinates)])

@@ -1,0 +1,80 @@
+"""Laws of platforms whose joints tie the coordinates of their pose: what is printed is accepted, what is near is projected."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin.errors import SolveError
+
+
+def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> symkin.Mechanism:
+    """Three limbs R P S, or R R S with `elbow`, in planes through the vertical axis."""
+    limbs = []
+    for k, radius in enumerate(radii):
+        c, s = math.cos(2 * math.pi * k / 3), math.sin(2 * math.pi * k / 3)
+        foot, head, axis = np.array([radius * c, radius * s, 0.0]), np.array([60.0 * c, 60.0 * s, 150.0]), (-s, c, 0.0)
+        along, knee = (head - foot) / np.linalg.norm(head - foot), 0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0])
+        first = symkin.Joint(f"r{k}", "R", tuple(foot), axis, actuated=elbow)
+        second = (
+            symkin.Joint(f"e{k}", "R", tuple(knee), axis)
+            if elbow
+            else symkin.Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
+        )
+        limbs.append(symkin.Limb(f"limb{k}", [first, second, symkin.Joint(f"s{k}", "S", tuple(head))]))
+    return symkin.Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
+
+
+def _printed(pose: symkin.Pose) -> list[float]:
+    """As tables print: three digits of a length, five of a quaternion."""
+    return [*(round(float(v), 3) for v in pose.position), *(round(float(v), 5) for v in pose.quaternion)]
+
+
+@pytest.mark.parametrize("elbow", [False, True])
+def test_a_printed_pose_is_accepted_and_every_limb_is_complete(elbow):
+    """Two branches in each of three equal limbs: eight modes, among them the joints that gave the pose."""
+    machine = tied_platform(elbow)
+    given = [4.0, -7.0, 3.0]
+    pose = symkin.solve(machine, joints=given).solution.pose
+    found = symkin.modes(machine, pose=_printed(pose))
+    assert len(found) == 8
+    assert found.completeness == "probability one"
+    assert found.complex_count == 8
+    assert any("projected" in note for note in found.notes)
+    assert min(np.max(np.abs(np.array(mode.actuated) - given)) for mode in found) < 0.01
+    assert all(mode.residual < 1e-9 * machine.size for mode in found)
+    one = symkin.solve(machine, pose=_printed(pose))
+    assert np.max(np.abs(one.solution.position - pose.position)) < 2e-3
+
+
+def test_a_pose_off_the_feasible_ones_is_told_how_far_and_which_is_nearest():
+    """The nearest pose that the message names is accepted as it stands, and none on the way to it is nearer."""
+    machine = tied_platform(False)
+    pose = symkin.solve(machine, joints=[4.0, -7.0, 3.0]).solution.pose
+    off = [*(np.asarray(pose.position) + [1.0, 0.0, 0.0]), *pose.quaternion]
+    found = symkin.modes(machine, pose=off)
+    assert not found.modes
+    note = next(note for note in found.notes if "nearest is" in note)
+    nearest = [float(v) for v in note.split("nearest is ")[1].split(",")]
+    assert 0.01 < float(note.split("lies ")[1].split()[0]) < 1.1
+    assert symkin.solve(machine, pose=nearest).solution is not None
+    with pytest.raises(SolveError, match="the nearest is"):
+        symkin.solve(machine, pose=off)
+
+
+def test_random_feasible_poses_come_back_through_rounding():
+    rng = np.random.default_rng(1)
+    machine = tied_platform(True, (100.0, 110.0, 90.0))
+    for joints in rng.uniform(-12, 12, (6, 3)):
+        pose = symkin.solve(machine, joints=joints).solution.pose
+        back = symkin.solve(machine, pose=_printed(pose), start=joints).solution
+        assert np.max(np.abs(np.array(back.actuated) - joints)) < 0.02
+
+
+def test_a_platform_of_six_freedoms_is_never_projected():
+    machine = symkin.load("zhang2009")
+    found = symkin.solve(machine, pose=[10.0, 20.0, 300.0, 0.98, 0.1, 0.1, 0.1])
+    assert not found.notes
