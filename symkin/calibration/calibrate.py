@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures
+from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures, start_points
 from symkin.calibration.estimator import Estimate, descended, estimate
 from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.gauge import least_change
 from symkin.calibration.lifted import estimate_by_ipopt
-from symkin.calibration.linear import linear_model
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.outcome import Fitted, report
-from symkin.calibration.outliers import LEVEL, Outlier, Screening, most_outliers, screen
+from symkin.calibration.outliers import LEVEL, Screening
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.problem import CalibrationProblem, NothingReadError, build_calibration
+from symkin.calibration.removal import Cleaned, Near, cleaned
 from symkin.calibration.result import Calibration, Parameter, Residual
+from symkin.calibration.robust import LOSSES, loss_note, robust_estimate
 from symkin.calibration.starting import start_postures, started
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -38,8 +38,6 @@ deviations, or below this share of the size where these are not known."""
 _DOUBTFUL = 2.0
 """Chi-square per reading above which another way to the minimum is tried where some parameters are only told on the way."""
 OUTLIER_RULES = ("remove", "report", "ignore")
-_GROSS = 0.1
-"""Outliers whose statistic is this share of the largest, or more, are taken out together."""
 
 
 @without_float_warnings
@@ -52,6 +50,7 @@ def calibrate(
     residual: str = "means",
     tolerance: tuple[float, float] | None = None,
     method: str = "nested",
+    loss: str = "squared",
     outliers: str = "remove",
     level: float = LEVEL,
     max_iterations: int = 60,
@@ -63,64 +62,50 @@ def calibrate(
     measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
     `gauge.joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
     to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
-    "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `outliers`: "remove",
+    "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
+    or "cauchy" (see `robust`); `outliers`: "remove",
     "report" or "ignore", at the family-wise `level`; `seed` is for random starts of direct problems.
 
     Raises InputError for names, options and readings that do not fit, and where no posture's direct problem is solved.
     """
-    _check_choices(method, outliers, level)
+    _check_choices(method, loss, outliers, level)
     begin = time.perf_counter()
     measurements.check(mechanism)
     free = set(parameters or ()) - set(fixed)
     measurements = started(mechanism, measurements, posed=not free & set(FRAMES))
     options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual, "tolerance": tolerance}
-    found = _fit(mechanism, measurements, options, method, max_iterations, seed)
-    screening = Screening((), ())
-    if outliers != "ignore" and found.result.status == "ok":
-        fit = partial(_fit, mechanism, options=options, method=method, limit=max_iterations, seed=seed)
-        screening, cleaned = _screened(fit, measurements, found, level)
-        found = cleaned if outliers == "remove" else found
-    return report(mechanism, measurements, found, screening, method, time.perf_counter() - begin, outliers == "remove")
 
+    def fit(readings: Measurements, near: Near | None = None) -> Fitted:
+        return _fit(mechanism, readings, options, method, max_iterations, seed, loss=loss, near=near)
 
-def _screened(
-    fit: Callable[[Measurements], Fitted], measurements: Measurements, found: Fitted, level: float
-) -> tuple[Screening, Fitted]:
-    """Outliers, and the fit without them. A gross error bends the fit beyond its linear range and makes others of the good:
-    in each round only those go that are within _GROSS of the largest statistic, and the rest is judged at a new fit."""
-    first, taken_out, allowed = found, list[Outlier](), None
-    unchecked: tuple[tuple[int, str], ...] = ()
-    while found.result.status == "ok":
-        model = linear_model(found.problem, found.result.state)
-        screening = _renumbered(screen(found.problem, model, level=level, share=_GROSS), found.used)
-        if allowed is None:
-            allowed, unchecked = most_outliers(found.problem), screening.unchecked
-        if not screening.outliers and not screening.given_up:
-            return Screening(tuple(taken_out), unchecked), found
-        taken_out += (*screening.outliers, *screening.given_up)
-        if screening.given_up or len(taken_out) > allowed:
-            return Screening((), unchecked, tuple(taken_out)), first
-        found = fit(_without(measurements, taken_out))
-    return Screening((), unchecked, tuple(taken_out)), first
+    found = fit(measurements)
+    screened = Cleaned(found, Screening((), ()))
+    if outliers != "ignore":
+        screened = cleaned(fit, measurements, found, level)
+        found = screened.found if outliers == "remove" else found
+    made = report(mechanism, measurements, found, screened.screening, method, time.perf_counter() - begin, outliers == "remove")
+    return replace(made, refused=made.refused or screened.refused)
 
 
 # --- fitting -------------------------------------------------------------------------------------------------------
 
 
 def _fit(
-    mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int
-) -> Fitted:
+    mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int, *, loss: str,
+    near: Near | None = None,
+) -> Fitted:  # fmt: skip
     """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate. Postures without
     a reading beside the joints take no part."""
     heard = measurements.read
     if heard.any() and not heard.all():
-        found = _fit(mechanism, measurements.subset(heard), options, method, limit, seed)
+        some = None if near is None else near.subset(heard)
+        found = _fit(mechanism, measurements.subset(heard), options, method, limit, seed, loss=loss, near=some)
         numbers = np.flatnonzero(heard)
         return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~heard))
     problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
-    start = parameters_from_poses(problem.model, measurements)
+    start = parameters_from_poses(problem.model, measurements) if near is None else near.p
     p = problem.model.nominal if start is None else start
-    postures = start_postures(problem, p, seed=seed)
+    postures = start_postures(problem, p, seed=seed) if near is None else _solved_near(problem, p, near, seed)
     if not postures.solved.any():
         raise InputError(
             f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
@@ -149,8 +134,18 @@ def _fit(
         result = _lower(result, descended(part, postures.z[postures.solved], p))
     if result.null_space.shape[1]:
         result = least_change(part, result, "nested")
+    if loss != "squared" and result.status == "ok":
+        result = robust_estimate(part, result.state.p, result.state.z, loss).result
+        notes.append(loss_note(loss))
     begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
-    return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes))
+    return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes), loss=loss)
+
+
+def _solved_near(problem: CalibrationProblem, p: np.ndarray, near: Near, seed: int) -> Postures:
+    """The direct problems from where an earlier fit has left them; postures that it had not begin where they would without it."""
+    begun = start_points(problem.model, problem.measurements)
+    begun = np.where(np.isnan(near.z), begun, near.z)
+    return solve_postures(problem.model, problem.measurements, p, z=begun, seed=seed, tolerance=ROUGH)
 
 
 def _solve_roughly(problem: CalibrationProblem, p: np.ndarray, *, seed: int) -> Postures:
@@ -208,23 +203,11 @@ def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.nda
         )
 
 
-def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
-    for o in outliers:
-        measurements = measurements.without(o.posture, o.kind)
-    return measurements
-
-
-def _renumbered(screening: Screening, used: np.ndarray) -> Screening:
-    return Screening(
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.outliers),
-        tuple((int(used[k]), kind) for k, kind in screening.unchecked),
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.given_up),
-    )
-
-
-def _check_choices(method: str, outliers: str, level: float) -> None:
+def _check_choices(method: str, loss: str, outliers: str, level: float) -> None:
     if method not in METHODS:
         raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
+    if loss not in LOSSES:
+        raise InputError(f"loss = {loss!r} is unknown; allowed: {', '.join(LOSSES)}")
     if outliers not in OUTLIER_RULES:
         raise InputError(f"outliers = {outliers!r} is unknown; allowed: {', '.join(OUTLIER_RULES)}")
     if not 0.0 < level < 1.0:

@@ -17,6 +17,7 @@ from symkin.calibration.outliers import Screening
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.result import Calibration, Parameter, Residual
+from symkin.calibration.robust import EFFICIENCY
 from symkin.calibration.state import State, evaluate
 from symkin.calibration.statistics import chi_square_tail, covariance
 from symkin.calibration.written import read_back
@@ -35,6 +36,7 @@ class Fitted:
     begin: np.ndarray
     notes: tuple[str, ...] = ()
     silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    loss: str = "squared"
 
 
 def report(
@@ -52,7 +54,7 @@ def report(
     known = problem.readings.known
     chi_square = model.chi_square_as_is
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
-    free = spread * covariance(problem, state)
+    free = spread * covariance(problem, state) / (1.0 if found.loss == "squared" else EFFICIENCY)
     identified = judge(problem, state)
     crossed = found.used[state.signs * found.begin < 0]
     calibration = Calibration(

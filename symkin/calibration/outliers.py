@@ -24,6 +24,9 @@ _MOST, _NAMED = 0.2, 300
 _HIDDEN = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""
 
+_LEAST_SHOWN = 1e-16
+"""Probabilities below this are not given: no distribution of errors is known so far out."""
+
 
 @dataclass(frozen=True)
 class Outlier:
@@ -66,7 +69,7 @@ class _Judged:
 def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LEVEL, share: float = 0.0) -> Screening:
     """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than rounding. It
     is given up where more than the share `_MOST` of the readings, a third of the degrees of freedom or `_NAMED` readings would go."""
-    kinds = _kinds(problem)
+    kinds = reading_kinds(problem)
     first = [_judge(model, *kind) for kind in kinds]
     unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.postures[j.degrees == 0]))
     count, least = sum(len(j.postures) for j in first), 2 * model.degrees // 3
@@ -89,10 +92,10 @@ def screen(problem: CalibrationProblem, model: LinearModel, *, level: float = LE
 
 def most_outliers(problem: CalibrationProblem) -> int:
     """The number of readings that may be left out one by one."""
-    return min(_NAMED, int(_MOST * sum(len(postures) for _, postures, _ in _kinds(problem))))
+    return min(_NAMED, int(_MOST * sum(len(postures) for _, postures, _ in reading_kinds(problem))))
 
 
-def _kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
+def reading_kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """Kinds of readings (a distance by its name) with the postures (m,) that have any component of it and rows (m, w)."""
     columns, taken = problem.model.columns, problem.readings.taken
     members: dict[str, list[int]] = {}
@@ -140,15 +143,29 @@ def _tail(model: LinearModel, statistic: float, degrees: int, *, known: bool) ->
     left = model.degrees - degrees
     if left <= 0:
         return 1.0
-    return f_tail(statistic / degrees / max((model.chi_square - statistic) / left, 1e-300), degrees, left)
+    return f_tail(statistic / degrees / _scatter(model, statistic, degrees), degrees, left)
+
+
+def _scatter(model: LinearModel, statistic: float, degrees: int) -> float:
+    """Variance of the readings that are left when one with such a statistic is taken out."""
+    return max((model.chi_square - statistic) / max(model.degrees - degrees, 1), 1e-300)
 
 
 def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _Judged, m: int, probability: float) -> Outlier:
     posture, kind, rows = int(judged.postures[m]), judged.kind, judged.rows[m]
     given = model.taken[rows]
     columns = rows[given] - posture * len(problem.model.columns)
-    statistic, degrees = float(judged.statistic[m]), int(judged.degrees[m])
+    degrees = int(judged.degrees[m])
+    unit = 1.0 if problem.readings.known else _scatter(model, float(judged.statistic[m]), degrees)
     shift = np.linalg.solve(model.whiten[posture][np.ix_(columns, columns)], judged.shift[m][given])
+    return described(problem, posture, kind, columns, shift, float(judged.statistic[m]) / unit, degrees, probability)
+
+
+def described(
+    problem: CalibrationProblem, posture: int, kind: str, columns: np.ndarray, shift: np.ndarray, statistic: float, degrees: int,
+    probability: float,
+) -> Outlier:  # fmt: skip
+    """An outlier with its sentence; `columns` are those of the readings, the statistic counts in variances."""
     label = problem.measurements.labels[posture]
     names = [problem.model.columns[k][1] for k in columns]
     angular = kind in ANGULAR
@@ -157,6 +174,11 @@ def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _Judged, m
     text = ", ".join(f"{name} {v:+.3g} {unit}" for name, v in zip(names, shown, strict=True))
     reason = (
         f"posture {label}, {kind}: off by {text} of what the other readings say; "
-        f"statistic {statistic:.1f} with {degrees} degrees of freedom, probability {probability:.1g}"
+        f"statistic {statistic:.4g} with {degrees} degrees of freedom, probability {_shown(probability)}"
     )
     return Outlier(posture, label, kind, tuple(float(v) for v in shift), statistic, degrees, probability, reason)
+
+
+def _shown(probability: float) -> str:
+    """A probability with one digit, or that it is too small to be meant."""
+    return f"{probability:.1g}" if probability >= _LEAST_SHOWN else f"below {_LEAST_SHOWN:.0e}"

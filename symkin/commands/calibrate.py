@@ -22,6 +22,7 @@ from symkin.commands.calibrate_options import (
     GroupsOption,
     HoldOption,
     HoldOutOption,
+    Loss,
     Method,
     NoiseDistance,
     NoiseGroup,
@@ -81,6 +82,12 @@ def fit(
     method: Annotated[Method, typer.Option(help="Poses solved inside, or as unknowns, or by IPOPT.")] = Method.nested,
     residual: Annotated[Residual, typer.Option(help="How groups and joint noise enter.")] = Residual.means,
     outliers: Annotated[Outliers, typer.Option(help="What to do with readings that do not belong.")] = Outliers.remove,
+    loss: Annotated[
+        Loss,
+        typer.Option(
+            help="How far readings count that are far off: in full, or less the farther (robust, with a note on figures)."
+        ),
+    ] = Loss.squared,
     sigma_joints: SigmaOption = None,
     sigma_group: SigmaOption = None,
     sigma_inclination: SigmaOption = None,
@@ -111,8 +118,8 @@ def fit(
         report = fit_file(
             mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
             frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
-            outliers=outliers.value, tolerance=None if tolerance is None else tolerances(tolerance, mechanism), any_machine=any_machine,
-            hold_out=hold_out,
+            outliers=outliers.value, loss=loss.value, tolerance=None if tolerance is None else tolerances(tolerance, mechanism),
+            any_machine=any_machine, hold_out=hold_out,
         )  # fmt: skip
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)

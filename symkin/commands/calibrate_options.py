@@ -23,6 +23,12 @@ class Residual(StrEnum):
     likelihood = "maximum-likelihood"
 
 
+class Loss(StrEnum):
+    squared = "squared"
+    huber = "huber"
+    cauchy = "cauchy"
+
+
 class Outliers(StrEnum):
     remove = "remove"
     report = "report"
