@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import symkin
 from symkin.calibration.calibrate import calibrate
+from symkin.calibration.column_slips import wrong_columns
 from symkin.calibration.files import read_measurements, write_measurements
 from symkin.calibration.parameters import bound_by_motion
 from symkin.calibration.problem import default_parameters
 from symkin.calibration.run import fit_file, matching
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
+from symkin.calibration.suspicions import misfit
 from symkin.calibration.workspace import Workspace
 from symkin.cli import main
 from symkin.model.closure import build_closure
@@ -159,3 +162,15 @@ def test_the_base_set_can_be_copied(capsys, tmp_path):
     assert first["unobservable"]
     assert not second["unobservable"]
     assert second["chi_square"] == pytest.approx(first["chi_square"], rel=1e-6)
+
+
+def test_order_and_signs_of_columns_are_found_together(tmp_path):
+    """Slides read in another order and one with its sign turned: the columns are assigned to the limbs by the inverse problem, and put
+    right they are the true ones."""
+    mechanism = planar_3rpr()
+    data = read_measurements(file_of(tmp_path, mechanism, ("pose",), tilt=0.0), mechanism).measurements
+    joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])
+    ((text, put_right),) = wrong_columns(mechanism, replace(data, joints=joints), misfit)
+    assert "the columns slide1, slide2, slide3 look exchanged: they seem to hold slide2, slide3, slide1" in text
+    assert "the sign of slide2 looks reversed" in text
+    assert np.array_equal(put_right.joints, data.joints)

@@ -10,6 +10,7 @@ import pytest
 
 import symkin
 from symkin.calibration.calibrate import calibrate
+from symkin.calibration.closing import home_pose
 from symkin.calibration.files import read_measurements
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.problem import build_calibration
@@ -122,3 +123,14 @@ def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
     assert np.all(said < at.max(axis=0) + 5)
     assert np.all(np.ptp(said, axis=0) > 0.5 * np.ptp(at, axis=0))
     assert "region measured" in report.sigma_text()
+
+
+def test_home_is_the_example_where_the_file_says_no_reference(tmp_path):
+    """Rods without [platform] and an [example]: direct problems begin there, not at the origin; with a reference they begin at it."""
+    base, platform = hexapods.rings(np.random.default_rng(8))
+    example = symkin.Example(joints=tuple([500.0] * 6), start=(10.0, 0.0, hexapods.HEIGHT, 1.0, 0.0, 0.0, 0.0))
+    for home, height in ((False, hexapods.HEIGHT), (True, hexapods.HEIGHT)):
+        (tmp_path / "hexapod.toml").write_text(hexapods.toml(base, platform + [0, 0, 150], home=home))
+        mechanism = replace(symkin.load(str(tmp_path / "hexapod.toml")), example=example)
+        assert home_pose(mechanism).position[2] == height
+        assert home_pose(mechanism).position[0] == (0.0 if home else 10.0)

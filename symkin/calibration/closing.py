@@ -14,6 +14,7 @@ from symkin.calibration.direct import signs, solved_steps
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
 from symkin.model.closure import Closure, build_closure
+from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import pose_coordinates, pose_from
 from symkin.position.system import System
@@ -115,7 +116,8 @@ class Closing:
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
-    """The reference pose; the pose of the worked example where the direct problem is conditioned much better there."""
+    """The reference pose; the pose of the worked example where the file says no reference, or where the direct problem is conditioned
+    much better there."""
     example, reference = mechanism.example, mechanism.reference_pose
     given = None if example is None else example.pose or (example.start if example.joints is not None else None)
     if mechanism.serial or given is None or len(given) != 7:
@@ -123,9 +125,16 @@ def home_pose(mechanism: Mechanism) -> Pose:
     closure, count = build_closure(mechanism), len(mechanism.actuated)
     model = build_model(mechanism, Measurements(np.zeros((1, count))), ())
     shown = pose_from(given, "example")
+    if not says_reference(mechanism):
+        return shown
     values = _JointsOfPose(closure).solve(np.array([placed(mechanism, closure.reference, pose) for pose in (reference, shown)]))
     here, there = (_side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1] for row in values)
     return shown if here > _POORER * there else reference
+
+
+def says_reference(mechanism: Mechanism) -> bool:
+    """Whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the origin."""
+    return any(mechanism.platform_position) or not all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
 
 
 def joints_at(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:

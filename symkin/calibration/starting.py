@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.calibration.closing import home_pose
+from symkin.calibration.closing import home_pose, says_reference
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.direct import ROUGH, Postures, known_poses, newton_postures, solve_postures
 from symkin.calibration.measurements import Measurements
@@ -22,7 +22,6 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import ANGULAR, linearise
 from symkin.enumeration.modes import modes
 from symkin.errors import SymkinError
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 
@@ -121,8 +120,7 @@ def start_postures(problem: CalibrationProblem, p: np.ndarray, *, seed: int = 0)
 def has_home(mechanism: Mechanism) -> bool:
     """Whether the file says where the platform stands: rod limbs leave it open."""
     given = mechanism.example is not None and (mechanism.example.pose is not None or mechanism.example.start is not None)
-    there = any(mechanism.platform_position) or not all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    return given or there
+    return given or says_reference(mechanism)
 
 
 def _settled(problem: CalibrationProblem, p: np.ndarray, postures: Postures, judged: np.ndarray) -> Postures:

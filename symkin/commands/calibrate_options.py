@@ -86,7 +86,9 @@ HoldOption = Annotated[
 ]
 PatternOption = Annotated[
     str | None,
-    typer.Option(metavar="A,B,...", help="Names or patterns such as 'leg*.base.*'; all: every parameter of the closure."),
+    typer.Option(
+        metavar="A,B,...", help="Names or patterns such as 'leg*.base.*'; all (default): every parameter that moves poses."
+    ),
 ]
 ToleranceOption = Annotated[
     str | None,
