@@ -149,7 +149,7 @@ class Linearised:
 
     residuals: np.ndarray
     jacobian: np.ndarray
-    prior: tuple[np.ndarray, np.ndarray] | None = None
+    prior: tuple[np.ndarray, np.ndarray] | None = field(default=None, kw_only=True)
 
     @property
     def vector(self) -> np.ndarray:

@@ -34,6 +34,8 @@ _BETTER = 0.5
 """Another mode is taken where the readings are off by less than this share of what they are off in the present one."""
 _LISTED, _NEAREST = 12, 3
 """Postures whose modes are listed at most in one round, spread over the file, and neighbours that are followed to a posture."""
+_COMPARED, _BLOCK = 1000, 5000
+"""Most rows among which neighbours are sought, and rows whose readings are evaluated at once."""
 _SAMPLED = 200
 """Random starts where the modes of a posture cannot be listed by continuation."""
 _ROUNDS = 3
@@ -91,11 +93,14 @@ def _incline(poses: np.ndarray, inclination: np.ndarray) -> None:
 
 
 def _nearest(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
-    """Numbers (k, count) of the rows of `joints` that are nearest to each row of `wanted`, columns counting by their spread."""
+    """Numbers (k, count) of the rows of `joints` that are nearest to each row of `wanted`, columns counting by their spread; of many
+    rows every so many-th is looked at."""
+    chosen = np.unique(np.linspace(0, len(joints) - 1, _COMPARED).astype(int))
     spread = np.std(np.vstack([joints, wanted]), axis=0)
     weight = 1.0 / np.where(spread > 0.0, spread, 1.0)
-    found = [np.argsort(np.sum(((joints - row) * weight) ** 2, axis=1), kind="stable")[:count] for row in wanted]
-    return np.array(found)
+    scaled = joints[chosen] * weight
+    found = [np.argsort(np.sum((scaled - row) ** 2, axis=1), kind="stable")[:count] for row in wanted * weight]
+    return chosen[np.array(found)]
 
 
 # --- modes -----------------------------------------------------------------------------------------------------------
@@ -156,8 +161,14 @@ def _doubtful(problem: CalibrationProblem, gaps: np.ndarray, judged: np.ndarray)
 def reading_gaps(problem: CalibrationProblem, p: np.ndarray, postures: Postures, rows: np.ndarray | None = None) -> np.ndarray:
     """How far the readings of each posture (of `rows`, default: all) are off, root mean square, angles times the size; infinite where
     it is not solved, 0 where nothing but its group was read."""
-    model, readings = problem.model, problem.readings
     rows = np.arange(len(problem.measurements)) if rows is None else rows
+    blocks = [slice(k, k + _BLOCK) for k in range(0, len(rows), _BLOCK)]
+    found = [_gaps_of(problem, p, Postures(postures.z[b], postures.solved[b]), rows[b]) for b in blocks]
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def _gaps_of(problem: CalibrationProblem, p: np.ndarray, postures: Postures, rows: np.ndarray) -> np.ndarray:
+    model, readings = problem.model, problem.readings
     h = model.evaluate(np.nan_to_num(postures.z), problem.measurements.joints[rows], p, problem.quaternions[rows]).readings
     gap = h - readings.targets[rows]
     turned = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
