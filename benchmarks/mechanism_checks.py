@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from plain_closure import PlainMechanism
 from plain_search import (
     Found,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from plain_closure import PlainMechanism, quaternion_matrix
 
 CLOSED = 1e-9

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
 from plain_closure import PlainMechanism
 from plain_search import closed_configurations, named_places
 

@@ -85,7 +85,6 @@ def prepare(folder: Path) -> None:
         os.environ.setdefault(name, "1")
     os.environ["SYMKIN_CACHE"] = str(folder / "cache")
     import mechanism_checks  # noqa: F401
-
     import symkin.cli
     import symkin.enumeration.continuation
     import symkin.proof.certificate
@@ -148,6 +147,7 @@ def ended(running: list[Child]) -> list[Child]:
 def _child(pipe: Any, folder: Path, seed: int, index: int, limit: float) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 5))
     import numpy as np
+
     from mechanism_checks import Checks
     from random_files import random_file
 

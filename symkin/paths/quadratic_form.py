@@ -105,6 +105,8 @@ def quadratic_form(system: AlgebraicSystem) -> QuadraticForm | None:
     moving = np.array(ca.which_depends(ca.densify(ca.vec(coefficients)), system.k, 1, True)).reshape(len(pairs), -1).any(axis=1)
     samples = _samples(system, coefficients)
     places = np.flatnonzero(moving)
+    if not places.size:
+        return None
     _, chosen, kind = np.unique(np.vstack(samples)[:, places], axis=1, return_index=True, return_inverse=True)
     matrices = np.zeros((system.count + len(chosen), pairs[-1][1] + 1, pairs[-1][1] + 1), dtype=complex)
     for (a, b), value in zip(pairs, np.where(moving, 0.0, samples[0]).T, strict=True):

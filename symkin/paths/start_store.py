@@ -47,7 +47,7 @@ from symkin.paths.universal_start import machine_start, universal_start
 from symkin.paths.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
-from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.mobility import closed_configurations
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.rank import Rank
@@ -202,7 +202,7 @@ def _by_monodromy(
     mobility = analyse_mobility(problem.mechanism)
     if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
         return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
-    rank = system.count - (mobility.redundant if problem.kind == "direct" else 0)
+    rank = system.count - (_redundant_rows(problem, block) if problem.kind == "direct" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
@@ -225,6 +225,19 @@ def _by_monodromy(
         known = (np.concatenate([best.z, fresh], axis=1), best.k)
         first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known) or best
     return None, "independent searches for the generic count disagree"
+
+
+def _redundant_rows(problem: Problem, block: System) -> int:
+    """Rows of a block less their rank at generic closed configurations, all coordinates free."""
+    coordinates = (*block.unknowns, *problem.known_coordinates)
+    system = System(
+        coordinates, ca.vertcat(block.unknown, block.known), ca.SX(0, 1), block.rows, block.errors, problem.closure.size
+    )
+    ranks = []
+    for values in closed_configurations(problem.closure, 0):
+        _, jacobian = system.linearise_one(problem.take(values, coordinates), np.zeros(0))
+        ranks.append(Rank.of(jacobian).value)
+    return int(block.rows.shape[0]) - max(ranks)
 
 
 def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int) -> np.ndarray:
