@@ -22,7 +22,7 @@ NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"
 BEYOND = "204.6,425.0,206.3,292.6,409.6,419.4"
 KEYS = {
     "mechanism", "problem", "given", "length_unit", "angle_unit", "reached", "statement", "stop", "certified", "ground",
-    "followed_to", "steps", "samples", "elapsed_s", "notes",
+    "followed_to", "steps", "nearest", "samples", "elapsed_s", "notes",
 }  # fmt: skip
 
 
@@ -217,7 +217,8 @@ def test_text_is_a_short_table(capsys):
     """At most eleven rows, then the statement and its ground."""
     status, out, _ = run(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "40")
     lines = out.splitlines()
-    assert (status, len(lines)) == (0, 2 + 11 + 3)
+    assert (status, len(lines)) == (0, 2 + 11 + 4)
+    assert lines[-3].startswith("nearest to a singularity at ")
     assert lines[-2].startswith("reached")
     assert json.dumps(lines[-1]).startswith('"ground: proved')
 

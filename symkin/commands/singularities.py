@@ -45,6 +45,18 @@ def singularities(
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
     starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane.")] = 200,
     seed: SeedOption = 0,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame), in place of position and "
+            "orientation together.",
+        ),
+    ] = None,
+    point: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="The output's point in the platform's frame; without --output x,y,z of it."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Name the singularity of one configuration, or draw the loci over a plane through it."""
@@ -54,6 +66,8 @@ def singularities(
 
     if plane is None and (window is not None or plot is not None):
         raise InputError("--range and --plot belong to --plane U,V, which names the two coordinates")
+    if plane is not None and (output is not None or point is not None):
+        raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech)
     if plot is not None:
         from symkin.view.plot import check_picture_path
@@ -70,9 +84,11 @@ def singularities(
         say(error)
         raise typer.Exit(3) from None
     if plane is None:
+        from symkin.singularities.output import make_output
         from symkin.singularities.singularity import classify
 
-        found = classify(solution)
+        names = None if output is None else [name.strip() for name in output.split(",")]
+        found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
         print_result(as_json, found.to_json, lambda: str(found))
         return
     from symkin.singularities.loci import singular_loci

@@ -79,7 +79,7 @@ def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float) -
     layout = _layout(closure)
     _, jacobian = layout.system.linearise_one(values, np.zeros(0))
     limbs = [
-        _eliminated(limb.name, jacobian[rows], layout.pose, layout.actuated, passive, tolerance)
+        eliminated(limb.name, jacobian[rows], layout.pose, layout.actuated, passive, tolerance)
         for limb, (rows, passive) in zip(closure.mechanism.limbs, layout.limbs, strict=True)
     ]
     return LimbwiseEquations(tuple(limbs), motion_basis(closure))
@@ -121,9 +121,10 @@ def _layout(closure: Closure) -> _Layout:
     return _Layout(whole_system(closure), role["pose"], role["actuated"], tuple(limbs))
 
 
-def _eliminated(
+def eliminated(
     name: str, rows: np.ndarray, pose: list[int], actuated: list[int], passive: list[int], tolerance: float
 ) -> LimbEquations:
+    """One limb's rows (m, all columns) without its passive joints; columns by number."""
     rows = _row_basis(rows)
     left, singular, _ = np.linalg.svd(rows[:, passive])
     rank = int(np.sum(singular > tolerance))

@@ -12,6 +12,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations
 from symkin.position.rank import RANK_TOLERANCE
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+from symkin.singularities.output import Output, output_equations
 
 
 @dataclass(frozen=True)
@@ -38,13 +39,15 @@ class Ranks:
 
 
 @lru_cache(maxsize=128)
-def generic_ranks(mechanism: Mechanism) -> Ranks:
-    """Ranks at a random closed configuration near the reference, the one with the fewest motions (seed 0)."""
-    closure = build_closure(mechanism)
-    found = [
-        Ranks.of(limbwise_equations(closure, values, RANK_TOLERANCE), RANK_TOLERANCE)
-        for values in closed_configurations(closure, 0)
-    ]
+def generic_ranks(mechanism: Mechanism, output: Output | None = None) -> Ranks:
+    """Ranks at a random closed configuration near the reference, the one with the fewest motions (seed 0); with an output,
+    those of the equations that are reduced to it."""
+    closure, found = build_closure(mechanism), []
+    for values in closed_configurations(closure, 0):
+        equations = limbwise_equations(closure, values, RANK_TOLERANCE)
+        if output is not None:
+            equations = output_equations(closure, values, equations, output, RANK_TOLERANCE).equations
+        found.append(Ranks.of(equations, RANK_TOLERANCE))
     return min(found, key=lambda ranks: (ranks.motions + ranks.idle, -ranks.twist, -ranks.rates))
 
 

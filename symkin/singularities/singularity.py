@@ -33,12 +33,20 @@ from symkin.singularities.configuration import configuration
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
+from symkin.singularities.output import Output, OutputEquations, make_output, output_equations, output_twists
 from symkin.singularities.standing import everywhere, notes_on
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 
 TOLERANCE = 1e-6
 """A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
+OUTPUT_KINDS = {
+    "type 1": "the inverse problem loses rank: joints move, the output stands",
+    "type 2": "the direct problem loses rank: the output moves, the actuated joints stand",
+    "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
+    "passive": "platform or passive joints move, output and actuated joints stand",
+}
+"""What the kinds mean where an output is named."""
 KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the platform stands",
     "type 2": "the direct problem loses rank: the platform moves, the actuated joints stand",
@@ -71,7 +79,8 @@ class Singularity:
     `manipulability` their product (Yoshikawa 1985), infinite where the platform moves with the actuated joints held (type 2, or
     `loose`). `twists` are these motions, or those with all joints free where a constraint is lost; `wrenches` what the platform
     bears without the actuated joints' help where an output is impossible; `inputs` the joint rates with the platform at
-    rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do.
+    rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do. Where an `output` is
+    named, it stands for the twist in all of this: `equations` and ranks are those reduced to it.
     """
 
     solution: Solution
@@ -87,6 +96,7 @@ class Singularity:
     inputs: tuple[dict[str, float], ...]
     feasible_twists: tuple[NamedScrew, ...]
     notes: tuple[str, ...] = ()
+    output: Output | None = None
 
     @property
     def everywhere(self) -> dict[str, int]:
@@ -144,41 +154,49 @@ def singularity(
     pose: Sequence[float] | Pose | None = None,
     start: Sequence[float] | Pose | None = None,
     tolerance: float = TOLERANCE,
+    output: Sequence[str] | None = None,
+    point: Sequence[float] | None = None,
 ) -> Singularity:
     """Classify the configuration that `solve` reaches from the same arguments, or a Solution that is there already:
 
         symkin.singularity(mechanism, joints=[...])
         symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
 
+    `output` names what type 1 and type 2 are about, in place of the platform's position and orientation together: some of x, y, z
+    (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame.
     At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
     SolveError where no configuration is reached, InputError for values that do not fit.
     """
+    wanted = make_output(output, point)
     if isinstance(mechanism, Solution):
         if not (joints is None and pose is None and start is None):
             raise InputError("a Solution is classified as it is: give joints, pose and start with a mechanism only")
-        return classify(mechanism, tolerance)
+        return classify(mechanism, tolerance, wanted)
     if not isinstance(mechanism, Mechanism):
         raise InputError(
             f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as `symkin.solve(...).solution` "
             "or one of `symkin.modes(...)`"
         )
-    return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance)
+    return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance, wanted)
 
 
 @without_float_warnings
-def classify(solution: Solution, tolerance: float = TOLERANCE) -> Singularity:
+def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | None = None) -> Singularity:
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
     closure = build_closure(solution.mechanism)
-    equations = limbwise_equations(closure, variables_of(closure, solution), tolerance)
-    ranks, generic = Ranks.of(equations, tolerance), generic_ranks(solution.mechanism)
+    values = variables_of(closure, solution)
+    whole = limbwise_equations(closure, values, tolerance)
+    reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
+    equations = whole if reduced is None else reduced.equations
+    ranks, generic = Ranks.of(equations, tolerance), generic_ranks(solution.mechanism, output)
     conditions = _conditions(ranks, generic)
     kinds = _kinds(closure, ranks, generic, conditions)
     return Singularity(
         solution, equations, ranks, generic, conditions, kinds, distances(closure, equations, generic),
-        _direct_map(equations, ranks, generic, tolerance), *_shown(solution, equations, ranks, kinds, conditions, tolerance),
-        notes_on(closure, ranks, generic),
+        _direct_map(equations, ranks, generic, tolerance), *_shown(solution, whole, reduced, ranks, kinds, conditions, tolerance),
+        notes_on(closure, ranks, generic, output), output,
     )  # fmt: skip
 
 
@@ -224,25 +242,26 @@ def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tole
 def _shown(
     solution: Solution,
     equations: LimbwiseEquations,
+    reduced: OutputEquations | None,
     ranks: Ranks,
     kinds: tuple[str, ...],
     conditions: tuple[str, ...],
     tolerance: float,
 ) -> tuple[tuple[NamedScrew, ...], tuple[NamedScrew, ...], tuple[dict[str, float], ...], tuple[NamedScrew, ...]]:
     """The twists, wrenches and joint rates that show the singularity, and a basis of the feasible twists."""
-    motions = feasible_motions(equations, tolerance)
-    outputs = motions[:, : equations.twist.shape[1]]
+    outputs = feasible_motions(equations, tolerance)[:, : equations.twist.shape[1]]
+    named = outputs if reduced is None else outputs @ reduced.rows.T
+    held = small_null_space(equations.twist, tolerance) if reduced is None else output_twists(equations, reduced, tolerance)
     twists, wrenches, inputs = np.zeros((0, 6)), np.zeros((0, 6)), np.zeros((0, equations.rates.shape[1]))
-    if "type 2" in kinds:
-        twists = small_null_space(equations.twist, tolerance) @ equations.motion.T
+    if "type 2" in kinds or ("constraint" not in kinds and ranks.motions > ranks.inputs):
+        twists = held @ equations.motion.T
     elif "constraint" in kinds:
         twists = small_null_space(equations.constraints, tolerance) @ equations.motion.T
-    elif ranks.motions > ranks.inputs:
-        twists = small_null_space(equations.twist, tolerance) @ equations.motion.T
     if "IO" in conditions:
-        wrenches = small_null_space(outputs, tolerance) @ equations.motion.T
+        borne = small_null_space(named, tolerance)
+        wrenches = (borne if reduced is None else borne @ reduced.rows) @ equations.motion.T
     if "type 1" in kinds:
-        inputs = small_null_space(equations.rates, tolerance)
+        inputs = small_null_space(equations.rates if reduced is None else reduced.equations.rates, tolerance)
     return (
         tuple(named_twist(solution, row) for row in tidy_rows(twists)),
         tuple(named_wrench(solution, row) for row in tidy_rows(wrenches)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from symkin.model.closure import Closure
 from symkin.singularities.motion_ranks import Ranks
+from symkin.singularities.output import Output
 
 _STANDING = {
     "type 1": "freedoms of the actuated joints with the platform at rest",
@@ -13,13 +14,15 @@ _STANDING = {
 """What a mechanism has of each kind at every configuration."""
 
 
-def notes_on(closure: Closure, ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
+def notes_on(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None = None) -> tuple[str, ...]:
     """Sentences on what is not looked for or counted, and where the freedoms differ from those elsewhere."""
     mechanism, full = closure.mechanism, sum(c.freedom for c in closure.role("pose"))
     notes = []
     if mechanism.motion != "spatial":
         notes.append(f"the platform's motion is declared {mechanism.motion}: constraint singularities are not looked for")
-    if mechanism.serial and generic.outputs < full:
+    if output is None and not mechanism.serial and generic.outputs < full:
+        notes.append(_of_few_freedoms(generic.outputs, full))
+    if output is None and mechanism.serial and generic.outputs < full:
         notes.append(_of_short_arm(len(mechanism.actuated), generic.outputs, full))
     if generic.inputs < len(mechanism.actuated):
         notes.append(f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent")
@@ -43,5 +46,12 @@ def _of_short_arm(joints: int, freedoms: int, full: int) -> str:
     return (
         f"with {joints} joint{'' if joints == 1 else 's'} the tool has {freedoms} of {full} freedoms: type 1 means that joints move "
         "while position and orientation of the tool both stand; where only its position loses a direction, as a stretched arm's "
-        "may, is not named"
+        "may, is not named without an output, such as --output x,y,z"
+    )
+
+
+def _of_few_freedoms(freedoms: int, full: int) -> str:
+    return (
+        f"the platform has {freedoms} of {full} freedoms; type 1 and type 2 are about its position and orientation together: joints that "
+        "turn it about a point at rest are no type 1; for a point or some coordinates name the output, such as --output x,y"
     )

@@ -8,6 +8,7 @@ a last tube in the direction of the branch, which is regular there (see `last_tu
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -62,6 +63,7 @@ class Station:
     y: np.ndarray
     slope: np.ndarray
     half: np.ndarray | None
+    sigma: float = math.nan
 
     @property
     def z(self) -> np.ndarray:
@@ -74,6 +76,16 @@ class Station:
     @property
     def is_regular(self) -> bool:
         return bool(np.isfinite(self.slope).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Passed:
+    """The end of a step: z at u of the interval after sample `row`, and the smallest singular value of dG/dz."""
+
+    row: int
+    u: float
+    z: np.ndarray
+    sigma: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +118,7 @@ class Walk:
     curves: list[Curve] = field(default_factory=list)
     is_clear: bool = False
     stop: BlockStop | None = None
+    passed: list[Passed] = field(default_factory=list)
 
     @staticmethod
     def begin(system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray) -> Walk:
@@ -118,6 +131,7 @@ class Walk:
         self.interval, self.curves = interval_of(self.system, self.trajectory, row), []
         y = np.append(self.station.z, 0.0)
         self.station = _station(self.interval, row, y, self.interval.evaluate(y)[1])
+        self._pass()
         if self.link is not None and not self.link.holds(self.station.half):
             self.stop = BlockStop("unproved", 0.0)
 
@@ -174,6 +188,13 @@ class Walk:
         if left > ACCEPTED * self.system.problem.closure.size:
             self.station = self._opening(before, self.station)
             self.stop = BlockStop("open", self.station.u, residual=left)
+        self._pass()
+
+    def _pass(self) -> None:
+        """Keep the station among those at which steps end."""
+        s = self.station
+        if math.isfinite(s.sigma):
+            self.passed.append(Passed(s.row, s.u, s.z, s.sigma))
 
     def _left_open(self, station: Station) -> float:
         """The largest closure error at a station (length unit), redundant rows and whole rotations included, and those that
@@ -232,7 +253,9 @@ def settled(interval: Interval, row: int, z: np.ndarray, u: float) -> Station:
 
 def _station(interval: Interval, row: int, y: np.ndarray, jacobian: np.ndarray) -> Station:
     slope = -least_squares(jacobian[:, :-1], jacobian[:, -1])
-    return Station(row, y, slope, interval.point(y, along_parameter(len(y)), jacobian))
+    singular = np.linalg.svd(jacobian[:, :-1], compute_uv=False) if len(y) > 1 and np.isfinite(jacobian).all() else np.zeros(0)
+    sigma = float(singular[-1]) if len(singular) == len(y) - 1 and len(singular) else math.nan
+    return Station(row, y, slope, interval.point(y, along_parameter(len(y)), jacobian), sigma)
 
 
 def along_parameter(n: int) -> np.ndarray:

@@ -21,6 +21,7 @@ from symkin.tracking.follow import Branch, Place, follow
 from symkin.tracking.formula import evaluate, is_formula
 from symkin.tracking.joint_limits import Limit, LimitWatch
 from symkin.tracking.meeting_modes import meeting_modes
+from symkin.tracking.nearest import nearest_place
 from symkin.tracking.track_result import Sample, Stop, Track, ground
 from symkin.tracking.track_start import check_start
 from symkin.tracking.trajectory import Trajectory, make_trajectory
@@ -110,11 +111,13 @@ def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes
     stop = _stop(trajectory, problem, branch, kept, name_modes)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)
+    near = nearest_place(branch, problem, trajectory)
     certified = branch.proved and (stop is None or stop.kind != "singular start")
     residual = max(s.residual for s in kept)
     return Track(
         trajectory, problem, tuple(kept), stop, certified, branch.followed, branch.steps, branch.tightest, residual,
         ground(branch, certified, residual, trajectory.mechanism.length_unit), time.perf_counter() - begin,
+        None if near is None else make_sample(trajectory, problem, near, None),
     )  # fmt: skip
 
 

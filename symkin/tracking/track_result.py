@@ -111,7 +111,8 @@ class Track:
     """One mode along a path. `stop` is None where the end was reached. `certified`: ball arithmetic has proved that all samples
     lie on one branch of solutions without a singularity, up to the end or to the turning point that is its first
     singularity, or the pose is a formula of the joints. `ground` says so in words. `followed_to` is the parameter up to which
-    steps lead, `steps` their count, of whose tubes images fill at most `tightest`."""
+    steps lead, `steps` their count, of whose tubes images fill at most `tightest`. `nearest` is the place nearest to a singularity
+    of the followed problem, between samples too (None where nothing is lost anywhere: the pose is a formula of the joints)."""
 
     trajectory: Trajectory
     problem: Problem
@@ -124,6 +125,16 @@ class Track:
     residual: float
     ground: str
     elapsed_s: float
+    nearest: Sample | None = None
+
+    @cached_property
+    def distances(self) -> dict[str, float]:
+        """Distances from singularities (see `Singularity.distances`) at `nearest`; empty where there is none."""
+        if self.nearest is None:
+            return {}
+        from symkin.singularities.singularity import classify
+
+        return classify(self.nearest.solution).distances
 
     @property
     def reached(self) -> bool:
@@ -155,9 +166,21 @@ class Track:
             "ground": self.ground,
             "followed_to": self.followed_to,
             "steps": self.steps,
+            "nearest": self._nearest_json(),
             "samples": [sample.to_json() for sample in self.samples],
             "elapsed_s": self.elapsed_s,
             "notes": list(trajectory.notes),
+        }
+
+    def _nearest_json(self) -> dict[str, Any] | None:
+        near = self.nearest
+        if near is None:
+            return None
+        return {
+            "parameter": near.parameter,
+            "time": near.time,
+            "smallest_singular_value": near.smallest,
+            "distances": self.distances,
         }
 
     def __str__(self) -> str:

@@ -14,24 +14,26 @@ if TYPE_CHECKING:
 
 def singularity_text(found: Singularity) -> str:
     """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
-    from symkin.singularities.singularity import CONDITIONS, KINDS
+    from symkin.singularities.singularity import CONDITIONS, KINDS, OUTPUT_KINDS
 
     mechanism = found.solution.mechanism
     head = ", ".join(found.kinds) + " singularity" if found.kinds else "no further singularity" if found.loose else "regular"
     names = f" ({', '.join(CONDITIONS[name] for name in found.conditions)})" if found.conditions else ""
-    lines = [_solution_text(found.solution), *_loose(found), f"{head}{names}"]
-    lines += [f"  {kind}: {KINDS[kind]}" for kind in found.kinds]
+    about = [] if found.output is None else [f"output: velocity {found.output}"]
+    lines = [_solution_text(found.solution), *about, *_loose(found), f"{head}{names}"]
+    what, meanings = ("platform", KINDS) if found.output is None else ("output", OUTPUT_KINDS)
+    lines += [f"  {kind}: {meanings[kind]}" for kind in found.kinds]
     distances = ", ".join(f"{kind} {plain(value):.3g}{_beyond(found, kind)}" for kind, value in found.distances.items())
     lines.append(f"distance (0 singular; rows of unit length, angles times the size {mechanism.size:.6g}): {distances}")
     lines.append(
-        f"direct map, joint rates to twist: condition {found.condition:.4g}, manipulability {found.manipulability:.4g}; "
+        f"direct map, joint rates to {'twist' if found.output is None else 'output'}: condition {found.condition:.4g}, manipulability {found.manipulability:.4g}; "
         f"inverse map {found.inverse_manipulability:.4g}"
     )
     free = "constraint" in found.kinds and "type 2" not in found.kinds
     held = "with the actuated joints free" if free else "with the actuated joints held"
     lines += [f"platform motion {held}: {screw}" for screw in found.twists]
     lines += [f"borne without the actuated joints: {screw}" for screw in found.wrenches]
-    lines += [f"joint rates with the platform at rest: {_rates(rates)}" for rates in found.inputs]
+    lines += [f"joint rates with the {what} at rest: {_rates(rates)}" for rates in found.inputs]
     lines += [f"note: {note}" for note in (*found.solution.notes, *found.notes)]
     return "\n".join(lines)
 
@@ -41,7 +43,9 @@ def _loose(found: Singularity) -> list[str]:
     if not found.loose:
         return []
     freedoms = f"{found.loose} freedom{'' if found.loose == 1 else 's'}"
-    return [f"singular everywhere: with all actuated joints held the platform keeps {freedoms} at every configuration"]
+    return [
+        f"singular everywhere: with all actuated joints held the {'platform' if found.output is None else 'output'} keeps {freedoms} at every configuration"
+    ]
 
 
 def _beyond(found: Singularity, kind: str) -> str:
@@ -58,6 +62,7 @@ def singularity_json(found: Singularity) -> dict[str, Any]:
         "length_unit": mechanism.length_unit,
         "angle_unit": mechanism.angle_unit,
         "size": mechanism.size,
+        "output": None if found.output is None else found.output.to_json(),
         "configuration": found.solution.to_json(),
         "kinds": list(found.kinds),
         "conditions": list(found.conditions),

@@ -28,8 +28,16 @@ def track_text(track: Track) -> str:
             "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
             f"size {mechanism.size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
         )
+    if track.nearest is not None:
+        lines.append(_nearest(track, track.nearest))
     lines += [track.statement, f"ground: {track.ground}", *track.trajectory.notes]
     return "\n".join(lines)
+
+
+def _nearest(track: Track, near: Sample) -> str:
+    """How near the path comes to a singularity, between samples too."""
+    distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in track.distances.items())
+    return f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {plain(near.smallest, 1.0):.3g}; distance: {distances}"
 
 
 def _aligned(rows: list[list[str]]) -> list[str]:
