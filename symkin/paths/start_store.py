@@ -47,7 +47,7 @@ from symkin.paths.universal_start import machine_start, universal_start
 from symkin.paths.values import algebraic_point, coordinate_scale, known_values
 from symkin.position.given import Given
 from symkin.position.levenberg import Progress
-from symkin.position.mobility import closed_configurations
+from symkin.position.mobility import analyse_mobility, closed_configurations
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.rank import Rank
