@@ -69,12 +69,19 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
 @contextmanager
 def not_waiting() -> Iterator[None]:
     """In this block the thread waits for no value that another thread computes: for blocks that hold a lock."""
-    before = _is_waiting()
-    _this_thread.waits = False
+    before = set_waiting(waits=False)
     try:
         yield
     finally:
-        _this_thread.waits = before
+        set_waiting(waits=before)
+
+
+def set_waiting(*, waits: bool) -> bool:
+    """Whether this thread waits for values that others compute, from now on; what held before. For `not_waiting`, and where
+    that is called too often to be a generator."""
+    before = _is_waiting()
+    _this_thread.waits = waits
+    return before
 
 
 _this_thread = threading.local()

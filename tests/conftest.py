@@ -33,3 +33,9 @@ def heard_interrupts():
     former = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, former)
+
+
+@pytest.fixture(autouse=True)
+def no_lines_on_slow_machines(monkeypatch):
+    """Commands say what they do after some seconds, which tests that want an empty stderr need not wait for."""
+    monkeypatch.setattr("symkin.commands.progress._FIRST", 600.0)

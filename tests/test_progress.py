@@ -17,8 +17,9 @@ def _lines(capsys, monkeypatch, work):
     return capsys.readouterr()
 
 
-def test_short_work_says_nothing(capsys):
+def test_short_work_says_nothing(capsys, monkeypatch):
     """A word comes after some seconds only."""
+    monkeypatch.setattr(progress, "_FIRST", 5.0)
     with progress.progress_bar("solutions") as show:
         show(1, 2)
     assert capsys.readouterr() == ("", "")

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-_FIRST, _EVERY = 3.0, 15.0
+_FIRST, _EVERY = 5.0, 15.0
 """Seconds before the first line off a terminal, and between two lines that say the same."""
 Show = Callable[[int, int], None]
 

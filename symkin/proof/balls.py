@@ -10,15 +10,15 @@ F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithm
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ContextDecorator
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import casadi as ca
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
-from symkin.caching import cached_property, not_waiting
+from symkin.caching import cached_property, set_waiting
 from symkin.model.graph import instructions, rebuilt
 
 Number = Any
@@ -63,16 +63,28 @@ _context = threading.RLock()
 """Held by the thread that works with balls: their precision belongs to the process."""
 
 
-@contextmanager
-def precision(bits: int) -> Iterator[None]:
+class precision(ContextDecorator):  # noqa: N801  # called as a function
     """Work at that many bits, one thread at a time; the caller's precision comes back."""
-    with _context, not_waiting():
-        before = ctx.prec
-        ctx.prec = bits
-        try:
-            yield
-        finally:
-            ctx.prec = before
+
+    __slots__ = ("_before", "_waited", "bits")
+
+    def __init__(self, bits: int) -> None:
+        self.bits = bits
+
+    def _recreate_cm(self) -> precision:
+        """A decorated function may be called by threads: each call has its own."""
+        return precision(self.bits)
+
+    def __enter__(self) -> None:
+        _context.acquire()
+        self._waited = set_waiting(waits=False)
+        self._before = ctx.prec
+        ctx.prec = self.bits
+
+    def __exit__(self, *_: object) -> None:
+        ctx.prec = self._before
+        set_waiting(waits=self._waited)
+        _context.release()
 
 
 def upper(x: Number) -> float:
