@@ -30,6 +30,7 @@ from symkin.firmware.options import Options
 from symkin.model.file import parse
 from symkin.model.names import identifier, identifiers
 from symkin.motion.jacobian import jacobian
+from symkin.sweeps.layout import labels
 from symkin.text import c_comment, docstring_line, latex_text, markdown, markdown_block, markdown_code, matplotlib_text
 
 Z = (0.0, 0.0, 1.0)
@@ -233,6 +234,8 @@ def test_names_that_c_reserves_are_refused_where_c_is_written(name, tmp_path):
 
 @pytest.mark.parametrize("name", ["con", "PRN", "aux", "nul", "COM1", "lpt9"])
 def test_devices_of_windows_are_no_names_of_mechanisms(name):
+    """Nor of the folders of a sweep's arrays, which joints are called after."""
+    assert labels([name, f"{name}.1", "conrod"]) == [f"joint.{name}", f"joint.{name}.1", "conrod"]
     with pytest.raises(MechanismError, match=f"{name}.*Windows"):
         replace(arm(), name=name)
 

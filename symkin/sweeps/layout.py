@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.closure import build_closure
+from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
 from symkin.sweeps.found import joint_labels
 from symkin.sweeps.plan import Plan
@@ -27,7 +28,8 @@ def labels(names: Sequence[str]) -> list[str]:
     found: list[str] = []
     for name in names:
         clean = "".join(c if c.isalnum() or c in "._-" else "_" for c in name)
-        label = name if clean == name and name not in RESERVED and name[0].isalpha() else f"joint.{clean}"
+        plain = clean == name and name not in RESERVED and name[0].isalpha() and not is_device(name)
+        label = name if plain else f"joint.{clean}"
         while label in found:
             label += "_"
         found.append(label)
