@@ -15,6 +15,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from, pose_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Progress
+from symkin.position.mobility import implied_motion
 from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
@@ -80,6 +81,8 @@ def _modes(
             blocks, notes = [one_by_one(problem, given, starts, rng, solver, progress)], ()
         name = chosen if solver == "batched" else f"{chosen} {solver}"
         found = _result(problem, given, blocks, name, seed, notes)
+        if chosen == "continuation" and found.completeness == "sampled":
+            found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
@@ -188,6 +191,17 @@ def _proof_notes(blocks: list[Roots]) -> list[str]:
 
 def _unseen(blocks: list[Roots]) -> float:
     return prod(len(b.points) + b.unseen for b in blocks) - prod(len(b.points) for b in blocks)
+
+
+def _motion_notes(problem: Problem) -> list[str]:
+    """Which motion, declared, removes the conditions that poses of a platform declared spatial must satisfy."""
+    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
+    if motion is None:
+        return []
+    return [
+        f"its joints leave the platform a {motion} motion: with motion = {motion!r} in [platform] poses need not satisfy "
+        "conditions, and the list of that motion's solutions is complete"
+    ]
 
 
 def _continuum_note(problem: Problem, block: Roots) -> str:

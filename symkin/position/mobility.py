@@ -115,6 +115,23 @@ def fewer_rows(mobility: Mobility) -> tuple[Motion, int] | None:
     return best if best is not None and best[1] < mobility.redundant else None
 
 
+def implied_motion(mechanism: Mechanism) -> Motion | None:
+    """The motion of a platform declared spatial that its joints leave it anyway, each pose coordinate free: declared, no pose has
+    to satisfy conditions. None where there is none, so that what moves is no group of motions, or tied within one."""
+    if mechanism.serial or mechanism.motion != "spatial":
+        return None
+    spatial = analyse_mobility(mechanism)
+    for motion in MOTIONS:
+        restricted = mechanism if motion == "spatial" else replace(mechanism, motion=motion)
+        coordinates = sum(c.freedom for c in build_closure(restricted).role("pose"))
+        if motion == "spatial" or coordinates != spatial.mobility:
+            continue
+        found = analyse_mobility(restricted)
+        if found.closed and found.mobility == spatial.mobility:
+            return motion
+    return None
+
+
 def whole_system(closure: Closure) -> System:
     """The closure with every coordinate unknown."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)

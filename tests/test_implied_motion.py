@@ -1,0 +1,62 @@
+"""A spatial file whose poses must satisfy conditions is told which motion, declared, gives the complete list."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
+from symkin import Joint, Limb, Mechanism
+from symkin.position.mobility import implied_motion
+
+
+def three_upu() -> Mechanism:
+    """Tsai's 3-UPU: in each limb the outer axes of the universal joints are parallel, and so are the inner ones."""
+    limbs = []
+    for k, angle in enumerate(np.radians([0, 120, 240]), start=1):
+        r, t = np.array([math.cos(angle), math.sin(angle), 0.0]), (-math.sin(angle), math.cos(angle), 0.0)
+        foot, head = 200 * r, 80 * r + [0, 0, 300.0]
+        along = (head - foot) / np.linalg.norm(head - foot)
+        inner = tuple(np.cross(t, along))
+        joints = [
+            Joint(f"u{k}", "U", tuple(foot), axis=t, axis2=inner),
+            Joint(f"p{k}", "P", tuple(foot), axis=tuple(along), actuated=True),
+            Joint(f"v{k}", "U", tuple(head), axis=inner, axis2=t),
+        ]
+        limbs.append(Limb(f"limb{k}", joints))
+    return Mechanism("three_upu", limbs, platform_position=(0.0, 0.0, 300.0))
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "motion"),
+    [
+        (three_upu(), "translation"), (three_rrr(), "planar"), (replace(delta(), motion="spatial"), "translation"),
+        (readme_five_bar(), None), (four_bar()[0], None), (three_rps(), None), (symkin.load("zhang2009"), None), (three_rrr("planar"), None),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)  # fmt: skip
+def test_the_motion_is_the_one_that_leaves_every_coordinate_free(mechanism, motion) -> None:
+    """Platforms that move in a whole group of motions have one; those whose coordinates are tied have none."""
+    assert implied_motion(mechanism) == motion
+
+
+def test_declared_the_named_motion_gives_the_complete_list() -> None:
+    """Where the inverse problem is sampled, a note names the motion, with which the same pose's list is complete."""
+    mechanism, pose = three_rrr(), [5.0, 3.0, 0.0, 1, 0, 0, 0]
+    found = symkin.modes(mechanism, pose=pose)
+    declared = symkin.modes(replace(mechanism, motion="planar"), pose=pose)
+    assert declared.completeness in ("proved", "probability one")
+    assert len(declared) == len(found) == 8
+    named = [note for note in found.notes if "motion = 'planar' in [platform]" in note]
+    assert bool(named) == (found.completeness == "sampled")
+
+
+def test_tied_poses_are_not_told_of_a_motion() -> None:
+    """The five-bar's platform has two freedoms of a planar motion's three: no declared motion removes its condition."""
+    mechanism = readme_five_bar()
+    found = symkin.modes(mechanism, pose=symkin.solve(mechanism, joints=[10, -10]).solution.pose)
+    assert not [note for note in found.notes if "in [platform]" in note]
