@@ -197,7 +197,7 @@ def test_every_sequence_is_named_and_different():
 @pytest.mark.parametrize(("sequence", "rows"), [("YXZ", 600), ("zyz", 60)])
 def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     """600 or 60 rows of joints and poses, truth and sequence hidden: the whole geometry of a platform from joint centres a tenth
-    of the size wrong, and the sequence, clear of the runner-up."""
+    of the size wrong (which is another machine, and said to be expected), and the sequence, clear of the runner-up."""
     true = symkin.load("zhang2009")
     rng = np.random.default_rng(21)
     workspace = Workspace.about(true)
@@ -218,7 +218,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     assert choice.sequence == sequence
     assert choice.clear
     assert choice.runner_up_chi_square > 100 * choice.chi_square
-    report = fit_file(wrong, data)
+    report = fit_file(wrong, data, any_machine=True)
     assert report.believable, report.verdict
     assert report.fit.rank == 42
     closure = symkin.model.closure.build_closure(true)
