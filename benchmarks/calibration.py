@@ -1,18 +1,23 @@
 """Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy; and of an
 arm with nearly parallel axes by tool positions: the written file's chi-square against scipy's minimum.
 
-    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|parallel|time]
+    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|parallel|time|size]
+        [--rows 100000]
 
 Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not. Time is processor time of the
 whole fit from nominal, direct problems included, building left out, against scipy's least_squares(method="lm") with finite
 differences over a direct solver that treats all postures at once in NumPy and goes on from its last solution (warm), or
-begins at the home pose at every call (cold). scipy is needed for the time and for the arm only.
+begins at the home pose at every call (cold). scipy is needed for the time and for the arm only. Size is the largest memory that
+one run of `symkin calibrate fit` takes, from reading the file to writing the report, of a hexapod with positions and
+orientations read, in a process of its own each.
 """
 
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,6 +28,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import parallel_arm
+from tracker import Hexapod
 
 import symkin
 from inclinometer import (
@@ -312,11 +318,62 @@ def report_time(lines: Lines, seed: int) -> None:
                 )
 
 
+# --- size ----------------------------------------------------------------------------------------------------------
+
+
+def write_poses(path: Path, rows: int, seed: int) -> None:
+    """A file of leg readings and measured poses of a hexapod near `Hexapod.nominal`."""
+    rng = np.random.default_rng(seed)
+    posed = Hexapod.nominal().spoilt(rng).postures(rows, rng)
+    angles = np.array(
+        [[np.arctan2(r[1, 0], r[0, 0]), -np.arcsin(r[2, 0]), np.arctan2(r[2, 1], r[2, 2])] for r in posed.rotations]
+    )
+    table = np.column_stack(
+        [posed.joints, posed.positions + 0.02 * rng.normal(size=(rows, 3)), angles + 1e-4 * rng.normal(size=(rows, 3))]
+    )
+    header = [*(f"leg{k}[mm]" for k in range(1, 7)), "x[mm]", "y[mm]", "z[mm]", *(f"euler_ZYX_{k}[rad]" for k in (1, 2, 3))]
+    with path.open("w") as file:
+        file.write(",".join(header) + "\n")
+        file.writelines(",".join(map(repr, map(float, row))) + "\n" for row in table)
+
+
+FIT_AND_MEASURE = """
+import resource, sys, time
+from symkin.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit as ended:
+    print("peak", ended.code or 0, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, time.process_time())
+"""
+
+
+def peak_of_fit(folder: Path, rows: int, seed: int) -> tuple[float, float]:
+    """Megabytes and seconds of processor time of one fit in a process of its own."""
+    (folder / "hexapod.toml").write_text(Hexapod.nominal().mechanism().to_toml())
+    write_poses(folder / f"{rows}.csv", rows, seed)
+    arguments = ["calibrate", "fit", str(folder / "hexapod.toml"), str(folder / f"{rows}.csv"), "-o", str(folder / f"out{rows}")]
+    arguments += ["--sigma-position", "0.02mm", "--sigma-orientation", "1e-4rad", "--outliers", "ignore"]
+    ran = subprocess.run([sys.executable, "-c", FIT_AND_MEASURE, *arguments], capture_output=True, text=True, check=True)
+    _, status, megabytes, seconds_taken = ran.stdout.splitlines()[-1].split()
+    if status != "0":
+        raise SystemExit(f"the fit of {rows} rows ended with status {status}: {ran.stdout[:300]}")
+    return float(megabytes), float(seconds_taken)
+
+
+def report_size(lines: Lines, seed: int, rows: int) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        (small, _), (large, taken) = (peak_of_fit(Path(folder), n, seed) for n in (rows // 5, rows))
+    lines.add(f"{rows} postures with poses: largest memory of the fit [MB]", f"{large:.0f}", "below 1000", large < 1000.0)
+    lines.add(f"{rows} over {rows // 5} postures: memory", f"{large / small:.2f}", "at most 5", large <= 5.0 * small)
+    lines.add(f"{rows} postures: processor time [s]", f"{taken:.0f}")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time"])
+    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time", "size"])
+    parser.add_argument("--rows", type=int, default=100_000)
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.trials} trials")
     lines = Lines()
@@ -327,6 +384,7 @@ def main() -> int:
         "outliers": lambda: report_outliers(lines, options.seed, options.trials),
         "parallel": lambda: report_parallel(lines, options.seed),
         "time": lambda: report_time(lines, options.seed),
+        "size": lambda: report_size(lines, options.seed, options.rows),
     }
     for name, part in parts.items():
         if options.part in (None, name):

@@ -28,6 +28,8 @@ from symkin.errors import InputError
 _ASKED = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(%?)\s*")
 _OUTLIERS = 0.2
 """Share of the held-out postures that may be outliers, one by one; where more are off, the prediction is."""
+_NEIGHBOURS = 2000
+"""Fitted postures, spread evenly, among which neighbours are sought."""
 _LEVEL = 0.02
 """Share of right predictions of which a posture is called an outlier."""
 
@@ -93,7 +95,9 @@ def draw(measurements: Measurements, count: int, seed: int) -> np.ndarray:
 def predict(fit: Calibration, measurements: Measurements, seed: int) -> HeldOut:
     """What a fit says of held-out postures, whose direct problems begin at their neighbours' solutions."""
     model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
-    near = [int(np.argmin(np.sum((fit.problem.measurements.joints - row) ** 2, axis=1))) for row in measurements.joints]
+    fitted = np.unique(np.linspace(0, len(fit.state.z) - 1, _NEIGHBOURS).astype(int))
+    known = fit.problem.measurements.joints[fitted]
+    near = fitted[[int(np.argmin(np.sum((known - row) ** 2, axis=1))) for row in measurements.joints]]
     postures = solve_postures(model, measurements, p, z=fit.state.z[near], seed=seed)
     unsolved = tuple(measurements.labels[int(k)] for k in np.flatnonzero(~postures.solved))
     some, z = measurements.subset(postures.solved), postures.z[postures.solved]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -252,8 +253,8 @@ class FitReport:
             lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _LARGEST)}")
         return lines
 
-    def to_json(self) -> dict[str, Any]:
-        """All of it; lengths in the mechanism's unit, angles in its angle unit."""
+    def to_json(self, *, residuals: bool = True) -> dict[str, Any]:
+        """All of it, or without `residuals`; lengths in the mechanism's unit, angles in its angle unit."""
         fit, m = self.fit, self.fit.mechanism
         found = fit.identifiability
         labels = fit.measurements.labels
@@ -287,11 +288,6 @@ class FitReport:
                 "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
                 "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max())),
             },
-            "residuals": [
-                {"posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": m.angle_out(r.value) if r.kind in ANGULAR else r.value,
-                 "normalised": _finite(r.normalised)}
-                for r in fit.residuals
-            ],
             "held_out": None if self.held_out is None else {
                 "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
                 "degrees": self.held_out.degrees, "p_value": _finite(self.held_out.p_value),
@@ -300,7 +296,24 @@ class FitReport:
                 "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved),
             },
             "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
+            "residuals": list(self.residual_rows()) if residuals else [],
         }  # fmt: skip
+
+    def residual_rows(self) -> Iterator[dict[str, Any]]:
+        """The residuals in JSON, one by one."""
+        labels, out = self.fit.measurements.labels, self.fit.mechanism.angle_out
+        for r in self.fit.residuals:
+            value = out(r.value) if r.kind in ANGULAR else r.value
+            yield {
+                "posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": value, "normalised": _finite(r.normalised)
+            }  # fmt: skip
+
+    def json_text(self) -> bytes:
+        """`to_json` as a file's content, residuals a line each: of many postures their objects would take more room than all else."""
+        head = json.dumps(self.to_json(residuals=False), indent=1, allow_nan=False)
+        begin, _, end = head.rpartition("[]")
+        rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.residual_rows())
+        return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"
 
     def to_markdown(self, files: Sequence[Path]) -> str:
         """The report; `files` are those that stand beside it, pictures among them."""

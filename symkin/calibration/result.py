@@ -35,7 +35,7 @@ class Parameter:
         return self.value - self.nominal
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Residual:
     """One reading less its model: posture number, kind and component; `value` in radians or the length unit (a group's
     from its mean), `normalised` over the deviation that the reading's own noise and the fit leave it."""

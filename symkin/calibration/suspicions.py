@@ -143,9 +143,11 @@ def misfit(mechanism: Mechanism, measurements: Measurements, frames: Sequence[st
     with np.errstate(all="ignore"):
         z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)
         p = frames_at(problem, np.nan_to_num(z), model.nominal, solved)
-        e = model.evaluate(np.nan_to_num(z), m.joints, p, problem.quaternions)
-        fit = linearise("means", problem.readings, np.nan_to_num(e.readings), np.zeros((*e.readings.shape, 1)))
-        squares = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
+        squares = np.zeros(len(m))
+        for rows, part in problem.parts:
+            e = model.evaluate(np.nan_to_num(z[rows]), part.measurements.joints, p, part.quaternions)
+            fit = linearise("means", part.readings, np.nan_to_num(e.readings), np.zeros((*e.readings.shape, 1)))
+            squares[rows] = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
     size = model.closure.size
     squares = np.where(solved, squares, problem.readings.values.shape[1] * size**2)
     return better_part(squares)

@@ -62,7 +62,7 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
         pictures["pose_sigma.png"] = png(pose_sigma_figure(report.fit, report.sigma))
     contents = {
         **pictures,
-        "report.json": (json.dumps(report.to_json(), indent=1, allow_nan=False) + "\n").encode(),
+        "report.json": report.json_text(),
         "report.md": report.to_markdown([Path(name) for name in pictures]).encode(),
     }
     if report.usable:
