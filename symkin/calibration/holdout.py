@@ -168,7 +168,7 @@ def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> n
 def _sizes(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
     """Root mean square of the errors of each kind, and of what noise and parameters let expect."""
     state, readings = evaluate(problem, fit.state.p, z, "means"), problem.readings
-    errors, by_p = state_residuals(problem, state), slopes(evaluate_readings(problem, state.p, state.z)) @ _root(fit)
+    errors, by_p = state_residuals(problem, state), slopes(evaluate_readings(problem, state)) @ _root(fit)
     noise = np.where(readings.taken, readings.sigma, 0.0) ** 2 + np.diagonal(joint_covariance(problem, state), axis1=1, axis2=2)
     variance = _spread(fit) * noise + np.sum(by_p**2, axis=2)
     found: tuple[dict[str, float], dict[str, float]] = ({}, {})

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
-from symkin.calibration.state import State, evaluate_readings, ideal_design, joint_covariance_at, slopes
+from symkin.calibration.state import State, evaluate_at, evaluate_readings, ideal_design, joint_covariance_at, slopes
 from symkin.calibration.steps import spectrum
 from symkin.position.rank import RANK_TOLERANCE
 
@@ -86,7 +86,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     residuals, own, whiten = np.zeros((*shape, 1)), np.zeros((*shape, 2)), np.zeros((*shape, shape[1]))
     columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
     for rows, part in problem.parts:
-        e = evaluate_readings(part, state.p, state.z[rows])
+        e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
         own[rows] = _group_columns(part.readings, whiten[rows])
         made, r = whiten[rows] @ (slopes(e) @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
@@ -112,7 +112,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
 
 def whitened(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
     """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
-    readings, e = problem.readings, evaluate_readings(problem, state.p, state.z)
+    readings, e = problem.readings, evaluate_readings(problem, state)
     whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
     both = np.concatenate([deviations(readings, e.readings)[:, :, None], slopes(e)], axis=2)
     both = _less_groups(readings, _group_columns(readings, whiten), whiten @ both)

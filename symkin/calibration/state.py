@@ -74,7 +74,12 @@ def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
 
 
-def evaluate_readings(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
+def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
+    """Closure and readings of a state, without the condensation."""
+    return evaluate_at(problem, state.p, state.z)
+
+
+def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
     """Closure and readings at (p, z), without the condensation; of a large problem only part by part."""
     return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
 
@@ -98,7 +103,7 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     sigma, model, joints = problem.measurements.sigma("joint"), problem.model, problem.measurements.joints
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
-    e = evaluate_readings(problem, p, z)
+    e = evaluate_at(problem, p, z)
     by_joint = e.readings_z @ solved_steps(e.rows_z, model.rows_by_joint(z, joints, p)) * sigma[:, None, :]
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
@@ -177,7 +182,7 @@ class LargeState(State):
     def follow(self, step: np.ndarray) -> np.ndarray:
         moved = np.empty_like(self.pending)
         for rows, part in self.problem.parts:
-            e = evaluate_readings(part, self.p, self.z[rows])
+            e = evaluate_at(part, self.p, self.z[rows])
             moved[rows] = -self.pending[rows] - solved_steps(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
         return moved
 
