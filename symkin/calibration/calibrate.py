@@ -35,8 +35,6 @@ _OTHER = {"nested": "lifted", "lifted": "nested"}
 _LONGER, _NEAR, _SMALL = 5, 3.0, 1e-3
 """An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many standard
 deviations, or below this share of the size where these are not known."""
-_DOUBTFUL = 2.0
-"""Chi-square per reading above which another way to the minimum is tried where some parameters are only told on the way."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
@@ -130,8 +128,8 @@ def _fit(
     if result.status == "max_iterations" and _is_near(part, result):
         longer = _estimate(part, result.state.z, method, _LONGER * limit, result.state.p)
         result = replace(longer, iterations=result.iterations + longer.iterations)
-    if result.status == "ok" and _is_doubtful(part, result):
-        result = _lower(result, descended(part, postures.z[postures.solved], p))
+    if result.status == "ok":
+        result = _lower(result, descended(part, postures.z[postures.solved], p, result))
     if result.null_space.shape[1]:
         result = least_change(part, result, "nested")
     if loss != "squared" and result.status == "ok":
@@ -157,11 +155,6 @@ def _is_near(problem: CalibrationProblem, result: Estimate) -> bool:
     """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
     scatter = float(np.sqrt(result.state.cost / problem.readings.count))
     return scatter < (_NEAR if problem.readings.known else _SMALL * problem.model.closure.size)
-
-
-def _is_doubtful(problem: CalibrationProblem, result: Estimate) -> bool:
-    """Whether noise does not explain what is left."""
-    return not problem.readings.known or result.state.cost > _DOUBTFUL * problem.readings.count
 
 
 def _lower(one: Estimate, other: Estimate | None) -> Estimate:

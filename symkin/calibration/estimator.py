@@ -93,18 +93,17 @@ def finish(problem: CalibrationProblem, result: Estimate, form: Form, covariance
     return Estimate(state, status, result.iterations + steps, descent.null_space)
 
 
-def descended(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Estimate | None:
-    """The minimum that the descent alone reaches from p and postures z; None where nothing was released on the way, which is
-    when the first iteration, with what is held there, may have led it into another valley."""
+def descended(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, result: Estimate) -> Estimate | None:
+    """The minimum that the descent alone reaches from p and postures z; None where nothing was released on the way to a `result`,
+    which is when the first iteration, with what is held there, may have led it into another valley."""
     if problem.form == "maximum likelihood":
         return None
     with np.errstate(all="ignore"):
         begin = settled(problem, p, z, problem.form, None)
         held = untold(problem, begin)
-        if begin.leftover is not None or held.shape[1] == 0:
+        if begin.leftover is not None or held.shape[1] <= result.null_space.shape[1]:
             return None
-        result = finish(problem, Estimate(begin, "ok", 0, held), problem.form)
-    return result if result.null_space.shape[1] < held.shape[1] else None
+        return finish(problem, Estimate(begin, "ok", 0, held), problem.form)
 
 
 @dataclass(eq=False)

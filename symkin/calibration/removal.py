@@ -28,6 +28,8 @@ _MAJORITY = 0.45
 """Largest share of the readings that may be taken out by the word of the others."""
 _TAILS, _FEW = 6.0, 0.01
 """Readings off by so many times the scale of the better half, more than this share of all, are no normal noise stated too small."""
+_AGREED = 2.0
+"""Scale of the better half, over the noise stated, from which another start is tried."""
 _WORSE = 2.0
 """A refit whose chi-square per reading is so many times that of the fit before it has lost its minimum."""
 
@@ -117,14 +119,11 @@ def _per_reading(found: Fitted) -> float:
 def _by_majority(fit: Fit, measurements: Measurements, found: Fitted, level: float, plain: Cleaned) -> Cleaned:
     """The fit without all that a robust fit leaves far off; the plain one where the errors are not gross, refused where they are and
     the rest does not fit either."""
-    model = found.problem.model
-    starts = [(found.result.state.p, found.result.state.z)]
-    begin, closed = newton_postures(
-        model, start_points(model, found.problem.measurements), found.problem.measurements.joints, model.nominal
-    )
-    if closed.all():
-        starts.append((model.nominal, begin))
-    trials = [robust_estimate(found.problem, p, z, "cauchy") for p, z in starts]
+    trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
+    if not trials[0].scale < _AGREED:
+        model, rows = found.problem.model, found.problem.measurements
+        begin, closed = newton_postures(model, start_points(model, rows), rows.joints, model.nominal)
+        trials += [robust_estimate(found.problem, model.nominal, begin, "cauchy")] if closed.all() else []
     trials = [t for t in trials if np.isfinite(t.scale)]
     best = min(trials, key=lambda t: t.scale, default=None)
     if best is None:

@@ -83,12 +83,12 @@ class FitReport:
         why = f"; {self.suspicions[0]}" if self.suspicions else ""
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
-        if self.fit.refused is not None:
-            return f"NOT USABLE: {self.fit.refused}{why}"
         if self.sigma.blind:
             return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
         if self.refusal is not None:
             return f"NOT USABLE: {self.refusal}{'' if why[2:] in self.refusal else why}"
+        if self.fit.refused is not None:
+            return f"NOT USABLE: {self.fit.refused}{why}"
         return "NOT BELIEVABLE: " + (self.suspicions[0] if self.suspicions else self._doubt())
 
     def _doubt(self) -> str:

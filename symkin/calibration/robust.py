@@ -20,8 +20,13 @@ _TUNING = {"huber": 1.345, "cauchy": 2.385}
 """Standard deviations from which a reading counts less, for EFFICIENCY with normal errors."""
 EFFICIENCY = 0.95
 """Variance of least squares over that of either robust loss, without outliers."""
-_ROUNDS, _STILL = 60, 1e-3
+_ROUNDS, _STILL = 40, 1e-3
 """Most fits of a robust estimate, which ends when no weight changes by more than this."""
+_SHORT = 15
+"""Most steps of each of these fits: the next goes on from there."""
+_HOPELESS, _TRIED, _FALLING = 30.0, 4, 0.8
+"""It ends, too, after so many fits where the scale is so many times the noise stated and no longer falls by this factor: no half
+of the readings agrees."""
 _MEDIAN = 1.4826
 """Standard deviation of a normal distribution over the median of its absolute values."""
 
@@ -53,16 +58,18 @@ def loss_note(loss: str) -> str:
 def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str) -> Robust:
     """The estimate with a robust loss from p and postures z."""
     known, state = problem.readings.known, evaluate(problem, p, z, "means")
-    here, steps, weight = problem, 0, np.ones_like(problem.readings.sigma)
-    for _ in range(_ROUNDS):
+    here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
+    for count in range(_ROUNDS):
         t = normalised(problem, here, state)
-        scale = _scale(t[problem.readings.taken], known=known)
+        before, scale = scale, _scale(t[problem.readings.taken], known=known)
+        if known and count > _TRIED and scale > max(_HOPELESS, _FALLING * before):
+            break
         fresh = weights(loss, t / scale)
         if np.max(np.abs(fresh - weight), initial=0.0) < _STILL and steps:
             break
         weight = fresh
         here = weighted(problem, weight)
-        result = estimate(here, state.z, p=state.p)
+        result = estimate(here, state.z, p=state.p, max_iterations=_SHORT)
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
     return Robust(Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.null_space), scale)
