@@ -32,7 +32,7 @@ def projected_gradient(mechanism, data):
     table = np.array([[getattr(row, key) for key in parallel_arm.KEYS] for row in mechanism.dh.rows])
     matrix = parallel_arm.slopes(table, data.joints).reshape(-1, 24) / parallel_arm.SIGMA
     gap = ((parallel_arm.positions(table, data.joints) - data.position) / parallel_arm.SIGMA).ravel()
-    left, singular, _ = np.linalg.svd(matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1e-3), full_matrices=False)
+    left, singular, _ = np.linalg.svd(matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1.0), full_matrices=False)
     return np.linalg.norm(left[:, singular > 1e-6].T @ gap)
 
 
