@@ -70,7 +70,7 @@ def test_an_arm_moves_the_same_by_far_points_and_by_near_ones():
 
 def test_the_modes_of_a_factory_arm_are_complete_and_certified():
     """They hold the joint values that gave the pose, each is certified, and no path is left."""
-    arm = factory_arm(3e-4, 4)
+    arm = factory_arm(1e-3, 4)
     q = np.array([20.0, -70.0, 80.0, 25.0, 40.0, 30.0])
     found = symkin.modes(arm, pose=symkin.solve(arm, joints=q).solution.pose)
     assert found.completeness in ("proved", "probability one")

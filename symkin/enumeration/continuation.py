@@ -105,6 +105,7 @@ def _block_roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
         complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(dyads_of(problem)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
+        missing=_missing(ends),
     )  # fmt: skip
 
 
@@ -124,6 +125,16 @@ def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
         f"of {6 + more} distances six have been solved, the others are met up to rounding",
     )
     return replace(found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason)
+
+
+def _missing(ends: Ends) -> str | None:
+    """Where generic solutions are that are no isolated ones of their own at these values."""
+    several = ends.singular.isolated & (ends.singular.multiplicity > 1)
+    met, sets = int(ends.singular.multiplicity[several].sum()), int(ends.singular.multiplicity[~ends.singular.isolated].sum())
+    parts = [f"{met} meet in {several.sum()} multiple one{'' if several.sum() == 1 else 's'}"] if met else []
+    parts += [f"{ends.at_infinity} are at infinity"] if ends.at_infinity else []
+    parts += [f"{sets} end on sets that are not isolated"] if sets else []
+    return f"of {ends.paths} generic complex solutions {', '.join(parts)} at these values" if parts else None
 
 
 def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from math import prod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, ma
 from symkin.position.starts import start_values
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
+
+if TYPE_CHECKING:
+    from symkin.proof.independent_rows import PartialProof
 
 MOST_STARTS = 1_000_000
 _NEARLY_CLOSED = 1e-4
@@ -155,6 +159,8 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
             f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
             'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
         )
+    texts += _ground_notes(problem, found)
+    texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
     counts = [b.complex_count for b in blocks]
     sampled = [b for b in blocks if b.hits is not None]
     return Modes(
@@ -186,6 +192,23 @@ def _proof_notes(blocks: list[Roots]) -> list[str]:
     return [
         *(f"at most {t}" for t in theorems if len(theorems) == 1 or "alone" not in t),
         *(f"not certified: {r}" for r in reasons),
+    ]
+
+
+def _names(block: Roots) -> str:
+    return ", ".join(c.name for c in block.system.unknowns)
+
+
+def _ground_notes(problem: Problem, found: list[Solution]) -> list[str]:
+    """What is proved of modes whose rows are redundant."""
+    grounds = [s.ground for s in found if s.ground is not None]
+    if not grounds:
+        return []
+    one, unit = grounds[0], problem.mechanism.length_unit
+    every = "each mode" if len(grounds) == len(found) else f"{len(grounds)} of the modes"
+    return [
+        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact point within "
+        f"{max(g.radius for g in grounds):.1e} {unit}, and no other row is more than {max(g.remaining for g in grounds):.1e} {unit} there"
     ]
 
 
@@ -243,7 +266,22 @@ def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int,
         return solution
     certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
     radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
-    return replace(solution, certified=certified, radius=radius)
+    ground = None if certified else _ground(blocks, parts)
+    return replace(solution, certified=certified, radius=radius, ground=ground)
+
+
+def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
+    """What is proved of a mode that is not certified, if something is proved of each of its parts."""
+    from symkin.proof.independent_rows import PartialProof
+
+    found = []
+    for roots, k in zip(blocks, parts, strict=True):
+        p = roots.proofs
+        if p is None or (not p.certified[k] and (not p.partial or p.partial[k] is None)):
+            return None
+        rows = int(roots.system.rows.shape[0])
+        found.append(PartialProof(rows, rows, float(p.radius[k]), 0.0) if p.certified[k] else p.partial[k])
+    return PartialProof.joined([part for part in found if part is not None])
 
 
 def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:

@@ -18,6 +18,7 @@ from symkin.position.system import System
 if TYPE_CHECKING:
     from symkin.proof.bounds import Bound
     from symkin.proof.certificate import Certificates
+    from symkin.proof.independent_rows import PartialProof
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,4 +74,13 @@ class Prover:
             theorem,
             found.distinct,
             next((reason for reason in found.reasons if reason), None) if None in pairs else None,
+            tuple(self._partial(z) if pair is None else None for z, pair in zip(real, pairs, strict=True)),
         )
+
+    def _partial(self, z: np.ndarray) -> PartialProof | None:
+        """What is proved of a root that has no certificate."""
+        from symkin.proof.exact import exact_known
+        from symkin.proof.independent_rows import prove_independent_rows
+
+        known = exact_known(self.problem, self.given.values)
+        return prove_independent_rows(self.whole, z, known, self.problem.closure.size)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.position.solution import ACCEPTED
 from symkin.position.system import System
+
+if TYPE_CHECKING:
+    from symkin.proof.independent_rows import PartialProof
 
 MOST_MODES = 20_000
 SINGULAR_ROOT = 1e6
@@ -22,13 +26,15 @@ _LOST = 1e-5
 class Proofs:
     """Of each real root: whether it is certified, and its radius (length unit; NaN without certificate). `theorem` names
     the bound that the certified roots reach, so that there are no others; `distinct` complex roots were certified and
-    proved to differ; `reason` why some real root is not certified."""
+    proved to differ; `reason` why some real root is not certified; `partial` what is proved of each all the same, where rows are
+    redundant (None for certified roots)."""
 
     certified: np.ndarray
     radius: np.ndarray
     theorem: str | None
     distinct: int
     reason: str | None
+    partial: tuple[PartialProof | None, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +44,7 @@ class Roots:
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
     both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
     `engine`: what has tracked the paths. `complex_sets`: paths ended on a set of complex roots that are not isolated.
+    `missing`: why there are fewer complex roots than generic ones.
     """
 
     system: System
@@ -52,6 +59,7 @@ class Roots:
     proofs: Proofs | None = None
     complex_sets: bool = False
     engine: str | None = None
+    missing: str | None = None
 
     @property
     def unseen(self) -> float:

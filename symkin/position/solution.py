@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -16,6 +16,9 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
+
+if TYPE_CHECKING:
+    from symkin.proof.independent_rows import PartialProof
 
 Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
 Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
@@ -41,7 +44,8 @@ class Solution:
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
     closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
-    the size; `hits` counts the starts that reached it.
+    the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
+    `certified`.
     """
 
     mechanism: Mechanism
@@ -54,6 +58,7 @@ class Solution:
     certified: bool | None = None
     radius: float | None = None
     notes: tuple[str, ...] = ()
+    ground: PartialProof | None = None
 
     @property
     def joints(self) -> dict[str, Any]:
@@ -102,6 +107,7 @@ class Solution:
             "condition": _finite(self.condition),
             "certified": self.certified,
             "radius": self.radius,
+            "ground": None if self.ground is None else asdict(self.ground),
             "within_limits": self.within_limits,
             "notes": list(self.notes),
         }

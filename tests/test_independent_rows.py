@@ -1,0 +1,54 @@
+"""Laws of what is proved where rows are redundant: never more than is true of the numbers given."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_dependent_poses import tied_platform
+
+import symkin
+
+
+def test_modes_of_redundant_rows_say_what_is_proved_of_them():
+    """No certificate, but an exact root of rows as many as their rank, and a bound of the others that holds of the residual."""
+    found = symkin.modes(symkin.load("zhao2000_links"))
+    for mode in found:
+        ground = mode.to_json()["ground"]
+        assert mode.certified is False
+        assert 0 < ground["independent"] < ground["rows"]
+        assert 0.0 < ground["radius"] < 1e-9
+        assert ground["remaining"] < 1e-9
+    assert any("independent rows" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(seed):
+    """A pose moved by d along a limb's first axis leaves a gap of d there, whatever that limb's joints do: rows that two joints
+    make zero leave it to the third."""
+    rng = np.random.default_rng(seed)
+    machine = tied_platform(False)
+    pose = symkin.solve(machine, joints=rng.uniform(-8, 8, 3)).solution.pose
+    away = 4e-10
+    for k in (1, 2):
+        angle = 2 * np.pi * k / 3
+        moved = np.asarray(pose.position) + away * np.array([-np.sin(angle), np.cos(angle), 0.0])
+        found = symkin.modes(machine, pose=[*moved, *pose.quaternion])
+        assert not any("projected" in note for note in found.notes)
+        grounds = [mode.ground for mode in found]
+        assert len(grounds) == 8
+        assert all(g is not None and away * 0.99 <= g.remaining + 2e-13 and g.remaining < 10 * away for g in grounds)
+
+
+def test_certified_modes_need_no_other_ground():
+    for mode in symkin.modes(symkin.load("zhang2009")):
+        assert mode.certified
+        assert mode.to_json()["ground"] is None
+
+
+def test_a_count_below_the_generic_one_says_where_the_others_are():
+    """A platform of 28 generic solutions, at a regular pose and where it is turned by a quarter."""
+    machine = symkin.load("zhang2009")
+    for pose in ([10, 20, 300, 1, 0, 0, 0], [0, 0, 250, np.sqrt(0.5), 0, 0, np.sqrt(0.5)]):
+        found = symkin.modes(machine, joints=symkin.solve(machine, pose=pose).solution.actuated)
+        told = [note for note in found.notes if "generic complex solutions" in note]
+        assert bool(told) == (found.complex_count < 28)
