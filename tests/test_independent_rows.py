@@ -52,3 +52,16 @@ def test_a_count_below_the_generic_one_says_where_the_others_are():
         found = symkin.modes(machine, joints=symkin.solve(machine, pose=pose).solution.actuated)
         told = [note for note in found.notes if "generic complex solutions" in note]
         assert bool(told) == (found.complex_count < 28)
+
+
+def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
+    """Not certified, and the bound that it states holds of every sample's residual within what the residual adds."""
+    machine = symkin.load("zhao2000_links")
+    first = symkin.modes(machine)[0]
+    begin = list(first.actuated)
+    end = [v + d for v, d in zip(begin, (0.5, -0.4, 0.3, 0.6), strict=True)]
+    track = symkin.track(machine, joints=[begin, end], start=first)
+    assert track.certified is False
+    assert "independent rows as unknowns vanish" in track.ground
+    bound = float(track.ground.split("no other row is more than ")[1].split()[0])
+    assert 0.0 < bound < 1e-8

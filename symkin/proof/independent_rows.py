@@ -63,13 +63,18 @@ def prove_independent_rows(system: AlgebraicSystem, z: np.ndarray, known: Sequen
 
 
 def independent_rows(system: AlgebraicSystem, z: np.ndarray, known: np.ndarray) -> tuple[int, ...]:
-    """As many rows as the rank at a point: one after another the row that is farthest from the span of those taken."""
+    """As many rows as the rank at a point, the most independent ones."""
     _, jacobian = system.linearise(z[:, None].astype(complex), known[:, None])
-    left, first = jacobian[0].copy(), 0.0
+    return most_independent(jacobian[0], system.width - bool(system.projective))
+
+
+def most_independent(matrix: np.ndarray, most: int) -> tuple[int, ...]:
+    """At most so many rows of a matrix: one after another the row that is farthest from the span of those taken."""
+    left, first = matrix.copy(), 0.0
     chosen: list[int] = []
-    while len(chosen) < system.width - bool(system.projective):
+    while len(chosen) < most and np.isfinite(left).all():
         lengths = np.linalg.norm(left, axis=1)
-        best = int(np.argmax(lengths)) if np.isfinite(lengths).all() else 0
+        best = int(np.argmax(lengths))
         first = first or float(lengths[best])
         if not lengths[best] > _RANK * max(first, 1e-300):
             break

@@ -20,6 +20,7 @@ from symkin.tracking.cubic import Curve
 from symkin.tracking.joint_limits import Limit, LimitWatch
 from symkin.tracking.last_tube import Arrival, arrival
 from symkin.tracking.path_system import PathSystem, coefficients, least_squares
+from symkin.tracking.redundant_rows import left_on_others
 from symkin.tracking.series_tube import series_tube
 from symkin.tracking.step_certificate import Interval, Tube
 from symkin.tracking.trajectory import Trajectory
@@ -104,7 +105,7 @@ class BlockStop:
 @dataclass(eq=False)
 class Walk:
     """One block's branch. `steps` counts tubes, of which images fill at most `tightest`; `link` is the last one, `curves` are
-    those of the present interval; `is_clear`: the last search has found no singular point ahead."""
+    those of the present interval; `left` bounds redundant rows at the ends of steps (length unit); `is_clear`: the last search has found no singular point ahead."""
 
     system: PathSystem
     trajectory: Trajectory
@@ -119,6 +120,7 @@ class Walk:
     is_clear: bool = False
     stop: BlockStop | None = None
     passed: list[Passed] = field(default_factory=list)
+    left: float = 0.0
 
     @staticmethod
     def begin(system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray) -> Walk:
@@ -180,6 +182,8 @@ class Walk:
         before, self.station = self.station, reached
         self.steps, self.link, self.tightest = self.steps + 1, tube, max(self.tightest, tube.tightness)
         self.curves.append(curve)
+        if not self.system.is_square:
+            self.left = max(self.left, left_on_others(self.interval, reached.y))
         met = self.watch.unknown(self.interval, curve)
         if met is not None:
             self.station = settled(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))

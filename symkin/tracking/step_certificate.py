@@ -26,7 +26,7 @@ from symkin.tracking.ball_matrices import balls, bounds, fixed_point, identity, 
 from symkin.tracking.cubic import Curve
 from symkin.tracking.path_system import PathSystem, coefficient_scales
 
-_BITS = 64
+BITS = 64
 _SPREAD = 2.0**-49
 """Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision leaves out at the samples."""
 _INSIDE = 0.99
@@ -70,7 +70,7 @@ class Interval:
 
     @cached_property
     def _prepared(self) -> list[Any]:
-        with precision(_BITS):
+        with precision(BITS):
             spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return self.system.balls.prepare(REAL, balls(self.c, spread))
 
@@ -85,7 +85,7 @@ class Interval:
     @cached_property
     def _prepared_second(self) -> list[Any]:
         function, constants = self.system.second
-        with precision(_BITS):
+        with precision(BITS):
             spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
@@ -98,7 +98,7 @@ class Interval:
         if inverse is None:
             return None
         _, extent = curve.hull
-        with precision(_BITS):
+        with precision(BITS):
             m = matrix(inverse)
             start = self._value(m, curve.at(0.5), curve.rounding)
             least = _least_box([half for half in ends if half is not None], len(extent))
@@ -119,7 +119,7 @@ class Interval:
         inverse = inverse_with(jacobian, direction)
         if inverse is None:
             return None
-        with precision(_BITS):
+        with precision(BITS):
             m = matrix(inverse)
             start = self._value(m, y, 0.0)
             step = np.array([upper(v) for v in start.entries()])
@@ -139,7 +139,7 @@ class Interval:
         inverse = inverse_with(self.evaluate(y)[1], direction)
         if inverse is None:
             return None
-        with precision(_BITS):
+        with precision(BITS):
             m = matrix(inverse)
             slope = self.system.balls.evaluate(1, balls(y, half), self._prepared)
             error = identity(len(y)) - m * arb_mat(m.ncols(), len(y), [*slope, *direction.tolist()])
@@ -153,7 +153,7 @@ class Interval:
         if inverse is None:
             return False
         n = len(direction)
-        with precision(_BITS):
+        with precision(BITS):
             m = matrix(inverse)
             there, bend = self._slopes(curve, tube.half)
             slope = there + bend * arb(0, 0.5 * curve.length * UP)

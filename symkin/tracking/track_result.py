@@ -210,7 +210,18 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the motion that removes some, where "
         f"there is one); in each of {steps} ball arithmetic shows at most one "
         f"solution for every input (margin {1 - branch.tightest:.2g}), and the residual, at most {residual:.1e} "
-        f"{length_unit}, that there is one"
+        f"{length_unit}, that there is one" + _left_on_others(branch, length_unit)
+    )
+
+
+def _left_on_others(branch: Branch, length_unit: str) -> str:
+    """What is proved of redundant rows at the ends of steps."""
+    left = max((walk.left for walk in branch.walks), default=0.0)
+    if not branch.steps or not math.isfinite(left):
+        return ""
+    return (
+        "; proved at the end of each step: as many independent rows as unknowns vanish at exactly one point there, and no other "
+        f"row is more than {left:.1e} {length_unit} at it"
     )
 
 
