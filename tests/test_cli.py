@@ -15,7 +15,7 @@ MODES_KEYS = {
     "mechanism", "problem", "given", "length_unit", "angle_unit", "modes", "poses", "complex_count", "completeness",
     "unresolved_paths", "smallest_residual", "method", "seed", "elapsed_s",
 }  # fmt: skip
-MODE_KEYS = {"pose", "joints", "residual", "condition", "certified", "radius", "within_limits", "notes"}
+MODE_KEYS = {"pose", "joints", "residual", "condition", "certified", "radius", "ground", "within_limits", "notes"}
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
