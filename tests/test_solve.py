@@ -309,10 +309,6 @@ def test_huge_values_end_in_a_status(solver, huge):
     """Starts, joints and poses beyond any reach: no warning, no solution that does not close, and JSON without Infinity."""
     mechanism = symkin.load("zhang2009")
     for given_ in ({"start": [huge, 2, 90, 0.8, 0.6, 0, 0]}, {"joints": [huge] * 6}, {"pose": [huge, 0, 0, 1, 0, 0, 0]}):
-        if huge > 1e150 and "joints" not in given_:  # the square of a coordinate overflows
-            with pytest.raises(InputError, match="too large"):
-                symkin.solve(mechanism, **given_, solver=solver, check=False)
-            continue
         result = symkin.solve(mechanism, **given_, solver=solver, check=False)
         json.dumps(result.to_json(), allow_nan=False)
         if result.solution is not None:

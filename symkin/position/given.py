@@ -20,10 +20,6 @@ _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
 
 
-_LONGEST = 1e150
-"""Length whose square is near the largest number of double precision, so that a distance cannot be computed."""
-
-
 @dataclass(frozen=True)
 class Given:
     """Known values of a problem: `values` in inside units, `echo` as the user gave them; `off_motion` is how far a
@@ -100,8 +96,6 @@ def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, floa
     reference = mechanism.reference_pose
     delta = multiply(pose.quaternion, conjugate(reference.quaternion))
     position, size = pose.position, mechanism.size
-    for axis, number in zip("xyz", position, strict=True):
-        _check_length(float(number), f"pose: {axis}")
     if mechanism.motion == "spatial":
         return np.concatenate([position, pose.quaternion]), 0.0
     turn = 2.0 * math.atan2(delta[3], delta[0])
@@ -119,12 +113,6 @@ def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, floa
             return np.array(position), size * whole
         case _:
             return np.array(pose.quaternion), float(np.max(away))
-
-
-def _check_length(number: float, what: str) -> None:
-    """Raises InputError for a length whose square overflows."""
-    if abs(number) > _LONGEST:
-        raise InputError(f"{what} = {number:g} is too large for double precision; allowed: {-_LONGEST:g} to {_LONGEST:g}")
 
 
 def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
