@@ -1,6 +1,5 @@
 """Laws of machines whose limbs are of unlike kinds, held against a closure in plain NumPy and its roots from random starts."""
 
-import math
 import sys
 import tomllib
 from pathlib import Path
@@ -10,6 +9,10 @@ import pytest
 
 import symkin
 from symkin import InputError, Joint, Limb, Mechanism
+from symkin.paths.quadratic_form import quadratic_form
+from symkin.paths.start_store import redundant_rows
+from symkin.paths.systems import system_of
+from symkin.position.problem import build_problem
 from symkin.position.solution import Modes, Solution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
@@ -121,16 +124,18 @@ def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
     assert np.allclose(found[0].actuated, values)
 
 
-def test_a_part_that_no_given_value_enters_is_solved():
-    """Limbs P S under schoenflies motion: the height is the reference's whatever the driven slide does."""
+def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows_and_no_quadratic_form():
+    """Limbs P S under schoenflies motion: two rows tell the height, whatever the driven slide does, and one is redundant;
+    the four rows of the other part are independent."""
     limbs = [
         Limb("a", [Joint("p1", "P", (0, 0, 0), (1, 1, 0)), Joint("s1", "S", (-40, -130, -95))]),
         Limb("b", [Joint("p2", "P", (0, 0, 0), (-1, -1, 0), actuated=True), Joint("s2", "S", (42, 131, -95))]),
     ]
-    machine = Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies")
-    found = symkin.modes(machine, joints=[-13.0])
-    assert len(found) == 2
-    assert all(math.isclose(mode.position[2], -180.0) for mode in found)
+    problem = build_problem(Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct")
+    height, plane = sorted(problem.blocks, key=lambda block: len(block.unknowns))
+    assert [c.name for c in height.unknowns] == ["pose.z"]
+    assert quadratic_form(system_of(problem, height)) is None
+    assert (redundant_rows(problem, height), redundant_rows(problem, plane)) == (1, 0)
 
 
 def test_firmware_is_refused_where_a_pose_leaves_a_limb_free(tmp_path):

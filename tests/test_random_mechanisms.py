@@ -15,7 +15,7 @@ from plain_closure import PlainMechanism
 from random_files import random_file, to_toml
 
 BENCHMARK = Path(__file__).resolve().parents[1] / "benchmarks" / "random_mechanisms.py"
-SEED, QUICK = 4, (5, 7, 9, 10, 12, 14, 17, 22, 23, 25, 26, 27, 31, 33, 36, 42, 44, 47, 49)
+SEED, QUICK = 4, (5, 7, 10, 12, 14, 17, 22, 23, 25, 26, 27, 31, 33, 36, 42, 44, 47, 49)
 """Mechanisms that take less than three seconds each, all families among them."""
 
 

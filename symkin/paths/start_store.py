@@ -202,7 +202,7 @@ def _by_monodromy(
     mobility = analyse_mobility(problem.mechanism)
     if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
         return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
-    rank = system.count - (_redundant_rows(problem, block) if problem.kind == "direct" else 0)
+    rank = system.count - (redundant_rows(problem, block) if problem.kind == "direct" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
@@ -227,7 +227,7 @@ def _by_monodromy(
     return None, "independent searches for the generic count disagree"
 
 
-def _redundant_rows(problem: Problem, block: System) -> int:
+def redundant_rows(problem: Problem, block: System) -> int:
     """Rows of a block less their rank at generic closed configurations, all coordinates free."""
     coordinates = (*block.unknowns, *problem.known_coordinates)
     system = System(

@@ -105,7 +105,8 @@ class BlockStop:
 @dataclass(eq=False)
 class Walk:
     """One block's branch. `steps` counts tubes, of which images fill at most `tightest`; `link` is the last one, `curves` are
-    those of the present interval; `left` bounds redundant rows at the ends of steps (length unit); `is_clear`: the last search has found no singular point ahead."""
+    those of the present interval; `passed` are the intervals behind; `left` bounds redundant rows at the ends of steps (length unit);
+    `is_clear`: the last search has found no singular point ahead."""
 
     system: PathSystem
     trajectory: Trajectory
