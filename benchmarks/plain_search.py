@@ -128,10 +128,13 @@ def closed_configurations(m: PlainMechanism, count: int, spread: float, rng: np.
     return np.asarray(x[m.residual(x) < 1e-12])
 
 
-def freedom_at(m: PlainMechanism, x: np.ndarray) -> int:
-    """Mobility at a configuration: motions of named coordinates and pose that the rows allow."""
+def freedom_at(m: PlainMechanism, x: np.ndarray) -> int | None:
+    """Mobility at a configuration: motions of named coordinates and pose that the rows allow. None where a singular value
+    between 1e-11 and 1e-5 of the largest leaves the rank open, as where every configuration is a multiple one."""
     j = m.closure(x[None])[1][0]
     _, s, right = np.linalg.svd(j, full_matrices=True)
-    rank = int(np.sum(s > 1e-8 * max(s[0], 1e-300))) if len(s) else 0
-    moving = right[rank:][:, m.tangent(named_places(m))]
+    share = s / max(s[0], 1e-300) if len(s) else s
+    if np.any((share > 1e-11) & (share < 1e-5)):
+        return None
+    moving = right[int(np.sum(share > 1e-8)) :][:, m.tangent(named_places(m))]
     return int(np.linalg.matrix_rank(moving, tol=1e-6)) if moving.size else 0
