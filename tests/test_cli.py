@@ -1,6 +1,7 @@
 """The command line: what it prints, its JSON, its exit status, and that every mistake is one line."""
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -143,11 +144,11 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: li
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["modes", "gluon_6l3", "--joints", "1e300,1e300,1e300,1e300,1e300,1e300"],
+        ["modes", "gluon_6l3", "--joints", "1e150,1e150,1e150,1e150,1e150,1e150"],
         ["modes", "gluon_6l3", "--joints", "1e15,0,0,0,0,0"],
         ["modes", "zhang2009", "--joints", "1e7,1e7,1e7,1e7,1e7,1e7", "--method", "multistart", "--starts", "200"],
-        ["modes", "zhang2009", "--pose", "1e160,0,100,1,0,0,0"],
-        ["solve", "zhang2009", "--start", "1e300,0,100,1,0,0,0"],
+        ["modes", "zhang2009", "--pose", "1e150,0,100,1,0,0,0"],
+        ["solve", "zhang2009", "--start", "1e150,0,100,1,0,0,0"],
     ],
     ids=" ".join,
 )
@@ -158,6 +159,21 @@ def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[st
     found = data["modes"] if "modes" in data else [data["solution"]] if data["solution"] else []
     size = symkin.load(data["mechanism"]).size
     assert all(mode["residual"] <= 1e-9 * size for mode in found)
+    assert data.get("smallest_residual") is None or math.isfinite(data["smallest_residual"])
+
+
+@pytest.mark.parametrize(("command", "option", "text"), [
+    ("solve", "--pose", "1e200,0,0,1,0,0,0"), ("modes", "--pose", "0,0,-1e151,1,0,0,0"), ("modes", "--joints", "1,1,1,1,1,1e300"),
+    ("solve", "--start", "1e155,0,0,1,0,0,0"), ("singularities", "--joints", "1e200,1,1,1,1,1"),
+])  # fmt: skip
+def test_numbers_whose_squares_overflow_are_refused(
+    capsys: pytest.CaptureFixture[str], command: str, option: str, text: str
+) -> None:
+    """Beyond 1e150 nothing can be computed: one sentence with the value and what is allowed, never "inf"."""
+    status, out, err = run(capsys, command, "zhang2009", option, text)
+    assert (status, out) == (2, "")
+    assert "too large to compute with; allowed: magnitudes up to 1e+150" in err
+    assert "inf" not in err.split(":")[-1]
 
 
 def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:

@@ -303,7 +303,7 @@ def test_the_driver_believes_no_solver(step):
             assert closes(mechanism, result.solution)
 
 
-@pytest.mark.parametrize("huge", [1e20, 1e100, 1e200])
+@pytest.mark.parametrize("huge", [1e20, 1e100, 1e150])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_huge_values_end_in_a_status(solver, huge):
     """Starts, joints and poses beyond any reach: no warning, no solution that does not close, and JSON without Infinity."""

@@ -19,6 +19,9 @@ from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_qu
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
 
+LARGEST_GIVEN = 1e150
+"""Largest magnitude of a given value, in the mechanism's units: the square of a larger one overflows a double."""
+
 
 @dataclass(frozen=True)
 class Given:
@@ -180,6 +183,10 @@ def _numbers(values: Sequence[float], what: str) -> list[float]:
             raise InputError(f"{what}: value {k} = {value!r} is not a number") from None
         if not math.isfinite(number):
             raise InputError(f"{what}: value {k} = {value!r} is not finite")
+        if abs(number) > LARGEST_GIVEN:
+            raise InputError(
+                f"{what}: value {k} = {number:g} is too large to compute with; allowed: magnitudes up to {LARGEST_GIVEN:g}"
+            )
         numbers.append(number)
     return numbers
 
