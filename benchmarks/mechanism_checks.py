@@ -1,6 +1,6 @@
 """Every verb on one mechanism file through the command line, each answer judged by the plain closure.
 
-A finding has a kind: "traceback" (anything on stderr but the one line of a refusal, a status that is not of the contract,
+A finding has a kind: "traceback" (anything on stderr but the one line of a refusal and those of progress, a status that is not of the contract,
 output that is no JSON), "lost mode" (the plain search finds a regular mode that a proved list, or one of probability one,
 has not), "wrong answer" (what does not close, is listed twice, ends on no mode, or differs from differences of the closure).
 """
@@ -72,6 +72,10 @@ class Run:
         return found
 
 
+_PROGRESS = re.compile(r"symkin: .+ \(\d+ s\)")
+"""A line of a command that takes long."""
+
+
 @dataclass
 class Checks:
     """One mechanism: its file, its plain closure, and what was found."""
@@ -107,7 +111,7 @@ class Checks:
         self.times[arguments[0]] = self.times.get(arguments[0], 0.0) + time.process_time() - begin
         key = f"{arguments[0]} {run.status}"
         self.statuses[key] = self.statuses.get(key, 0) + 1
-        lines = run.error.strip().splitlines()
+        lines = [line for line in run.error.strip().splitlines() if not _PROGRESS.fullmatch(line)]
         if run.status == 2:
             if len(lines) != 1 or not lines[0].startswith("symkin: ") or run.out:
                 self.found("traceback", f"status 2 with {len(lines)} lines on stderr: {_short(run.error)}", run)
