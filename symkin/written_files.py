@@ -69,7 +69,10 @@ def check_own_file(path: Path, *, force: bool = False) -> None:
 
 def write_own_file(path: Path, text: str) -> None:
     """Write a text file and its digest. The digest comes first, beside that of the file that it replaces, so that a run which is
-    cut short leaves no file that counts as foreign."""
+    cut short leaves no file that counts as foreign. A device or a pipe holds nothing, and gets no digest."""
+    if path.exists() and not path.is_file():
+        replace_text(path, text)
+        return
     before = foreign_files(path.parent, [path.name], {}) and [digest(path.read_bytes())]
     made = digest(text.encode())
     _record(path, [made, *before])

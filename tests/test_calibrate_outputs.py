@@ -102,18 +102,18 @@ def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     from symkin.commands import calibrate_folder
 
     assert run(capsys, *FIT)[0] == 0
-    whole, left = calibrate_folder._replace, iter(range(4))
+    whole, left = calibrate_folder.write_output, iter(range(4))
 
     def replace(target, content):
         if next(left, None) is None:
             raise OSError(28, "No space left on device")
         whole(target, content)
 
-    monkeypatch.setattr(calibrate_folder, "_replace", replace)
+    monkeypatch.setattr(calibrate_folder, "write_output", replace)
     status, _, err = run(capsys, *FIT)
     assert status == 2
     assert "No space left" in err
-    monkeypatch.setattr(calibrate_folder, "_replace", whole)
+    monkeypatch.setattr(calibrate_folder, "write_output", whole)
     assert run(capsys, *FIT)[0] == 0
 
 

@@ -10,6 +10,7 @@ import pytest
 import symkin
 from laws import chain
 from symkin.paths.six_revolute import universal_arm, universal_start
+from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import quaternion_from_matrix
 
 ROWS = [(162.5, 0.0, 90), (0.0, -425.0, 0), (0.0, -392.2, 0), (133.3, 0.0, 90), (99.7, 0.0, -90), (99.6, 0.0, 0)]
@@ -93,3 +94,18 @@ def test_the_universal_start_of_six_revolute_joints_has_sixteen_different_roots(
     apart = np.exp(1j * start.z)
     gaps = np.max(np.abs(apart[:, :, None] - apart[:, None, :]), axis=0) + 10 * np.eye(16)
     assert gaps.min() > 1e-3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_joints_on_one_line_have_the_size_of_that_line(seed):
+    """Points of parallel axes that are one line could all be moved into one; the size is then not what rounding leaves of it."""
+    rng = np.random.default_rng(seed)
+    rows = [
+        symkin.DHRow(f"q{i}", "R", d=float(d), alpha=float(rng.choice([0.0, math.pi])))
+        for i, d in enumerate(rng.uniform(10.0, 90.0, 3))
+    ]
+    arm = symkin.serial_arm_from_dh("line", symkin.DHTable("standard", rows))
+    points = np.array([joint.point for _, joint in arm.joints])
+    longest = max(np.linalg.norm(a - b) for a in points for b in points)
+    assert arm.size == pytest.approx(longest, rel=1e-9)
+    assert analyse_mobility(arm).mobility == 3

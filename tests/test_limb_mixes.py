@@ -15,7 +15,7 @@ from symkin.paths.systems import system_of
 from symkin.position.problem import build_problem
 from symkin.position.solution import Modes, Solution
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from plain_closure import PlainMechanism
 from plain_search import features, solutions
 

@@ -10,7 +10,7 @@ import pytest
 
 import symkin
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from plain_closure import PlainMechanism
 from random_files import random_file, to_toml
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.calibration.direct import ROUGH, Postures, signs, solve_postures, start_points
+from symkin.calibration.descent import is_rounding
+from symkin.calibration.direct import ROUGH, Postures, newton_postures, signs, solve_postures, start_points
 from symkin.calibration.estimator import Estimate, descended, estimate
 from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
@@ -23,6 +24,7 @@ from symkin.calibration.removal import Cleaned, Near, cleaned
 from symkin.calibration.result import Calibration, Parameter, Residual
 from symkin.calibration.robust import LOSSES, loss_note, robust_estimate
 from symkin.calibration.starting import start_postures, started
+from symkin.calibration.state import evaluate
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.quiet import without_float_warnings
@@ -101,7 +103,7 @@ def _fit(
         numbers = np.flatnonzero(heard)
         return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~heard))
     problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
-    start = parameters_from_poses(problem.model, measurements) if near is None else near.p
+    start = _start_parameters(problem) if near is None else near.p
     p = problem.model.nominal if start is None else start
     postures = start_postures(problem, p, seed=seed) if near is None else _solved_near(problem, p, near, seed)
     if not postures.solved.any():
@@ -137,6 +139,19 @@ def _fit(
         notes.append(loss_note(loss))
     begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
     return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes), loss=loss)
+
+
+def _start_parameters(problem: CalibrationProblem) -> np.ndarray | None:
+    """Parameters that whole measured poses give by themselves; None without such poses, and where the file's own geometry gives the
+    readings to rounding, which nothing may then move."""
+    model, m = problem.model, problem.measurements
+    start = parameters_from_poses(model, m)
+    if start is None:
+        return None
+    with np.errstate(all="ignore"):
+        z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)
+        stays = bool(solved.all()) and is_rounding(problem, evaluate(problem, model.nominal, z, "means"))
+    return None if stays else start
 
 
 def _solved_near(problem: CalibrationProblem, p: np.ndarray, near: Near, seed: int) -> Postures:

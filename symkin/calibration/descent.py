@@ -58,11 +58,20 @@ def remaining(problem: CalibrationProblem, state: State, null_space: np.ndarray)
     return float(along @ along) / _unit(problem, state)
 
 
+def is_rounding(problem: CalibrationProblem, state: State) -> bool:
+    """Whether the residuals are no more than what arithmetic leaves, so that no step means anything."""
+    return state.cost <= problem.readings.count * _rounding(problem) ** 2
+
+
 def _unit(problem: CalibrationProblem, state: State) -> float:
     """Variance that counts as one, not below what rounding leaves."""
     scatter = 1.0 if problem.readings.known else state.cost / max(problem.readings.count, 1)
-    lengths = problem.model.closure.size * float(np.max(problem.readings.weight, initial=0.0))
-    return max(scatter, (_ROUNDING * lengths) ** 2 / REMAINING, 1e-300)
+    return max(scatter, _rounding(problem) ** 2 / REMAINING, 1e-300)
+
+
+def _rounding(problem: CalibrationProblem) -> float:
+    """A residual that arithmetic leaves."""
+    return _ROUNDING * problem.model.closure.size * float(np.max(problem.readings.weight, initial=0.0))
 
 
 @dataclass(eq=False)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.descent import Descent, untold
+from symkin.calibration.descent import Descent, is_rounding, untold
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Condensed, Form
 from symkin.calibration.state import State, evaluate, ideal_design, joint_covariance, merit, restored, settled, stepped
@@ -78,11 +78,14 @@ def _minimise(
     if state.leftover is not None:
         state = settled(problem, p, z, form, covariance)
     null_space = null_directions(ideal_design(problem, state))
+    if is_rounding(problem, state):
+        return Estimate(settled(problem, p, z, form, covariance), "ok", 0, null_space)
     search = _Search(problem, form, covariance, method, null_space, state, state)
     status, iterations = search.run(limit)
     best = settled(problem, search.best.p, search.best.z, form, covariance)
     result = Estimate(best, status, iterations, null_space)
-    return finish(problem, result, form, covariance) if status == "ok" else result
+    there = status == "ok" or Descent(problem, form, covariance, best).is_minimum
+    return finish(problem, result, form, covariance) if there else result
 
 
 def finish(problem: CalibrationProblem, result: Estimate, form: Form, covariance: np.ndarray | None = None) -> Estimate:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.calibration.direct import solve_postures
 from symkin.calibration.estimator import estimate
 from symkin.calibration.measurements import Measurements

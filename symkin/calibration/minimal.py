@@ -8,10 +8,9 @@ is free at the nominal values only, parallel axes for instance, stays: the machi
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.calibration.direct import solved_steps
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import build_model

@@ -19,7 +19,7 @@ from symkin.calibration.outliers import Outlier, Screening, described, most_outl
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.residuals import deviations
 from symkin.calibration.robust import normalised, robust_estimate
-from symkin.calibration.state import evaluate, joint_covariance
+from symkin.calibration.state import evaluate, joint_covariance, readings_at
 from symkin.calibration.statistics import UNLIKELY, chi_square_tail
 
 _GROSS = 0.1
@@ -202,7 +202,7 @@ def _against(measurements: Measurements, found: Fitted, outliers: Sequence[Outli
         z, closed = newton_postures(problem.model, begin, measurements.joints, state.p, tolerance=1e2 * CLOSED)
         there = evaluate(problem, state.p, z, "means")
         noise = joint_covariance(problem, there)
-    gap = _less_means(problem, deviations(problem.readings, there.values.readings), outliers)
+    gap = _less_means(problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers)
     spread = 1.0 if problem.readings.known else _per_reading(found)
     return [_one(problem, gap, noise, o, spread) if closed[o.posture] else o for o in outliers]
 

@@ -84,6 +84,14 @@ def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Ev
     return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
 
 
+def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Readings (n, K) at (p, z), part by part."""
+    made = np.zeros(problem.readings.values.shape)
+    for rows, part in problem.parts:
+        made[rows] = evaluate_at(part, p, z[rows]).readings
+    return made
+
+
 def slopes(e: Evaluation) -> np.ndarray:
     """dh/dp (n, K, P) with the postures following."""
     return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]

@@ -28,6 +28,8 @@ from symkin.model.mechanism import Mechanism
 
 _AGREE = (1e-3, 1e-9)
 """Readings of file and fit agree within this share of their standard deviations, or of the size (angles: radians)."""
+_UNIT = (".axis", ".axis2", ".quaternion")
+"""Vectors that a mechanism file holds at unit length."""
 _BEYOND = 1e-9
 """Limits may be passed by this share of the size (angles: radians), which is rounding."""
 
@@ -48,11 +50,33 @@ def read_back(problem: CalibrationProblem, state: State) -> Written:
         table = nominal_parameters(found)
     except SymkinError as error:
         return Written(state, f"the file with the identified geometry cannot be read ({error})")
-    p = np.array([table[n][0] if is_writable(problem.mechanism, n) else values[n] for n in problem.names])
+    nominal = {name: float(value) for name, (value, *_) in nominal_parameters(problem.mechanism).items()}
+    read = {name: float(value) for name, (value, *_) in table.items()}
+    factors = _factors(nominal | values, read)
+    p = np.array(
+        [read[n] * factors.get(_vector(n), 1.0) if is_writable(problem.mechanism, n) else values[n] for n in problem.names]
+    )
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
         here = settled(problem, p, state.z, problem.form, noise)
         return Written(here, _difference(problem, state, found, values))
+
+
+def _vector(name: str) -> str:
+    """The vector of which a parameter is a component."""
+    return name.rpartition(".")[0]
+
+
+def _factors(fitted: dict[str, float], read: dict[str, float]) -> dict[str, float]:
+    """By how much the fit's directions and quaternions are longer than those of the file, which are of unit length: a set of
+    parameters may hold one of their components."""
+    vectors = {_vector(name) for name in read if _vector(name).endswith(_UNIT)}
+    factors = {}
+    for vector in vectors:
+        names = [name for name in read if _vector(name) == vector]
+        ours, theirs = (np.array([numbers[name] for name in names]) for numbers in (fitted, read))
+        factors[vector] = float(ours @ theirs) / float(theirs @ theirs)
+    return factors
 
 
 def _difference(problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]) -> str | None:

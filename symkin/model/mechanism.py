@@ -26,6 +26,8 @@ LENGTH_UNITS = ("m", "mm")
 ANGLE_UNITS = ("deg", "rad")
 _MUCH_LARGER = 3.0
 """Points along nearly parallel axes are moved where the described ones spread more than this many times as far."""
+_ROUNDING = 1e-9
+"""Placed points that are nearer to each other than this share of the described ones are one point to rounding."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,8 @@ class Mechanism:
         origin, placed = np.array(self.platform_position), dict(described)
         for limb in self.limbs:
             placed |= placed_points(limb, origin) if isinstance(limb, Limb) else {}
-        return placed if 0.0 < _MUCH_LARGER * self._spread(placed) < self._spread(described) else described
+        spread, much = self._spread(placed), self._spread(described)
+        return placed if _ROUNDING * much < spread and _MUCH_LARGER * spread < much else described
 
     @cached_property
     def size(self) -> float:

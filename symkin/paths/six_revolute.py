@@ -8,12 +8,12 @@ Liang 1988); they are tracked to any arm. Of special arms some run to infinity: 
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.platform import HomogeneousPose
 from symkin.paths.algebraic import AlgebraicSystem, complex_normal

@@ -5,11 +5,11 @@ tool on four joints): a pose written with few digits lies beside these poses and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.mobility import closed_configurations

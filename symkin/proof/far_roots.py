@@ -7,11 +7,10 @@ proof that a regular root is met are done with more bits.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.ball_system import BallSystem
 from symkin.proof.balls import COMPLEX, BallFunction, precision, upper

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from flint import arb
 
+from symkin.caching import lru_cache
 from symkin.paths.algebraic import AlgebraicSystem
 from symkin.proof.ball_system import BallSystem
 from symkin.proof.balls import REAL, UP, Number, precision, upper

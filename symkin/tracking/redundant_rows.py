@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.proof.balls import UP, precision, upper
 from symkin.proof.independent_rows import most_independent
 from symkin.tracking.ball_matrices import balls
