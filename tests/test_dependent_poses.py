@@ -80,7 +80,7 @@ def test_a_platform_of_six_freedoms_is_never_projected():
     assert not found.notes
 
 
-@pytest.mark.parametrize("length", [1e20, 1e200])
+@pytest.mark.parametrize("length", [1e20, 1e150])
 def test_lengths_of_rods_that_no_machine_has_end_without_an_infinite_error(length):
     result = symkin.solve(symkin.load("zhang2009"), joints=[length] * 6, check=False)
     assert result.solution is not None or math.isfinite(result.smallest_residual)

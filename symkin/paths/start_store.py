@@ -42,6 +42,7 @@ from symkin.paths.six_distances import DISTANCES, distance_data, distance_functi
 from symkin.paths.six_revolute import arm_start, is_six_revolute
 from symkin.paths.symmetry import Orbits, Symmetries, find_symmetries
 from symkin.paths.symmetry import orbits as orbits_under
+from symkin.paths.systems import system_of
 from symkin.paths.tracker import TrackSettings
 from symkin.paths.universal_start import machine_start, universal_start
 from symkin.paths.values import algebraic_point, coordinate_scale, known_values
@@ -70,6 +71,9 @@ _TARGETS, _BASES = 4, 19
 _AGREEING = "the values of the actuated joints must agree with each other"
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
+_LOOPS, _FEW_LOOPS, _FEW_RUNS = 200, 40, 1
+"""Loops of one search; of one for combinations of a limb's rows, whose few roots are found at once or not at all, and then how
+many second searches."""
 
 
 def start_of(
@@ -209,21 +213,23 @@ def _by_monodromy(
 
     if not _is_determined(system, points):
         return None, TIED
+    combined = system.count < system_of(problem, block).count
+    loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
-    first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, progress=progress)
+    first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, most_loops=loops, progress=progress)
     if first is None:
         return None, "no generic complex solution was found"
     if bound is not None:
         return first, ""
-    for seed in range(1, 1 + _RUNS):
+    for seed in range(1, 1 + runs):
         LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
-        grown = _agree(system, points, rank, first, seed)
+        grown = _agree(system, points, rank, first, seed, loops)
         fresh = missing_roots(problem, system, block, grown or first, seed)
         if grown is None and fresh.shape[1] == 0:
             return first, ""
         best = grown or first
         known = (np.concatenate([best.z, fresh], axis=1), best.k)
-        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known) or best
+        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known, most_loops=loops) or best
     return None, "independent searches for the generic count disagree"
 
 
@@ -292,10 +298,10 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     return Rank.of(jz).value == Rank.of(np.hstack([jz, jk])).value
 
 
-def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int) -> Fibre | None:
+def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, loops: int) -> Fibre | None:
     """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
     union, grown by more loops."""
-    second = fibre(system, points, np.random.default_rng(seed), seed, rank, bound=first.z.shape[1])
+    second = fibre(system, points, np.random.default_rng(seed), seed, rank, bound=first.z.shape[1], most_loops=loops)
     if second is None:
         return None
     tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
@@ -304,7 +310,7 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
     if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
         return None
     start = np.concatenate([first.z, fresh], axis=1)
-    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, known=(start, first.k))
+    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, known=(start, first.k), most_loops=loops)
 
 
 # --- files -------------------------------------------------------------------------------------------------------
@@ -403,7 +409,6 @@ def _content(start: Fibre | None, reason: str) -> bytes:
 def write_shipped() -> None:
     """Compute the starts of the shipped mechanisms into the package: `python -m symkin.paths.start_store`."""
     from symkin.model.file import load, shipped_names
-    from symkin.paths.systems import system_of
     from symkin.position.problem import build_problem
 
     for old in SHIPPED.glob("*.npz"):
