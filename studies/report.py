@@ -1,4 +1,11 @@
-"""What every study shares: its table `quantity | paper | computed | difference`, and the files it writes."""
+"""What every study shares: its table, whose rows say where the paper has them and what was run, and the files it writes.
+
+    item | place in the paper | what was run | paper | computed | verdict
+
+What was run is read off the result that a row quotes (`evidence`), not typed beside it: a list of modes says its method,
+starts and seed, a solution its solver, a function its name. The verdict of a row with numbers from the paper is taken from the
+difference and the digits printed; errors of the paper are shown by computation and listed below the table.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +20,19 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from symkin.position.solution import Modes, SolveResult
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+VERDICTS = ("reproduced", "differs", "refuted", "outside", "-")
+"""What a row may say: "-" where the paper has no value; "outside" where an item lies beyond kinematics or the printed data."""
+
+
 @dataclass
 class Report:
-    """Rows of a study, gathered in order; `finish` prints them and writes NAME.json and NAME.png into a folder."""
+    """Rows of a study, gathered in order; `finish` prints them and writes NAME.json, NAME.png and NAME.md."""
 
     name: str
     title: str
@@ -27,14 +40,31 @@ class Report:
     rows: list[dict[str, Any]] = field(default_factory=list)
     errata: list[str] = field(default_factory=list)
 
-    def row(self, quantity: str, paper: Any, computed: Any, unit: str = "") -> None:
-        """One line; the difference is taken where both sides are numbers or equally long lists of numbers. `paper` is
-        None where the paper does not say."""
+    def row(
+        self, quantity: str, paper: Any, computed: Any, unit: str = "", *,
+        run: Any = None, place: str = "", tolerance: float | None = None, verdict: str | None = None, volatile: bool = False,
+    ) -> None:  # fmt: skip
+        """One line. `paper` is None where the paper does not say; `run` is what computed the value: a result of symkin, a
+        function, or several of them; `tolerance` defaults to one unit of the last digit that the paper prints. `volatile`
+        marks times and the like, which differ from run to run."""
         difference = None
         if _is_numeric(paper) and _is_numeric(computed) and np.shape(paper) == np.shape(computed):
             delta = np.asarray(computed, dtype=float) - np.asarray(paper, dtype=float)
             difference = delta.tolist()
-        self.rows.append({"quantity": quantity, "paper": paper, "computed": computed, "difference": difference, "unit": unit})
+        if verdict is None:
+            verdict = _verdict(paper, computed, difference, tolerance)
+        if verdict not in VERDICTS:
+            raise SystemExit(f"{self.name}: verdict {verdict!r} of {quantity!r}; allowed: {', '.join(VERDICTS)}")
+        self.rows.append(
+            {
+                "quantity": quantity, "place": place, "run": evidence(run), "paper": paper, "computed": computed,
+                "difference": difference, "unit": unit, "verdict": verdict, "volatile": volatile,
+            }
+        )  # fmt: skip
+
+    def outside(self, quantity: str, place: str, reason: str) -> None:
+        """An item of the paper that is not computed, with the reason."""
+        self.row(quantity, None, reason, place=place, run=None, verdict="outside")
 
     def erratum(self, text: str, *, shown: bool) -> None:
         """An error of the paper; `shown` is the computation's verdict, and a claim that fails stops the study."""
@@ -42,25 +72,59 @@ class Report:
             raise SystemExit(f"{self.name}: the computation does not show the erratum: {text}")
         self.errata.append(text)
 
-    def finish(self, figure: Figure, folder: Path) -> None:
+    def finish(self, figure: Figure, folder: Path, **more: Figure) -> None:
+        """Print the table; write the picture, `more` as NAME_KEY.png, the JSON and the table as Markdown."""
         folder.mkdir(parents=True, exist_ok=True)
-        picture, data = folder / f"{self.name}.png", folder / f"{self.name}.json"
-        figure.savefig(picture, dpi=130)
+        pictures = {folder / f"{self.name}.png": figure, **{folder / f"{self.name}_{k}.png": f for k, f in more.items()}}
+        data, page = (folder / f"{self.name}.{suffix}" for suffix in ("json", "md"))
+        for path, picture in pictures.items():
+            picture.savefig(path, dpi=130)
         content = {"study": self.name, "title": self.title, "seed": self.seed, "rows": self.rows, "errata": self.errata}
         data.write_text(json.dumps(content, indent=1, default=_plain) + "\n")
-        console = Console(width=150)
-        table = Table("quantity", "paper", "computed", "difference", title=self.title, title_justify="left")
+        page.write_text(self.markdown())
+        self._print()
+        print("written: " + ", ".join(str(path) for path in (*pictures, data, page)))
+
+    def markdown(self) -> str:
+        """The table as a page of docs/papers; rows that differ from run to run are left out."""
+        lines = [f"# {self.title}", "", f"Written by `python studies/{self.name}.py -o out`, seed {self.seed}.", ""]
+        lines += ["| item | in the paper | what was run | paper | computed | verdict |", "|---|---|---|---|---|---|"]
         for row in self.rows:
-            unit = f" [{row['unit']}]" if row["unit"] else ""
-            table.add_row(
-                row["quantity"] + unit.replace("[", r"\["), *(_text(row[k]) for k in ("paper", "computed", "difference"))
-            )
+            if not row["volatile"]:
+                lines.append("| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in _cells(row)) + " |")
+        if self.errata:
+            lines += ["", "Errors of the paper, shown by computation:", "", *(f"- {text}" for text in self.errata)]
+        return "\n".join(lines) + "\n"
+
+    def _print(self) -> None:
+        console = Console(width=170)
+        table = Table(
+            "item", "in the paper", "what was run", "paper", "computed", "verdict", title=self.title, title_justify="left"
+        )
+        for row in self.rows:
+            table.add_row(*(cell.replace("[", r"\[") for cell in _cells(row)))
         console.print(table)
         for text in self.errata:
             console.print(f"Erratum, shown by computation: {text}", markup=False, highlight=False)
         if self.seed is not None:
             console.print(f"seed {self.seed}")
-        console.print(f"written: {picture}, {data}", markup=False, highlight=False)
+
+
+def evidence(run: Any) -> list[dict[str, Any]]:
+    """What was run, read off the results themselves."""
+    if run is None:
+        return []
+    if isinstance(run, list | tuple):
+        return [entry for part in run for entry in evidence(part)]
+    if isinstance(run, Modes):
+        method = run.method if run.starts is None else f"{run.method}, {run.starts} starts"
+        return [{"by": "symkin.modes", "method": run.method, "starts": run.starts, "seed": run.seed, "text": f"modes: {method}"}]
+    if isinstance(run, SolveResult):
+        return [{"by": "symkin.solve", "method": run.method, "text": f"solve: {run.method}, {run.iterations} steps"}]
+    if callable(run):
+        name = getattr(run, "__qualname__", type(run).__name__)
+        return [{"by": f"{run.__module__}.{name}", "method": name, "text": f"{name}()"}]
+    return [{"by": "study", "method": str(run), "text": str(run)}]
 
 
 def options_parser(description: str | None, seed: int | None = None) -> ArgumentParser:
@@ -98,6 +162,31 @@ def equal_axes(axes: Any, low: Sequence[float], high: Sequence[float], unit: str
         axis.set_tick_params(labelsize=8, pad=0)
     axes.zaxis.set_rotate_label(False)
     axes.zaxis.label.set_rotation(90)
+
+
+def _verdict(paper: Any, computed: Any, difference: Any, tolerance: float | None) -> str:
+    if paper is None:
+        return "-"
+    if difference is None:
+        return "reproduced" if paper == computed else "differs"
+    allowed = np.vectorize(_last_digit)(paper) if tolerance is None else tolerance
+    return "reproduced" if np.all(np.abs(difference) <= 1.0001 * np.asarray(allowed)) else "differs"
+
+
+def _last_digit(value: float) -> float:
+    """One unit of the last digit that a printed number shows; half a unit for whole numbers, which are counts."""
+    text = repr(float(value))
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        return float(10.0 ** (int(exponent) - len(mantissa.partition(".")[2])))
+    decimals = text.partition(".")[2].rstrip("0")
+    return float(10.0 ** -len(decimals)) if decimals else 0.5
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    unit = f" [{row['unit']}]" if row["unit"] else ""
+    run = "; ".join(dict.fromkeys(entry["text"] for entry in row["run"])) or "-"
+    return [row["quantity"] + unit, row["place"] or "-", run, _text(row["paper"]), _text(row["computed"]), row["verdict"]]
 
 
 def _is_numeric(value: Any) -> bool:

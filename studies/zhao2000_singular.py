@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from zhao2000 import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 import symkin
 from report import Report, new_figure, options_parser
@@ -30,6 +29,7 @@ from symkin.singularities.locus import Locus, picture_distance
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.singularity import Singularity, singularity
 from symkin.view.loci_plot import draw_curves
+from zhao2000_model import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 A_RADIUS, C_RADIUS = (float(np.linalg.norm(points[0])) for points in (BASE, PLATFORM))
 SEED, GAMMA = 5, 20.0
