@@ -16,7 +16,7 @@ from harness import Harness, casadi_harness, harness_of
 from processors import HOST, measure
 from readme import written
 
-from cases import HOME
+from bench_cases import HOME
 from symkin.firmware.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"))

@@ -26,7 +26,7 @@ import numpy as np
 from continuation import Walker
 from readme import written
 
-from cases import HOME
+from bench_cases import HOME
 from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from processors import BOARDS, COMMON
 
-from cases import HOME
+from bench_cases import HOME
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
 from symkin.model.file import load

@@ -16,7 +16,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from cases import HOME, cases_of
+from bench_cases import HOME, cases_of
 from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options

@@ -84,7 +84,7 @@ def _minimise(
     status, iterations = search.run(limit)
     best = settled(problem, search.best.p, search.best.z, form, covariance)
     result = Estimate(best, status, iterations, null_space)
-    there = status == "ok" or Descent(problem, form, covariance, best).is_minimum
+    there = status == "ok" or is_rounding(problem, best)
     return finish(problem, result, form, covariance) if there else result
 
 
