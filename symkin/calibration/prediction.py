@@ -94,7 +94,9 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (_POSES, joints.shape[1]))
         return _at_joints(identified, drawn, None), _REGION
     poses = platform_poses(fit.problem, fit.state.p, fit.state.z)
-    central = poses[int(np.argmax(np.sum((poses[:, 3:] @ poses[:, 3:].T) ** 2, axis=1)))]
+    turns = poses[:, 3:]
+    near = np.sum((turns @ (turns.T @ turns)) * turns, axis=1)  # of each the sum of squared cosines to all
+    central = poses[int(np.argmax(near))]
     closing = Closing(identified, Pose(central[:3], central[3:]))
     made, good = closing.close(_between(fit, rng), None, limits=False)
     kept = np.flatnonzero(good)[:_POSES]
