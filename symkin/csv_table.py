@@ -208,12 +208,7 @@ def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequenc
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(headers)
     writer.writerows([repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in rows)
-    replace_text(path, text.getvalue())
-
-
-def replace_text(path: str | Path, text: str) -> None:
-    """Write a text file, as `write_output` does."""
-    write_output(path, text)
+    write_output(path, text.getvalue())
 
 
 def _value(cell: str) -> float | str:

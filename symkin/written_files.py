@@ -12,8 +12,8 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from symkin.csv_table import replace_text
 from symkin.errors import InputError
+from symkin.outputs import write_output
 
 MANIFEST = "manifest.json"
 _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
@@ -71,12 +71,12 @@ def write_own_file(path: Path, text: str) -> None:
     """Write a text file and its digest. The digest comes first, beside that of the file that it replaces, so that a run which is
     cut short leaves no file that counts as foreign. A device or a pipe holds nothing, and gets no digest."""
     if path.exists() and not path.is_file():
-        replace_text(path, text)
+        write_output(path, text)
         return
     before = foreign_files(path.parent, [path.name], {}) and [digest(path.read_bytes())]
     made = digest(text.encode())
     _record(path, [made, *before])
-    replace_text(path, text)
+    write_output(path, text)
     _record(path, [made])
 
 
@@ -94,4 +94,4 @@ def _recorded(path: Path) -> list[str]:
 
 
 def _record(path: Path, digests: Iterable[str]) -> None:
-    replace_text(_beside(path), "".join(f"{d}  {path.name}\n" for d in digests))
+    write_output(_beside(path), "".join(f"{d}  {path.name}\n" for d in digests))

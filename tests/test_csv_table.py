@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symkin.csv_table import read_table, replace_text, write_table
+from symkin.csv_table import read_table, write_table
 from symkin.errors import InputError
+from symkin.outputs import write_output
 
 
 def table(tmp_path, text):
@@ -188,10 +189,10 @@ def test_empty_cells_may_be_allowed(tmp_path):
 def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
     """Where a file cannot be written whole, what stood there stands, and nothing is left beside it."""
     path = tmp_path / "t.csv"
-    replace_text(path, "old")
+    write_output(path, "old")
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     with pytest.raises(InputError, match="No space left"):
-        replace_text(path, "new")
+        write_output(path, "new")
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["t.csv"]
     with pytest.raises(InputError, match="cannot be written"):

@@ -41,9 +41,10 @@ from symkin.calibration.columns import (
 )
 from symkin.calibration.measurements import NO_GROUP, Distance, Measurements
 from symkin.calibration.planning import Accuracy, Plan
-from symkin.csv_table import read_table, replace_text
+from symkin.csv_table import read_table
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.outputs import write_output
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 
 DistancePoints = tuple[Sequence[float], Sequence[float]]
@@ -149,7 +150,7 @@ def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
 
 def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any) -> None:
     """Write readings to a file; `options` are those of `measurements_text`."""
-    replace_text(path, measurements_text(mechanism, measurements, **options))
+    write_output(path, measurements_text(mechanism, measurements, **options))
 
 
 def measurements_text(

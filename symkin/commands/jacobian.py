@@ -35,15 +35,15 @@ def jacobian(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.")] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
-    from symkin.csv_table import replace_text
     from symkin.export.jacobian_file import jacobian_text
     from symkin.model.file import load
     from symkin.motion.jacobian import jacobian as symbolic
+    from symkin.outputs import write_output
 
     check_output(output, mech)
     text = jacobian_text(symbolic(load(mech), kind.value), language.value)
     if output is None:
         print(text, end="")
     else:
-        replace_text(output, text)
+        write_output(output, text)
         print(output)

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import casadi as ca
 
-from symkin.csv_table import replace_text
 from symkin.errors import InputError
 from symkin.export.jacobian_c import c_source
 from symkin.export.jacobian_header import header
 from symkin.export.jacobian_latex import latex_source
 from symkin.export.jacobian_python import numpy_source, sympy_source
 from symkin.motion.jacobian import Jacobian
+from symkin.outputs import write_output
 
 
 def casadi_source(jacobian: Jacobian) -> str:
@@ -43,4 +43,4 @@ def jacobian_text(jacobian: Jacobian, language: str) -> str:
 
 def write_jacobian(jacobian: Jacobian, language: str, path: str | Path) -> None:
     """Write the Jacobian into a file, whole or not at all."""
-    replace_text(path, jacobian_text(jacobian, language))
+    write_output(path, jacobian_text(jacobian, language))

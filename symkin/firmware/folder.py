@@ -9,7 +9,6 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
-from symkin.csv_table import replace_text
 from symkin.errors import InputError
 from symkin.firmware.derivation import readme
 from symkin.firmware.emit import Real, indent
@@ -19,6 +18,7 @@ from symkin.firmware.serial import SerialArm
 from symkin.firmware.source import fill
 from symkin.firmware.vectors import Vectors, build_vectors
 from symkin.model.mechanism import Mechanism
+from symkin.outputs import write_output
 from symkin.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
 
 _KEY = "model_sha256"
@@ -34,7 +34,7 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[P
         _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
-            replace_text(folder / name, text)
+            write_output(folder / name, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
     return [folder / name for name in files]
