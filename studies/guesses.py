@@ -118,6 +118,11 @@ class Trial:
     modes: int
     found: list[int | None]
 
+    def evidence(self) -> dict[str, object]:
+        """What was run, for a row of a report."""
+        name, count = self.search.name, len(self.ends)
+        return {"by": f"casadi {name}", "method": name, "starts": count, "text": f"{name}, {count} guesses"}
+
     @property
     def hits(self) -> list[int]:
         """How many guesses led to each mode, in the order of the list of modes."""
@@ -162,19 +167,18 @@ def attempt(search: Search, guesses: np.ndarray, u: np.ndarray, modes: Sequence[
     return Trial(search, ends, len(modes), found)
 
 
-def report_trials(report, what: str, place: str, trials: Sequence[Trial], seed: int) -> None:
+def report_trials(report, what: str, place: str, trials: Sequence[Trial]) -> None:
     """The rows of the table: for each search modes met, hits, guesses needed, failures, iterations, and the time apart."""
     for trial in trials:
-        run = f"{trial.search.name}, {len(trial.ends)} random guesses, seed {seed}"
         name = f"{what}, {trial.search.name}"
         missed = trial.modes - trial.met
-        report.row(f"{name}: modes met, of {trial.modes}; missed", None, [trial.met, missed], place=place, run=run)
-        report.row(f"{name}: hits per mode", None, trial.hits, place=place, run=run)
+        report.row(f"{name}: modes met, of {trial.modes}; missed", None, [trial.met, missed], place=place, run=trial)
+        report.row(f"{name}: hits per mode", None, trial.hits, place=place, run=trial)
         needed = "not all met" if trial.needed is None else trial.needed
-        report.row(f"{name}: guesses needed until every mode was met", None, needed, place=place, run=run)
-        report.row(f"{name}: guesses that led to no solution", None, trial.failures, place=place, run=run)
-        report.row(f"{name}: iterations, median and most", None, trial.iterations, place=place, run=run)
-        report.row(f"{name}: time a guess, median", None, trial.milliseconds, "ms", place=place, run=run, volatile=True)
+        report.row(f"{name}: guesses needed until every mode was met", None, needed, place=place, run=trial)
+        report.row(f"{name}: guesses that led to no solution", None, trial.failures, place=place, run=trial)
+        report.row(f"{name}: iterations, median and most", None, trial.iterations, place=place, run=trial)
+        report.row(f"{name}: time a guess, median", None, trial.milliseconds, "ms", place=place, run=trial, volatile=True)
         if trial.unknown:
             raise SystemExit(f"{report.name}: {name} closed the loops {trial.unknown} times outside the list of modes")
 

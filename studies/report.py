@@ -111,7 +111,7 @@ class Report:
 
 
 def evidence(run: Any) -> list[dict[str, Any]]:
-    """What was run, read off the results themselves."""
+    """What was run, read off the results themselves; a result of a study's own says it by its method `evidence`."""
     if run is None:
         return []
     if isinstance(run, list | tuple):
@@ -121,6 +121,8 @@ def evidence(run: Any) -> list[dict[str, Any]]:
         return [{"by": "symkin.modes", "method": run.method, "starts": run.starts, "seed": run.seed, "text": f"modes: {method}"}]
     if isinstance(run, SolveResult):
         return [{"by": "symkin.solve", "method": run.method, "text": f"solve: {run.method}, {run.iterations} steps"}]
+    if hasattr(run, "evidence"):
+        return [run.evidence()]
     if callable(run):
         name = getattr(run, "__qualname__", type(run).__name__)
         return [{"by": f"{run.__module__}.{name}", "method": name, "text": f"{name}()"}]

@@ -248,7 +248,7 @@ def report_guesses(report: Report, platform: symkin.Mechanism, poses: list[np.nd
     system, guesses = closure(), random_guesses(count)
     modes = [np.array([*p[:3], math.radians(p[3])]) for p in poses]
     trials = [attempt(search(system), guesses, inside(INPUT), modes) for search in (rootfinder, least_squares)]
-    report_trials(report, "direct", "3.2, 4", trials, SEED)
+    report_trials(report, "direct", "3.2, 4", trials)
     for solver in ("batched", "newton", "ipopt"):
         found = symkin.modes(platform, joints=INPUT, method="multistart", solver=solver, starts=count, seed=SEED)
         apart = furthest(poses, [pose_numbers(m.pose) for m in found])
