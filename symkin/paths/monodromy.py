@@ -12,27 +12,22 @@ from itertools import pairwise
 
 import numpy as np
 
-from symkin.model.joint import Coordinate
 from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.branches import SAME, cover, labels_of, uncovered
 from symkin.paths.engine import newton, track
+from symkin.paths.seeds import Points, carried, seed_roots
 from symkin.paths.symmetry import Orbits
-from symkin.paths.values import coordinate_scale, known_values
 from symkin.position.levenberg import Progress
-from symkin.position.problem import Problem
-from symkin.spatial.rotation import multiply
 
 MOST_ROOTS = 130
 MOST_WORK = 1.5e7
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the instructions of a step's
 evaluation, weighed by the count of paths - and a search is given up. A count, not a clock, so that the same input gives
 the same answer."""
-_ORDINARY = 1e-2
-"""Least share of the largest singular value of the rows' derivatives in 1, which is their order at an ordinary point."""
+_SEEDS = 12
+"""Points from which seeds are sought; fewer are found."""
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
-Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
-"""Draws a complex point (z, k), near the reference or not."""
 
 
 class TooManyRootsError(Exception):
@@ -98,104 +93,6 @@ class _Found:
         self.parents[self.orbit(self.poses[i])] = self.orbit(self.poses[j])
 
 
-def truncated_step(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
-    """Least Newton step that uses the `rank` largest singular values."""
-    try:
-        left, s, right = np.linalg.svd(jacobian, full_matrices=False)
-    except np.linalg.LinAlgError:
-        return np.full(jacobian.shape[1], np.nan, dtype=complex)
-    kept = min(rank, int(np.sum(s > 1e-13 * s[0])))
-    return np.asarray(-np.conj(right[:kept].T) @ ((np.conj(left[:, :kept].T) @ f) / s[:kept]))
-
-
-def seed_root(
-    system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, attempts: int = 60
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """One root (z, k) of a generic instance: unknowns and known values both move, by least steps, from a random complex
-    point near or far from the reference; singular values below the generic rank are cut."""
-    for attempt in range(attempts):
-        z, k = points(rng, attempt % 2 == 0)
-        for _ in range(40):
-            f, jz, jk = full_linearisation(system, z, k)
-            jacobian = np.hstack([jz, jk])
-            step = truncated_step(*_with_ray(system, z, jacobian, f), rank + (1 if system.projective else 0))
-            length = float(np.linalg.norm(step))
-            step *= min(1.0, 1.0 / max(length, 1e-300))
-            z, k = z + step[: len(z)], k + step[len(z) :]
-            z = system.normalise(z[:, None])[:, 0]
-            if not np.all(np.isfinite(z)) or length > 1e6:
-                break
-            if length < 1e-13:
-                break
-        if np.all(np.isfinite(z)) and np.max(np.abs(full_linearisation(system, z, k)[0])) < 1e-11 and _is_regular(system, z, k):
-            return system.normalise(z[:, None])[:, 0], k
-    return None
-
-
-def _with_ray(system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A row that keeps the step orthogonal to the ray, whose length means nothing."""
-    if not system.projective:
-        return jacobian, f
-    row = np.zeros(jacobian.shape[1], dtype=complex)
-    row[list(system.projective)] = np.conj(z[list(system.projective)])
-    return np.vstack([jacobian, row]), np.append(f, 0.0)
-
-
-def full_linearisation(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F, dF/dz and dF/dk at one point."""
-    columns = []
-    f = jz = None
-    for i in range(len(k)):
-        unit = np.zeros(len(k), dtype=complex)
-        unit[i] = 1.0
-        f, jz, t = system.evaluate(z[:, None], k[:, None], unit)
-        columns.append(t[0])
-    assert f is not None and jz is not None  # noqa: S101, PT018 - there is at least one known value
-    return f[0], jz[0], np.array(columns).T
-
-
-def random_point(
-    problem: Problem, system: AlgebraicSystem, rng: np.random.Generator, *, near: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """A complex point: about the reference with imaginary parts of about a half (of the size, of a radian), or
-    anywhere."""
-    z = _about_reference(problem, system.unknowns, rng, near)
-    if system.projective:
-        pose = problem.mechanism.reference_pose
-        ray = _noise(4, rng, near) + (np.asarray(pose.quaternion) if near else 0.0)
-        if len(system.projective) == 8:
-            t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.size + _noise(3, rng, near)])
-            ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
-        z = np.concatenate([z, ray])
-    return z, known_values(problem, random_known(problem, rng, near=near))
-
-
-def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> np.ndarray:
-    """Complex values of the known coordinates, in the length unit and radians."""
-    known = _about_reference(problem, problem.known_coordinates, rng, near)
-    return np.asarray(known * coordinate_scale(problem, problem.known_coordinates))
-
-
-def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng: np.random.Generator, near: bool) -> np.ndarray:
-    """Reference values, lengths in units of the size, and noise."""
-    closure = problem.closure
-    parts = [closure.reference[closure.slices[c.name]] for c in coordinates]
-    values = np.concatenate([*parts, np.zeros(0)]) / coordinate_scale(problem, coordinates)
-    return np.asarray(values + _noise(len(values), rng, near))
-
-
-def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
-    return np.asarray((0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count))
-
-
-def _is_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> bool:
-    """The root is isolated at fixed k. Where a known quaternion has e.e = 0 all rows vanish, and their derivatives with them."""
-    _, jz, _ = full_linearisation(system, z, k)
-    singular = np.linalg.svd(jz, compute_uv=False)
-    need = system.width - (1 if system.projective else 0)
-    return bool(len(singular) >= need and singular[need - 1] > 1e-7 * max(singular[0], _ORDINARY))
-
-
 def fibre(
     system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int,
     *, bound: int | None = None, known: tuple[np.ndarray, np.ndarray] | None = None, needed: float = 6.0,
@@ -233,28 +130,14 @@ def fibre(
 def _begin(
     system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, known: tuple[np.ndarray, np.ndarray] | None
 ) -> tuple[_Found | None, np.ndarray]:
-    """The known roots, or a first seed and what six more of them give at the same base."""
+    """The known roots, or a first seed and what other seeds give at its base."""
     if known is not None:
         z, k0 = known
         return _Found.of(system, z), k0
-    start = seed_root(system, points, rng, rank)
-    if start is None:
+    z, k = seed_roots(system, points, rng, rank, _SEEDS)
+    if not z.shape[1]:
         return None, np.zeros(0)
-    z0, k0 = start
-    found = _Found.of(system, z0[:, None])
-    for _ in range(8):
-        other = _carry(system, seed_root(system, points, rng, rank), k0)
-        if other is not None and found.match(other[:, None])[0] < 0:
-            found.add(other)
-    return found.compressed(), k0
-
-
-def _carry(system: AlgebraicSystem, root: tuple[np.ndarray, np.ndarray] | None, k0: np.ndarray) -> np.ndarray | None:
-    """A root of another generic instance, tracked to k0."""
-    if root is None:
-        return None
-    tracked = track(system, root[0][:, None], root[1], k0)
-    return tracked.z[:, 0] if tracked.arrived[0] else None
+    return _Found.of(system, np.hstack([z[:, :1], carried(system, z[:, 1:], k[:, 1:], k[:, 0])])), k[:, 0]
 
 
 def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:

@@ -25,19 +25,11 @@ from symkin.paths.algebraic import AlgebraicSystem, complex_normal
 from symkin.paths.best_start import bases_beside, best_start
 from symkin.paths.branches import uncovered
 from symkin.paths.cache import cache_folder, discard, keep, read_kept
+from symkin.paths.components import free_system, roots_elsewhere
 from symkin.paths.coplanar import distance_frames, reflection
 from symkin.paths.engine import aligned, newton, track
-from symkin.paths.monodromy import (
-    Fibre,
-    Points,
-    TooManyRootsError,
-    fibre,
-    full_linearisation,
-    loop_radius,
-    orbits,
-    random_known,
-    random_point,
-)
+from symkin.paths.monodromy import Fibre, TooManyRootsError, fibre, loop_radius, orbits
+from symkin.paths.seeds import Points, full_linearisation, random_known, random_point
 from symkin.paths.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.paths.six_revolute import arm_start, is_six_revolute
 from symkin.paths.symmetry import Orbits, Symmetries, find_symmetries
@@ -59,7 +51,7 @@ LOG = logging.getLogger(__name__)
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 TIED = "the given values must satisfy conditions of their own"
 """Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
-_VERSION = 5
+_VERSION = 6
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots."""
 _MIRRORED = 1e-5
@@ -224,10 +216,11 @@ def _by_monodromy(
     for seed in range(1, 1 + runs):
         LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
         grown = _agree(system, points, rank, first, seed, loops)
-        fresh = missing_roots(problem, system, block, grown or first, seed)
+        best = grown or first
+        missing = missing_roots(problem, system, block, best, seed)
+        fresh = np.hstack([missing, roots_elsewhere(problem, system, block, points, rank, best, seed)])
         if grown is None and fresh.shape[1] == 0:
             return first, ""
-        best = grown or first
         known = (np.concatenate([best.z, fresh], axis=1), best.k)
         first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known, most_loops=loops) or best
     return None, "independent searches for the generic count disagree"
@@ -235,13 +228,10 @@ def _by_monodromy(
 
 def redundant_rows(problem: Problem, block: System) -> int:
     """Rows of a block less their rank at generic closed configurations, all coordinates free."""
-    coordinates = (*block.unknowns, *problem.known_coordinates)
-    system = System(
-        coordinates, ca.vertcat(block.unknown, block.known), ca.SX(0, 1), block.rows, block.errors, problem.closure.size
-    )
+    system = free_system(problem, block)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
-        _, jacobian = system.linearise_one(problem.take(values, coordinates), np.zeros(0))
+        _, jacobian = system.linearise_one(problem.take(values, system.unknowns), np.zeros(0))
         ranks.append(Rank.of(jacobian).value)
     return int(block.rows.shape[0]) - max(ranks)
 
@@ -294,8 +284,9 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     redundant = system.count - (system.width - (1 if system.projective else 0))
     if redundant <= 0 or system.projective:
         return True
-    _, jz, jk = full_linearisation(system, *points(rng, True))
-    return Rank.of(jz).value == Rank.of(np.hstack([jz, jk])).value
+    z, k = points(rng, True)
+    _, jz, jk = full_linearisation(system, z[:, None], k[:, None])
+    return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
 
 
 def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, loops: int) -> Fibre | None:
