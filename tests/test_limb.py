@@ -55,6 +55,20 @@ BAD = {
 }
 
 
+@pytest.mark.parametrize(
+    "between", [[], [Joint("r", "R", (2.0, 3.0, 4.0), (0, 0, 5))], [Joint("u", "U", (2.0, 3.0, -1.0), (1, 0, 0), (0, 1, 0))]]
+)
+def test_balls_that_nothing_parts_are_refused(between):
+    """Two spherical joints at one centre, with joints between that leave it at rest, keep a distance that is always zero."""
+    centre = (2.0, 3.0, -1.0)
+    first, last = Joint("s1", "S", centre), Joint("s2", "S", centre)
+    arm = Joint("r0", "R", (0, 0, 0), (0, 0, 1), actuated=True)
+    refused_in_one_line(lambda: Limb("l", [arm, first, *between, last]), ["'l'", "'s1'", "'s2'", "one point"])
+    parting = Joint("p", "P", centre, (1, 0, 0))
+    assert Limb("l", [arm, first, parting, last]).type == "RSPS"
+    assert Limb("l", [arm, first, Joint("s2", "S", (2.0, 3.0, 0.0))]).type == "RSS"
+
+
 @pytest.mark.parametrize("case", BAD)
 def test_a_mistake_names_offender_value_and_choice(case):
     """MechanismError in one line."""

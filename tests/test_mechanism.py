@@ -11,7 +11,7 @@ from hypothesis import given
 import symkin
 from laws import act, frame, refused_in_one_line
 from samples import delta, pieper, point, random_mechanism, seeds, unit
-from symkin import DHTable, Example, Joint, Limb, Mechanism, MechanismError, RodLimb
+from symkin import DHTable, Example, Joint, Limb, Mechanism, MechanismError, Rod, RodLimb
 
 LIMBS = ["rRS", "SPS", "pU", "hC", "SPS"]
 LEG = RodLimb("leg", (0, 0, 0), (0, 0, 1))
@@ -171,3 +171,10 @@ def test_an_example_that_cannot_be_taken_is_refused():
         Mechanism("sample", [rod], example=Example(joints=(0.0,)))
     with pytest.raises(MechanismError, match="2 values given"):
         Mechanism("sample", [rod], example=Example(joints=(3.0, 4.0)))
+
+
+def test_a_rod_whose_ends_meet_at_the_reference_is_refused():
+    """Its length would be read off the reference, where it is zero."""
+    limb = Limb("arm", [Joint("r", "R", (0, 0, 0), (0, 1, 0), actuated=True)], [Rod((10, 0, 5), (10, 0, -5))])
+    refused_in_one_line(lambda: Mechanism("m", [limb], (0, 0, 10)), ["'arm'", "rod 1", "one point"])
+    assert Mechanism("m", [limb], (0, 0, 20)).size > 0

@@ -6,11 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from symkin.errors import MechanismError
 from symkin.model.joint import Coordinate, Joint, finite, interval, vector3
 
 RodType = Literal["SPS", "UPS", "SPU"]
 ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
+_SAME_POINT = 1e-9
+"""Distance of two points that are one, over their largest coordinate."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,30 @@ class Limb:
         object.__setattr__(self, "rods", tuple(self.rods))
         if not self.joints:
             raise MechanismError(f"limb {self.name!r} has no joint; a limb needs at least one, or the keys of a rod limb")
+        self._check_balls()
+
+    def _check_balls(self) -> None:
+        """Refuse two spherical joints at one centre that nothing between them can part: their distance would be zero always."""
+        balls = [i for i, joint in enumerate(self.joints) if joint.type == "S"]
+        if len(balls) < 2:
+            return
+        first, last = self.joints[balls[0]], self.joints[balls[-1]]
+        between = self.joints[balls[0] + 1 : balls[-1]]
+        if all(_turns_about(joint, first.point) for joint in (*between, last)):
+            raise MechanismError(
+                f"limb {self.name!r}: the spherical joints {first.name!r} and {last.name!r} lie at one point and nothing between "
+                "them moves them apart, a rod of no length; leave one of them out"
+            )
 
     @property
     def type(self) -> str:
         return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")
+
+
+def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:
+    """Whether a joint leaves a point at rest that lies on its axes."""
+    away = np.subtract(joint.point, centre)
+    scale = float(np.max(np.abs([joint.point, centre]))) or 1.0
+    if joint.type == "R":
+        away = np.cross(away, np.array(joint.axis))
+    return joint.type in "RUS" and float(np.linalg.norm(away)) <= _SAME_POINT * scale

@@ -74,6 +74,7 @@ class Mechanism:
         _check_choice("angle_unit", self.angle_unit, ANGLE_UNITS)
         if not self.limbs:
             raise MechanismError("the mechanism has no limb; give [[limb]], [dh] or [[joint]]")
+        _check_rods(self)
         if self.serial:
             _check_serial(self)
         if self.example is not None:
@@ -217,6 +218,16 @@ def _check_names(mechanism: Mechanism) -> None:
         for name in names:
             if names.count(name) > 1:
                 raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
+
+
+def _check_rods(mechanism: Mechanism) -> None:
+    for limb in mechanism.limbs:
+        for k, rod in enumerate(() if isinstance(limb, RodLimb) else limb.rods, start=1):
+            end = mechanism.reference_pose.apply(np.array(rod.platform))
+            if rod.length is None and np.linalg.norm(end - rod.start) <= 1e-9 * np.max(np.abs([end, rod.start]), initial=1e-300):
+                raise MechanismError(
+                    f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a rod has a length"
+                )
 
 
 def _check_example(mechanism: Mechanism, example: Example) -> None:

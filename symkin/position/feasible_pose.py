@@ -23,6 +23,9 @@ _CLOSED = 1e-11
 """Largest closure error over the size of a pose that is left as it is."""
 _STARTS = 32
 """Random joint values from which each limb is brought as near to the pose as it comes."""
+_HELD = 1e-6
+"""Share of the largest singular value below which joints do not move the rows: beside a singular configuration of a limb the
+joints would move far to follow the pose by little."""
 _STEPS = 40
 """Steps to the nearest feasible pose at most."""
 
@@ -101,12 +104,12 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
     count = problem.system.freedom
     joints, pose = jacobian[:, :count], jacobian[:, count:]
     left, singular, _ = np.linalg.svd(joints)
-    rank = int(np.sum(singular > 1e-9 * max(float(singular[0]), 1e-300))) if singular.size else 0
+    rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
     held = left[:, rank:].T
     back = -_difference(problem, z[-len(wanted) :], wanted)
     tie = held @ pose
     x = back - np.linalg.lstsq(tie, held @ rows + tie @ back, rcond=1e-9)[0]
-    q = np.linalg.lstsq(joints, -(rows + pose @ x), rcond=1e-12)[0]
+    q = np.linalg.lstsq(joints, -(rows + pose @ x), rcond=_HELD)[0]
     return np.concatenate([q, x])
 
 
