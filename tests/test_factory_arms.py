@@ -81,6 +81,23 @@ def test_the_modes_of_a_factory_arm_are_complete_and_certified():
     assert any(np.max(np.abs(np.array(mode.actuated) - q)) < 1e-6 for mode in found)
 
 
+def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
+    """Kept roots with large imaginary parts are accepted when they are read: another process would not search again."""
+    arm = factory_arm(3e-4, 5)
+    poses = [
+        symkin.solve(arm, joints=q).solution.pose
+        for q in ([20.0, -70.0, 80.0, 25.0, 40.0, 30.0], [5.0, -50.0, 60.0, 15.0, 70.0, 3.0])
+    ]
+    first = symkin.modes(arm, pose=poses[0])
+
+    def searched_again(*_arguments, **_named):
+        raise AssertionError("the generic roots were searched again")
+
+    monkeypatch.setattr("symkin.paths.start_store.compute_start", searched_again)
+    second = symkin.modes(arm, pose=poses[1])
+    assert first.complex_count == second.complex_count == 16
+
+
 def test_points_of_spherical_and_planar_machines_stay_where_they_are_described():
     for name in ("gluon_6l3", "yao2020", "zhao2000_links"):
         machine = symkin.load(name)

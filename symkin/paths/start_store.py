@@ -53,7 +53,8 @@ TIED = "the given values must satisfy conditions of their own"
 """Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
 _VERSION = 6
 _SATISFIED = 1e-8
-"""Largest row, over the size, that a kept root may leave, and least difference of two roots."""
+"""Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows of a root far from real ones
+have derivatives of 1e4 and more; theirs are divided by these."""
 _MIRRORED = 1e-5
 """Difference of a root and the image of another that is the same one."""
 _INSTANCES = 5
@@ -359,11 +360,11 @@ def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
     """Whether the roots satisfy the rows, differ from each other, and are carried to each other as their mirrors say."""
     n = start.z.shape[1]
     fits = start.z.shape == (system.width, n) and start.k.shape == (system.k.shape[0],) and start.orbits.shape == (n,)
-    if (
-        not fits
-        or n == 0
-        or not np.max(np.abs(system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))[0])) < _SATISFIED
-    ):
+    if not fits or n == 0:
+        return False
+    rows, derivatives = system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))
+    steepness = np.max(np.abs(derivatives), axis=(1, 2))
+    if not np.max(np.max(np.abs(rows), axis=1) / np.maximum(steepness, 1.0)) < _SATISFIED:
         return False
     features = system.all_features(start.z)
     mixed = features @ np.random.default_rng(0).normal(size=features.shape[1])
