@@ -83,7 +83,7 @@ def test_the_modes_of_a_factory_arm_are_complete_and_certified():
 
 def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
     """Kept roots with large imaginary parts are accepted when they are read: another process would not search again."""
-    arm = factory_arm(3e-4, 5)
+    arm = factory_arm(1e-3, 4)
     poses = [
         symkin.solve(arm, joints=q).solution.pose
         for q in ([20.0, -70.0, 80.0, 25.0, 40.0, 30.0], [5.0, -50.0, 60.0, 15.0, 70.0, 3.0])
