@@ -550,3 +550,21 @@ def test_estimates_of_the_unseen(hits):
     else:
         assert once * (once - 1) / 2 <= roots.unseen <= once**2 / 2
     assert roots.next_new == (once / sum(hits) if hits else 1.0)
+
+
+@pytest.mark.parametrize("tiny", [0.0, 1e-41, 1e-20])
+def test_a_joint_that_only_rounding_makes_matter_is_not_listed_value_by_value(tiny):
+    """Two revolutes on one line: only the sum of their angles is determined. Parts of the pose's quaternion that are rounding
+    give the rows derivatives of that order, and no value of the first angle is a mode of its own."""
+    joints = [
+        Joint("p", "P", (0, 0, 0), (1, 0, 0)),
+        Joint("r", "R", (50, 0, 0), (0, 0, 1), actuated=True),
+        Joint("s", "R", (50, 0, 0), (0, 0, 1)),
+    ]
+    mechanism = Mechanism("coaxial", [Limb("limb", joints)], (80.0, 10.0, 0.0))
+    quaternion = (math.cos(0.1), 0.0, tiny, math.sin(0.1))
+    x, y = math.cos(0.2) * 30 - math.sin(0.2) * 10 + 54.0, math.sin(0.2) * 30 + math.cos(0.2) * 10
+    for method in ("multistart", "continuation"):
+        found = symkin.modes(mechanism, pose=Pose((x, y, 0.0), quaternion), method=method)
+        assert found.positive_dimensional
+        assert not found.modes

@@ -18,6 +18,9 @@ from symkin.spatial.rotation import multiply
 
 _LANES = 128
 """Starts that one mapped call evaluates; larger batches are cut into calls of this width."""
+NO_MOTION = 1e-13
+"""Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and
+more, rounding of a pose's numbers 1e-16."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +165,7 @@ class System:
             return float("inf") if jacobian.size else 1.0
         singular = np.linalg.svd(jacobian, compute_uv=False)
         smallest = singular[-1]
-        return float(singular[0] / smallest) if smallest > 1e-15 * singular[0] else float("inf")
+        return float(singular[0] / smallest) if smallest > max(1e-15 * singular[0], NO_MOTION) else float("inf")
 
     def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:
         """Gauss-Newton by least squares on all rows until the step no longer shrinks the rows."""

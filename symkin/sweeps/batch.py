@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.position.system import System
+from symkin.position.system import NO_MOTION, System
 
 _LANES = 64
 """Points that one mapped call evaluates."""
@@ -83,7 +83,7 @@ class BatchedSystem:
             return np.full(len(z), 1.0 if jacobian.shape[1] * jacobian.shape[2] == 0 else np.inf)
         finite = np.isfinite(jacobian).all(axis=(1, 2))
         values = np.linalg.svd(np.where(finite[:, None, None], jacobian, 0.0), compute_uv=False)
-        regular = finite & (values[:, -1] > 1e-15 * values[:, 0])
+        regular = finite & (values[:, -1] > np.maximum(1e-15 * values[:, 0], NO_MOTION))
         return np.where(regular, values[:, 0] / np.where(regular, values[:, -1], 1.0), np.inf)
 
     def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 8) -> np.ndarray:
