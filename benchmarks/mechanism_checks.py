@@ -257,7 +257,8 @@ class Checks:
         fitted = y[None]
         if cut:
             begin = np.concatenate([y[None], random_configurations(m, np.tile(y, (12, 1)), cut, np.random.default_rng(0))])
-            fitted = solve(m, begin, m.tangent(cut), 40)
+            steps = 40 + int(2 * np.max(np.abs(y)) / m.size)  # a step is no longer than the size
+            fitted = solve(m, begin, m.tangent(cut), min(steps, 4000))
         left = m.residual(fitted)
         best = int(np.argmin(left))
         if not left[best] < CLOSED:

@@ -5,7 +5,8 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 import symkin
 from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
@@ -18,6 +19,7 @@ from samples import (
     random_mechanism,
     seeds,
     three_rrr,
+    unit,
 )
 from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
 from symkin.model.closure import build_closure, random_values
@@ -342,7 +344,7 @@ def test_parameters_are_the_geometry(name):
 
 
 @given(seeds)
-@settings(max_examples=15)
+@settings(max_examples=40)
 def test_a_parameter_is_the_number_in_the_file(rng):
     """Moving leg1.base.x in the closure equals moving it in the mechanism."""
     ends = rng.uniform(-100, 100, (3, 2, 3))
@@ -419,3 +421,19 @@ def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
     rng = np.random.default_rng(0)
     samples = [evaluated(closure, random_values(closure.coordinates, closure.size, rng))[0] for _ in range(4)]
     assert np.all(np.max(np.abs(samples), axis=0) > 1e-6)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@settings(max_examples=40)
+@given(rng=seeds, kinds=st.lists(st.sampled_from("RPCU"), min_size=1, max_size=4), zeros=st.booleans())
+@example(rng=np.random.default_rng(0), kinds=["P", "R", "P"], zeros=True)
+def test_rows_and_checks_hold_no_symbol_but_the_coordinates_once_bound(motion, rng, kinds, zeros):
+    """Also where a parameter cancels in the rows, but not in the checks: a slide's axis, a hinge about z under a restricted pose."""
+    joints = []
+    for k, kind in enumerate(kinds):
+        axis = np.eye(3)[rng.integers(3)] if zeros else symkin_direction(rng)
+        other = {"axis2": tuple(np.roll(axis, 1))} if kind == "U" else {}
+        joints.append(Joint(f"j{k}", kind, tuple(rng.normal(size=3)), tuple(axis), **other))
+    limbs = [Limb("limb", joints), RodLimb("leg", (1, 2, 3), (0, 0, 1))]
+    closure = build_closure(Mechanism("any", limbs, (0.0, 1.0, 2.0), unit(rng, 4), motion=motion))
+    ca.Function("bound", [closure.variables], [closure.bound(closure.rows), closure.bound(closure.errors)])

@@ -127,7 +127,7 @@ def _assemble(builder: RowBuilder) -> Closure:
     rows, sources = ca.vertcat(*(builder.rows[k] for k in kept)), tuple(builder.sources[k] for k in kept)
     return Closure(
         builder.mechanism, coordinates, variables, symbols, names, values, rows, sources,
-        ca.vertcat(*builder.errors), builder.pose, builder.forward, tuple(text for text in builder.idle if text),
+        _without_unused(builder, names), builder.pose, builder.forward, tuple(text for text in builder.idle if text),
     )  # fmt: skip
 
 
@@ -139,6 +139,15 @@ def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.nd
     used = [k for k, flag in enumerate(depends) if flag]
     symbols = ca.vertcat(*(table.symbols[k] for k in used)) if used else ca.SX(0, 1)
     return symbols, tuple(table.names[k] for k in used), np.array([table.values[k] for k in used])
+
+
+def _without_unused(builder: RowBuilder, names: Sequence[str]) -> ca.SX:
+    """The checks with the nominal values of parameters that the rows do not depend on: axes that cancel in them, say."""
+    table, kept = builder.table, set(names)
+    unused = [k for k, name in enumerate(table.names) if name not in kept]
+    errors = ca.vertcat(*builder.errors)
+    symbols, values = [table.symbols[k] for k in unused], [table.values[k] for k in unused]
+    return ca.substitute(errors, ca.vertcat(*symbols), ca.SX(ca.DM(values))) if unused else errors
 
 
 def _nonzero_rows(
