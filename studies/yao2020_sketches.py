@@ -1,0 +1,292 @@
+"""Figures 1 to 7 of the telescopic Pieper robot as drawings: axes, lengths, key points, planes, the return of the axes.
+
+Each member has one colour, as in figure 2: red, orange, yellow, green, teal, blue for members 1 to 6; each axis is an arrow of its
+member's colour with its number. Units: mm (figure 1: m). Source: Yao Haifeng et al. 2020 (see `yao2020`).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from report import equal_axes, new_figure
+from yao2020_inverse import inverse, plane_vectors, sequence
+from yao2020_model import (
+    A1,
+    A2,
+    A3,
+    D1,
+    FORWARD,
+    TIP,
+    Line,
+    axis_lines,
+    drawn_axes,
+    goal_rotation,
+    placed,
+    pose_of,
+    posed_axes,
+    spherical_wrists,
+)
+
+MEMBERS = ("#d62728", "#ff7f0e", "#d4b100", "#2ca02c", "#17a2b8", "#1f4ed8")
+GREY = "0.55"
+WRISTS = {
+    "PUMA560": ((20.0, 30.0, -50.0, 30.0, 50.0, 0.0), ((-0.1, -0.4, -0.1), (0.9, 0.3, 0.9)), (20, -60)),
+    "Stanford": ((20.0, 0.0, 0.0, 30.0, 50.0, 0.0), ((-0.3, -0.2, 0.0), (0.5, 0.6, 1.2)), (20, -50)),
+}
+"""Joint values at which figure 1 is drawn, its box in m, and from where it is seen."""
+
+
+# --- parts of a drawing ------------------------------------------------------------------------------------------
+
+
+def arrow(axes, line: Line, number: int, length: float, back: float = 0.35) -> None:
+    """An axis with its number, running from `back` of its length behind its point."""
+    point, direction = line
+    start, end = point - back * length * direction, point + length * direction
+    axes.quiver(*start, *(end - start), color=MEMBERS[number - 1], lw=1.8, arrow_length_ratio=0.12)
+    axes.text(
+        *(end + 0.18 * length * direction),
+        str(number),
+        color=MEMBERS[number - 1],
+        fontsize=13,
+        fontweight="bold",
+        ha="center",
+        va="center",
+    )
+
+
+def members(axes, at: dict[str, np.ndarray], *, ghost: bool = False) -> None:
+    """O F (members 1 to 3), F E (4), E D (5), D A (6)."""
+    for (one, other), k in zip(("OF", "FE", "ED", "DA"), (3, 4, 5, 6), strict=True):
+        colour = "0.8" if ghost else MEMBERS[k - 1]
+        axes.plot(*np.array([at[one], at[other]]).T, color=colour, lw=3 if ghost else 5, solid_capstyle="round", zorder=1)
+
+
+def name_points(axes, at: dict[str, np.ndarray], names: str, shifts: dict[str, tuple[float, float, float]] | None = None) -> None:
+    for name in names:
+        axes.plot(*at[name].reshape(3, 1), "o", color="black", ms=4)
+        axes.text(*(at[name] + np.array((shifts or {}).get(name, (10, 0, 14)))), name, fontsize=13, fontstyle="italic")
+
+
+def dimension(axes, one, other, name: str, shift) -> None:
+    """A length between two points, drawn beside them."""
+    a, b = np.add(one, shift), np.add(other, shift)
+    for end, foot in ((a, one), (b, other)):
+        axes.plot(*np.array([end, foot], float).T, color=GREY, lw=0.8)
+    axes.plot(*np.array([a, b]).T, color="black", lw=1.2, marker="|", ms=7)
+    axes.text(*((a + b) / 2 + 0.28 * np.array(shift)), name, fontsize=13, ha="center", va="center")
+
+
+def frame(axes, length: float, at=(0.0, 0.0, 0.0)) -> None:
+    for k, name in enumerate("xyz"):
+        end = np.array(at) + length * np.eye(3)[k]
+        axes.plot(*np.array([at, end]).T, color="black", lw=1)
+        axes.text(*(end + 0.14 * length * np.eye(3)[k]), name, fontsize=11, ha="center", va="center")
+
+
+def patch(axes, corners, colour: str) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    axes.add_collection3d(Poly3DCollection([np.array(corners)], facecolor=colour, edgecolor=colour, alpha=0.22))
+
+
+# --- figures 1 to 3 ----------------------------------------------------------------------------------------------
+
+
+def draw_frames():
+    figure = new_figure(17, 9.5)
+    figure.suptitle(
+        "Figures 1 to 3: spherical wrists, the robot's axes and members, the global frame and its lengths", fontsize=15
+    )
+    grid = figure.add_gridspec(2, 3, width_ratios=(1, 1.35, 1.35))
+    for row, (name, arm) in enumerate(spherical_wrists().items()):
+        draw_wrist(figure.add_subplot(grid[row, 0], projection="3d"), name, arm)
+    draw_architecture(figure.add_subplot(grid[:, 1], projection="3d"))
+    draw_lengths(figure.add_subplot(grid[:, 2], projection="3d"))
+    return figure
+
+
+def draw_wrist(axes, name: str, arm) -> None:
+    joints, (low, high), view = WRISTS[name]
+    lines = posed_axes(drawn_axes(arm), joints, [j.type for j in arm.limbs[0].joints])
+    points = np.array([(0.0, 0.0, 0.0), *(p for p, _ in lines)])
+    axes.plot(*points.T, color="0.6", lw=5, solid_capstyle="round")
+    for k, line in enumerate(lines, start=1):
+        arrow(axes, line, k, 0.22 if k < 4 else 0.26, back=0.2)
+    axes.plot(*lines[4][0].reshape(3, 1), "o", mfc="none", mec="black", ms=16, mew=1.5)
+    equal_axes(axes, low, high, "m", 0.4)
+    axes.set_title(f"figure 1: {name}\naxes 4, 5, 6 meet (circle)", fontsize=12)
+    axes.view_init(*view)
+
+
+BOX = ((-600, -130, -110), (110, 130, 210))
+
+
+def draw_architecture(axes) -> None:
+    at = placed([0] * 6)
+    members(axes, at)
+    for k, line in enumerate(axis_lines([0] * 6), start=1):
+        line = (at["D"], line[1]) if k == 6 else line
+        arrow(axes, line, k, 75.0 if k < 6 else 90.0, back=0.5)
+    axes.text(*(at["A"] + (-5, 0, 25)), "A", fontsize=13, fontstyle="italic")
+    equal_axes(axes, *BOX, "mm", 200)
+    axes.set_title("figure 2: axes 1 to 6 and the members they move\n(O F 3, F E 4, E D 5, D A 6)", fontsize=12)
+    axes.view_init(24, -68)
+
+
+def draw_lengths(axes) -> None:
+    at = placed([0] * 6)
+    members(axes, at)
+    name_points(axes, at, "OFEDA", {"O": (12, 0, 14), "F": (-6, 0, 16), "E": (-28, 0, -30), "D": (-6, 0, 16), "A": (-12, 0, 16)})
+    frame(axes, 80.0)
+    down = (0, 0, -60)
+    dimension(axes, at["O"], at["F"], f"a1 = {A1:g}", down)
+    dimension(axes, at["F"], at["E"], f"a2 = {A2:g}", down)
+    dimension(axes, at["D"], at["A"], f"a3 = {A3:g}", (0, 0, 50))
+    dimension(axes, at["E"], at["D"], f"d1 = {D1:g}", (75, 0, 0))
+    equal_axes(axes, *BOX, "mm", 200)
+    axes.set_title(
+        "figure 3: the global frame, the initial position and the lengths [mm]\n(computed from the worked example)", fontsize=12
+    )
+    axes.view_init(12, -82)
+
+
+# --- figures 4, 5 and 7 ------------------------------------------------------------------------------------------
+
+
+def draw_planes():
+    figure = new_figure(18, 7.5)
+    figure.suptitle("Figures 4, 5 and 7: the key points, planes I and II, the forward example", fontsize=15)
+    draw_key_points(figure.add_subplot(131, projection="3d"))
+    draw_two_planes(figure.add_subplot(132, projection="3d"))
+    draw_forward_example(figure.add_subplot(133, projection="3d"))
+    return figure
+
+
+def draw_key_points(axes) -> None:
+    at = placed([0] * 6)
+    members(axes, at)
+    name_points(
+        axes, at, "OFEDABC", {"C": (-10, 12, -26), "A": (-30, 0, -8), "O": (12, 0, 12), "F": (-6, 0, 16), "E": (-6, 0, -34)}
+    )
+    for name in "BC":
+        axes.plot(*np.array([at["A"], at[name]]).T, "--", color="black", lw=1)
+    for k, line in enumerate(axis_lines([0] * 6), start=1):
+        if k in (3, 4, 5):
+            arrow(axes, line, k, 70.0, back=0.8)
+    equal_axes(axes, *BOX, "mm", 200)
+    axes.set_title("figure 4: |OF| = a1, |FE| = a2, |ED| = d1,\n|DA| = a3; A, B, C state the pose", fontsize=12)
+    axes.view_init(24, -68)
+
+
+def draw_two_planes(axes) -> None:
+    """The forward example: plane I through A, D, E, plane II through O and axis 5."""
+    at, (A, R) = placed(FORWARD), pose_of(FORWARD)
+    _, _, towards = plane_vectors(A, R, FORWARD[5])
+    members(axes, at)
+    up = (at["D"] - at["E"]) / D1
+    low, high = at["E"] - 70 * up, at["D"] + 40 * up
+    foot = at["E"] + (at["E"] - at["O"]) @ up * -up
+    reach = float(np.linalg.norm(foot - at["O"]))
+    patch(axes, [low, high, high + reach * towards, low + reach * towards], MEMBERS[1])
+    outward = (at["A"] - at["D"]) / np.linalg.norm(at["A"] - at["D"])
+    patch(axes, [low, high, high + 170 * outward, low + 170 * outward], MEMBERS[5])
+    patch(axes, [low, high, high - 130 * outward, low - 130 * outward], MEMBERS[5])
+    turns = np.linspace(0, math.radians(FORWARD[4]), 20)
+    side = np.cross(up, towards)
+    arc = np.array([high + 110 * (math.cos(t) * towards + math.sin(t) * side) for t in turns])
+    axes.plot(*arc.T, color="black", lw=1.6)
+    axes.text(*(arc[10] + 18 * up + 25 * towards), "θ5 = 25°", fontsize=13)
+    axes.text(*(low + 0.6 * reach * towards + 18 * up), "II", fontsize=17, color=MEMBERS[1], fontweight="bold")
+    axes.text(*(low + 130 * outward + 18 * up), "I", fontsize=17, color=MEMBERS[5], fontweight="bold")
+    name_points(axes, at, "OFEDA", {"O": (14, 0, 10), "D": (-35, 0, 12), "E": (-40, 0, -6), "A": (-26, 0, -12), "F": (8, 0, -30)})
+    equal_axes(axes, (-600, -160, -200), (60, 110, 130), "mm", 200)
+    axes.set_title("figure 5: plane I (A, D, E), plane II (O, axis 5);\nthey meet in axis 5 at the angle θ5", fontsize=12)
+    axes.view_init(50, -62)
+
+
+def draw_forward_example(axes) -> None:
+    at = placed(FORWARD)
+    members(axes, placed([0] * 6), ghost=True)
+    members(axes, at)
+    for name in "BC":
+        axes.plot(*np.array([at["A"], at[name]]).T, "--", color="black", lw=1)
+    name_points(
+        axes,
+        at,
+        "OFEDABC",
+        {
+            "O": (14, 0, 10),
+            "F": (0, 0, 18),
+            "E": (-6, 0, -38),
+            "D": (-6, 0, 16),
+            "A": (8, 0, -32),
+            "B": (-34, 0, 8),
+            "C": (-34, 10, 4),
+        },
+    )
+    equal_axes(axes, (-600, -160, -200), (60, 130, 160), "mm", 200)
+    tip = ", ".join(f"{v:.4f}" for v in at["A"])
+    axes.set_title(f"figure 7: θ = 5°, -10°, 15°, -20°, 25°, L6 = 30 mm\nA = ({tip}) mm; grey: initial position", fontsize=12)
+    axes.view_init(22, -66)
+
+
+# --- figure 6 ----------------------------------------------------------------------------------------------------
+
+
+VIEWS = {1: ("top view", 0, 1), 2: ("front view", 0, 2), 3: ("left view", 1, 2), 4: ("front view", 0, 2)}
+
+
+def draw_return():
+    """The worked example: joints 6 and 5 are at zero, then 1, 2, 3 and 4 are returned."""
+    q = inverse(TIP, goal_rotation())[0]
+    figure = new_figure(18, 9.5)
+    figure.suptitle(
+        "Figure 6: the return of the axes in the worked example, and the view in which each angle is read", fontsize=15
+    )
+    grid = figure.add_gridspec(2, 4, height_ratios=(1.25, 1))
+    before = placed(q)
+    for joint, value, points in sequence(TIP, goal_rotation(), float(q[5])):
+        at = {**points, "O": np.zeros(3)}
+        draw_state(figure.add_subplot(grid[0, joint - 1], projection="3d"), joint, at, before)
+        draw_view(figure.add_subplot(grid[1, joint - 1]), joint, value, at)
+        before = at
+    return figure
+
+
+def draw_state(axes, joint: int, at: dict[str, np.ndarray], before: dict[str, np.ndarray]) -> None:
+    members(axes, before, ghost=True)
+    members(axes, at)
+    name_points(axes, at, "OFEDA", {"O": (16, 0, 10), "F": (0, 0, 22), "E": (-10, 0, -50), "D": (-10, 0, 24), "A": (-24, 0, 20)})
+    done = ", ".join(["6", "5", *(str(k) for k in range(1, joint))])
+    equal_axes(axes, (-600, -130, -120), (80, 280, 200), "mm", 200)
+    axes.set_title(f"({'abcd'[joint - 1]}) joints {done} at zero\n(grey: the state before)", fontsize=12)
+    axes.view_init(28, -70)
+
+
+def draw_view(axes, joint: int, value: float, at: dict[str, np.ndarray]) -> None:
+    """The orthographic view of the members, and the angle of the joint that is returned next."""
+    name, i, j = VIEWS[joint]
+    for (one, other), k in zip(("OF", "FE", "ED", "DA"), (3, 4, 5, 6), strict=True):
+        axes.plot(*np.array([at[one], at[other]])[:, [i, j]].T, color=MEMBERS[k - 1], lw=4, solid_capstyle="round")
+    centre = at["F"] if joint == 4 else at["O"]
+    marked = {1: at["F"], 2: at["F"], 3: at["D"], 4: at["E"]}[joint] - centre
+    flat, zero = np.array([marked[i], marked[j]]), np.array([0.0, 1.0] if joint == 3 else [-1.0, 0.0])
+    start, radius = math.atan2(zero[1], zero[0]), 0.8 * float(np.linalg.norm(flat))
+    swing = math.remainder(math.atan2(flat[1], flat[0]) - start, 2 * math.pi)
+    origin = np.array([centre[i], centre[j]])
+    axes.plot(*np.array([origin, origin + 1.3 * radius * zero]).T, "--", color=GREY, lw=1.2)
+    axes.plot(*np.array([origin, origin + flat]).T, "--", color=GREY, lw=1.2)
+    turns = np.linspace(start, start + swing, 30)
+    axes.plot(origin[0] + radius * np.cos(turns), origin[1] + radius * np.sin(turns), color="black", lw=1.6)
+    for point in ("O", "F", "E", "D", "A") if joint != 3 else ("O", "D"):
+        axes.plot(at[point][i], at[point][j], "o", color="black", ms=4)
+        axes.annotate(
+            point, (at[point][i], at[point][j]), xytext=(6, 7), textcoords="offset points", fontsize=12, fontstyle="italic"
+        )
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.16)
+    axes.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]")
+    axes.set_title(f"{name}: θ{joint} = {value:.4f}°", fontsize=12)
