@@ -33,8 +33,9 @@ from samples import (
 from symkin import InputError, Joint, Limb, Mechanism, Pose
 from symkin.model.closure import build_closure, random_values
 from symkin.model.file import parse
+from symkin.position.given import given_from
 from symkin.position.problem import build_problem
-from symkin.position.roots import Roots, features, merge
+from symkin.position.roots import Roots, distinct, features, merge
 
 sampled = partial(symkin.modes, method="multistart")
 
@@ -125,6 +126,20 @@ def test_yao2020_has_the_papers_solutions():
     modes = check(arm, sampled(arm))
     assert modes.poses == 1
     assert matched(list(modes), expected, lambda m, e: np.allclose(m.actuated, e, atol=2e-4))
+
+
+def test_roots_many_turns_away_are_the_same_roots():
+    """A root whose angles carry whole turns, up to 1e8 of them, is the root without them, and is not lost although a sine of
+    1e8 turns has lost half of its digits."""
+    arm = symkin.load("yao2020")
+    found = symkin.modes(arm)
+    problem = build_problem(arm, "inverse")
+    known = given_from(arm, None, None).values
+    roots = np.array([[mode.values[c.name] for c in problem.system.unknowns] for mode in found])
+    turns = np.random.default_rng(0).integers(-(10**8), 10**8, roots.shape) * [c.kind == "angle" for c in problem.system.unknowns]
+    far = distinct(problem.system, np.vstack([roots + 2 * np.pi * turns, roots]), known, 8)
+    assert len(far.points) == len(roots) == 4
+    assert far.hits.tolist() == [2] * 4
 
 
 def test_a_wrist_partitioned_arm_has_eight_solutions():

@@ -62,7 +62,7 @@ def one_by_one(
     ends, smallest = [], np.inf
     for k, start in enumerate(random_starts(problem, system, given, starts, rng), start=1):
         path = chosen.iterate(problem, start, given.values)
-        z = system.unit(path[-1]) if np.all(np.isfinite(path[-1])) else path[-1]
+        z = system.wrap(system.unit(path[-1])) if np.all(np.isfinite(path[-1])) else path[-1]
         left = system.residual(z, given.values) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
         if left <= 1e-6 * system.size:

@@ -109,7 +109,7 @@ def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]
 def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Roots:
     """Merge ends, polish the representatives to full precision, drop what fails the check, merge again. Roots of a
     continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
-    ends = system.fold(ends)
+    ends = system.wrap(system.fold(ends))
     first, labels = merge(features(system, ends), 1e-5 * system.size)
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")

@@ -125,7 +125,7 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
 
 def _judge_root(problem: Problem, end: np.ndarray, known: np.ndarray) -> bool:
     system = problem.system
-    return bool(np.all(np.isfinite(end))) and system.residual(system.unit(end), known) <= 1e-6 * system.size
+    return bool(np.all(np.isfinite(end))) and system.residual(system.wrap(system.unit(end)), known) <= 1e-6 * system.size
 
 
 def _iterates(problem: Problem, solver: Solver, start: np.ndarray, known: np.ndarray) -> list[np.ndarray]:
@@ -141,7 +141,7 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         finite = [z for z in path if np.all(np.isfinite(z))]
         left = system.residual(finite[-1], known) if finite else float("inf")
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
-    end = system.unit(end)
+    end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
     if left <= ACCEPTED * system.size:
         return "ok", left
@@ -158,7 +158,7 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
     if status != "ok":
         return None, left
     system = problem.system
-    z = system.polish(system.unit(end), given.values) if system.width else end
+    z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
     solution = make_solution(problem, problem.assemble(z, given.values), notes=given.notes)
     return (solution, solution.residual) if solution.residual <= ACCEPTED * system.size else (None, solution.residual)
 
