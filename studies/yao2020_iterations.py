@@ -47,6 +47,10 @@ class Runs:
         return {"by": "study", "method": self.name, "poses": len(self.ends), "text": f"{self.name}, {len(self.ends)} poses"}
 
     @property
+    def iterates(self) -> bool:
+        return any(self.steps)
+
+    @property
     def counts(self) -> list[int]:
         return [self.ends.count(kind) for kind in ("right", "other", "none")]
 

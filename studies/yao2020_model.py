@@ -27,6 +27,8 @@ A1, A2, A3, D1 = 300.0, 85.0, 160.0, 105.0
 T = 50.0
 """Distance of B and C from A, mm; any value will do, and the paper prints none."""
 SIZE = A1 + A2 + A3
+SEED = 5
+"""Of every random number of the study."""
 FORWARD = (5.0, -10.0, 15.0, -20.0, 25.0, 30.0)
 """Joint values of the paper's forward example: theta1 to theta5 in degrees, L6 in mm."""
 TIP = np.array([-507.4063, 89.8079, 69.4402])
@@ -57,6 +59,22 @@ ZERO = {
 }
 CARRIED = {"O": 0, "F": 3, "E": 4, "D": 4, "A": 6, "B": 6, "C": 6}
 """The last joint that moves each point; joint 5 turns about E and D."""
+
+
+def random_joints(count: int) -> np.ndarray:
+    """Joint values anywhere, rows of theta1 to theta5 in degrees and L6 between -400 and 0."""
+    rng = np.random.default_rng(SEED)
+    return np.column_stack([rng.uniform(-180, 180, (count, 5)), rng.uniform(-400, 0, count)])
+
+
+def apart(one: float, other: float) -> float:
+    """Difference of two angles in degrees, modulo turns."""
+    return abs((one - other + 180) % 360 - 180)
+
+
+def same(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Equal joint values to 1e-6, angles modulo turns."""
+    return max(*(apart(x, y) for x, y in zip(a[:5], b[:5], strict=True)), abs(a[5] - b[5])) < 1e-6
 
 
 # --- equations (1) to (3) ----------------------------------------------------------------------------------------
