@@ -67,7 +67,7 @@ def draw_arms(axes, solutions: list[np.ndarray]) -> None:
         axes.text(*(point + [20, -25, -30] if name == "O" else point + [-8, -18, 22]), name, fontsize=13)
     equal_axes(axes, (-560, -130, -60), (40, 420, 220), "mm", 200)
     axes.set_title("The four configurations at the paper's pose; arrows: axis 2")
-    axes.legend(loc="upper left", frameon=False, fontsize=9, handlelength=3)
+    axes.legend(loc="upper center", ncols=2, frameon=False, fontsize=9, handlelength=3)
     axes.view_init(32, -75)
 
 
@@ -133,11 +133,11 @@ def draw_guesses(solutions: list[np.ndarray], points: int):
 
 def draw_holes(arm: symkin.Mechanism, track: Track):
     """Figures 8 to 11 as far as the printed data go."""
-    figure = new_figure(18, 10)
+    figure = new_figure(19, 10)
     figure.suptitle(
         "Section 3.3: 86 holes (the pattern is ours) on one working mode, and what is printed of figures 8 to 11", fontsize=15
     )
-    grid = figure.add_gridspec(2, 3)
+    grid = figure.add_gridspec(2, 3, width_ratios=(1.1, 1, 1))
     draw_seat(figure.add_subplot(grid[0, 0], projection="3d"))
     draw_robot(figure.add_subplot(grid[1, 0], projection="3d"), track)
     draw_face(figure.add_subplot(grid[0, 1]))
@@ -169,6 +169,7 @@ def draw_robot(axes, track: Track) -> None:
     y, z = holes().T
     axes.plot(np.full(len(y), FACE), y, z, ".", color="0.3", ms=4)
     equal_axes(axes, (-680, -420, -220), (60, 420, 420), "mm", 200)
+    axes.set_box_aspect((740, 840, 640), zoom=0.95)
     axes.set_title("figure 10: drilling the first, the 43rd\nand the last hole", fontsize=12)
     axes.view_init(18, -38)
 
@@ -181,7 +182,7 @@ def draw_face(axes) -> None:
     axes.plot(*np.vstack([rim, rim[:1]]).T, color="black", lw=1.2)
     axes.plot(*y.T, "-o", color=COLOURS[0], lw=1, ms=5)
     for k in (0, len(y) - 1):
-        axes.annotate(str(k + 1), y[k], xytext=(0, -15 if k == 0 else 7), textcoords="offset points", ha="center", fontsize=11)
+        axes.annotate(str(k + 1), y[k], xytext=(0, 6 if k == 0 else -15), textcoords="offset points", ha="center", fontsize=11)
     axes.set(aspect="equal", xlabel="y [mm]", ylabel="z [mm]", xlim=(-420, 420), ylim=(-260, 470))
     axes.set_title(f"holes {SPACING:g} mm apart, in their order,\nin the wrist's reach 2 (a1 + a2) by 2 a1", fontsize=12)
 

@@ -31,7 +31,7 @@ from yao2020_inverse import (
 from yao2020_iterations import all_ways, chord_loop, minima, minima_of_poses
 from yao2020_model import A1, FORWARD, PRINTED, SEED, STROKE, TIP, goal_rotation, pose_of
 
-POSES = 200
+POSES = 100
 """Poses over which steps and minima are counted."""
 
 

@@ -76,7 +76,7 @@ def dimension(axes, one, other, name: str, shift) -> None:
     for end, foot in ((a, one), (b, other)):
         axes.plot(*np.array([end, foot], float).T, color=GREY, lw=0.8)
     axes.plot(*np.array([a, b]).T, color="black", lw=1.2, marker="|", ms=7)
-    axes.text(*((a + b) / 2 + 0.28 * np.array(shift)), name, fontsize=13, ha="center", va="center")
+    axes.text(*((a + b) / 2 + 0.28 * np.array(shift)), name, fontsize=13, ha="left" if shift[0] else "center", va="center")
 
 
 def frame(axes, length: float, at=(0.0, 0.0, 0.0)) -> None:
@@ -95,16 +95,22 @@ def patch(axes, corners, colour: str) -> None:
 # --- figures 1 to 3 ----------------------------------------------------------------------------------------------
 
 
+def box(axes, low, high, unit: str, step: float, zoom: float) -> None:
+    """`equal_axes` drawn larger: long, flat boxes leave most of their place empty."""
+    equal_axes(axes, low, high, unit, step)
+    axes.set_box_aspect(np.subtract(high, low), zoom=zoom)
+
+
 def draw_frames():
-    figure = new_figure(17, 9.5)
+    figure = new_figure(17, 12)
     figure.suptitle(
         "Figures 1 to 3: spherical wrists, the robot's axes and members, the global frame and its lengths", fontsize=15
     )
-    grid = figure.add_gridspec(2, 3, width_ratios=(1, 1.35, 1.35))
-    for row, (name, arm) in enumerate(spherical_wrists().items()):
-        draw_wrist(figure.add_subplot(grid[row, 0], projection="3d"), name, arm)
-    draw_architecture(figure.add_subplot(grid[:, 1], projection="3d"))
-    draw_lengths(figure.add_subplot(grid[:, 2], projection="3d"))
+    grid = figure.add_gridspec(2, 2)
+    for column, (name, arm) in enumerate(spherical_wrists().items()):
+        draw_wrist(figure.add_subplot(grid[0, column], projection="3d"), name, arm)
+    draw_architecture(figure.add_subplot(grid[1, 0], projection="3d"))
+    draw_lengths(figure.add_subplot(grid[1, 1], projection="3d"))
     return figure
 
 
@@ -116,7 +122,7 @@ def draw_wrist(axes, name: str, arm) -> None:
     for k, line in enumerate(lines, start=1):
         arrow(axes, line, k, 0.22 if k < 4 else 0.26, back=0.2)
     axes.plot(*lines[4][0].reshape(3, 1), "o", mfc="none", mec="black", ms=16, mew=1.5)
-    equal_axes(axes, low, high, "m", 0.4)
+    box(axes, low, high, "m", 0.4, 1.0)
     axes.set_title(f"figure 1: {name}\naxes 4, 5, 6 meet (circle)", fontsize=12)
     axes.view_init(*view)
 
@@ -129,9 +135,9 @@ def draw_architecture(axes) -> None:
     members(axes, at)
     for k, line in enumerate(axis_lines([0] * 6), start=1):
         line = (at["D"], line[1]) if k == 6 else line
-        arrow(axes, line, k, 75.0 if k < 6 else 90.0, back=0.5)
+        arrow(axes, line, k, {5: 150.0, 6: 90.0}.get(k, 75.0), back=0.5)
     axes.text(*(at["A"] + (-5, 0, 25)), "A", fontsize=13, fontstyle="italic")
-    equal_axes(axes, *BOX, "mm", 200)
+    box(axes, *BOX, "mm", 200, 1.22)
     axes.set_title("figure 2: axes 1 to 6 and the members they move\n(O F 3, F E 4, E D 5, D A 6)", fontsize=12)
     axes.view_init(24, -68)
 
@@ -139,44 +145,43 @@ def draw_architecture(axes) -> None:
 def draw_lengths(axes) -> None:
     at = placed([0] * 6)
     members(axes, at)
-    name_points(axes, at, "OFEDA", {"O": (12, 0, 14), "F": (-6, 0, 16), "E": (-28, 0, -30), "D": (-6, 0, 16), "A": (-12, 0, 16)})
+    name_points(axes, at, "OFEDA", {"O": (-30, 0, 16), "F": (-6, 0, 16), "E": (8, 0, 14), "D": (-6, 0, 16), "A": (-12, 0, 16)})
     frame(axes, 80.0)
     down = (0, 0, -60)
     dimension(axes, at["O"], at["F"], f"a1 = {A1:g}", down)
     dimension(axes, at["F"], at["E"], f"a2 = {A2:g}", down)
     dimension(axes, at["D"], at["A"], f"a3 = {A3:g}", (0, 0, 50))
-    dimension(axes, at["E"], at["D"], f"d1 = {D1:g}", (75, 0, 0))
-    equal_axes(axes, *BOX, "mm", 200)
+    dimension(axes, at["E"], at["D"], f"d1 = {D1:g}", (40, 0, 0))
+    box(axes, *BOX, "mm", 200, 1.22)
     axes.set_title(
         "figure 3: the global frame, the initial position and the lengths [mm]\n(computed from the worked example)", fontsize=12
     )
-    axes.view_init(12, -82)
+    axes.view_init(14, -74)
 
 
 # --- figures 4, 5 and 7 ------------------------------------------------------------------------------------------
 
 
 def draw_planes():
-    figure = new_figure(18, 7.5)
+    figure = new_figure(17, 12)
     figure.suptitle("Figures 4, 5 and 7: the key points, planes I and II, the forward example", fontsize=15)
-    draw_key_points(figure.add_subplot(131, projection="3d"))
-    draw_two_planes(figure.add_subplot(132, projection="3d"))
-    draw_forward_example(figure.add_subplot(133, projection="3d"))
+    draw_key_points(figure.add_subplot(221, projection="3d"))
+    draw_two_planes(figure.add_subplot(222, projection="3d"))
+    draw_forward_example(figure.add_subplot(223, projection="3d"))
+    draw_along_axis5(figure.add_subplot(224))
     return figure
 
 
 def draw_key_points(axes) -> None:
     at = placed([0] * 6)
     members(axes, at)
-    name_points(
-        axes, at, "OFEDABC", {"C": (-10, 12, -26), "A": (-30, 0, -8), "O": (12, 0, 12), "F": (-6, 0, 16), "E": (-6, 0, -34)}
-    )
+    name_points(axes, at, "OFEDABC", {"C": (14, 12, 8), "A": (-30, 0, -8), "O": (12, 0, 12), "F": (-6, 0, 16), "E": (-6, 0, -34)})
     for name in "BC":
         axes.plot(*np.array([at["A"], at[name]]).T, "--", color="black", lw=1)
     for k, line in enumerate(axis_lines([0] * 6), start=1):
         if k in (3, 4, 5):
-            arrow(axes, line, k, 70.0, back=0.8)
-    equal_axes(axes, *BOX, "mm", 200)
+            arrow(axes, line, k, 150.0 if k == 5 else 70.0, back=0.8 if k < 5 else 0.4)
+    box(axes, *BOX, "mm", 200, 1.22)
     axes.set_title("figure 4: |OF| = a1, |FE| = a2, |ED| = d1,\n|DA| = a3; A, B, C state the pose", fontsize=12)
     axes.view_init(24, -68)
 
@@ -199,12 +204,34 @@ def draw_two_planes(axes) -> None:
     arc = np.array([high + 110 * (math.cos(t) * towards + math.sin(t) * side) for t in turns])
     axes.plot(*arc.T, color="black", lw=1.6)
     axes.text(*(arc[10] + 18 * up + 25 * towards), "θ5 = 25°", fontsize=13)
-    axes.text(*(low + 0.6 * reach * towards + 18 * up), "II", fontsize=17, color=MEMBERS[1], fontweight="bold")
+    axes.text(*(low + 0.75 * reach * towards + 55 * up), "II", fontsize=17, color=MEMBERS[1], fontweight="bold")
     axes.text(*(low + 130 * outward + 18 * up), "I", fontsize=17, color=MEMBERS[5], fontweight="bold")
     name_points(axes, at, "OFEDA", {"O": (14, 0, 10), "D": (-35, 0, 12), "E": (-40, 0, -6), "A": (-26, 0, -12), "F": (8, 0, -30)})
-    equal_axes(axes, (-600, -160, -200), (60, 110, 130), "mm", 200)
+    box(axes, (-600, -160, -200), (60, 110, 130), "mm", 200, 1.15)
     axes.set_title("figure 5: plane I (A, D, E), plane II (O, axis 5);\nthey meet in axis 5 at the angle θ5", fontsize=12)
     axes.view_init(50, -62)
+
+
+def draw_along_axis5(axes) -> None:
+    """The forward example seen along axis 5: both planes are lines, and the angle between them is theta5 itself."""
+    at, (_, normal, towards) = placed(FORWARD), plane_vectors(*pose_of(FORWARD), FORWARD[5])
+    flat = {name: np.array([(p - at["E"]) @ towards, (p - at["E"]) @ normal]) for name, p in at.items()}
+    for (one, other), k in zip(("OF", "FE", "DA"), (3, 4, 6), strict=True):
+        axes.plot(*np.array([flat[one], flat[other]]).T, color=MEMBERS[k - 1], lw=5, solid_capstyle="round")
+    along = -flat["A"] / np.linalg.norm(flat["A"])
+    axes.plot([-130, 420], [0, 0], "--", color=MEMBERS[1], lw=1.4)
+    axes.plot(*np.array([-200 * along, 260 * along]).T, "--", color=MEMBERS[5], lw=1.4)
+    turns = np.linspace(0, math.radians(FORWARD[4]), 20)
+    axes.plot(150 * np.cos(turns), 150 * np.sin(turns), color="black", lw=1.6)
+    axes.text(158, 28, "θ5 = 25°", fontsize=13)
+    axes.text(395, 10, "II", fontsize=17, color=MEMBERS[1], fontweight="bold")
+    axes.text(*(268 * along), "I", fontsize=17, color=MEMBERS[5], fontweight="bold")
+    for name, shift in {"O": (0, -16), "F": (-4, -16), "E": (-10, 9), "A": (-4, 9)}.items():
+        axes.plot(*flat[name], "o", color="black", ms=4)
+        text = "E, D" if name == "E" else name
+        axes.annotate(text, flat[name], xytext=shift, textcoords="offset points", fontsize=13, fontstyle="italic")
+    axes.set(aspect="equal", xlabel="from axis 5 towards O [mm]", ylabel="along the normal of plane II [mm]", ylim=(-140, 160))
+    axes.set_title("figure 5 seen along axis 5", fontsize=12)
 
 
 def draw_forward_example(axes) -> None:
@@ -224,10 +251,10 @@ def draw_forward_example(axes) -> None:
             "D": (-6, 0, 16),
             "A": (8, 0, -32),
             "B": (-34, 0, 8),
-            "C": (-34, 10, 4),
+            "C": (8, 10, 12),
         },
     )
-    equal_axes(axes, (-600, -160, -200), (60, 130, 160), "mm", 200)
+    box(axes, (-600, -160, -200), (60, 130, 160), "mm", 200, 1.15)
     tip = ", ".join(f"{v:.4f}" for v in at["A"])
     axes.set_title(f"figure 7: θ = 5°, -10°, 15°, -20°, 25°, L6 = 30 mm\nA = ({tip}) mm; grey: initial position", fontsize=12)
     axes.view_init(22, -66)
@@ -246,6 +273,7 @@ def draw_return():
     figure.suptitle(
         "Figure 6: the return of the axes in the worked example, and the view in which each angle is read", fontsize=15
     )
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 0.97, 1.0))
     grid = figure.add_gridspec(2, 4, height_ratios=(1.25, 1))
     before = placed(q)
     for joint, value, points in sequence(TIP, goal_rotation(), float(q[5])):
@@ -261,7 +289,7 @@ def draw_state(axes, joint: int, at: dict[str, np.ndarray], before: dict[str, np
     members(axes, at)
     name_points(axes, at, "OFEDA", {"O": (16, 0, 10), "F": (0, 0, 22), "E": (-10, 0, -50), "D": (-10, 0, 24), "A": (-24, 0, 20)})
     done = ", ".join(["6", "5", *(str(k) for k in range(1, joint))])
-    equal_axes(axes, (-600, -130, -120), (80, 280, 200), "mm", 200)
+    box(axes, (-600, -130, -120), (80, 280, 200), "mm", 200, 0.93)
     axes.set_title(f"({'abcd'[joint - 1]}) joints {done} at zero\n(grey: the state before)", fontsize=12)
     axes.view_init(28, -70)
 
@@ -283,10 +311,9 @@ def draw_view(axes, joint: int, value: float, at: dict[str, np.ndarray]) -> None
     axes.plot(origin[0] + radius * np.cos(turns), origin[1] + radius * np.sin(turns), color="black", lw=1.6)
     for point in ("O", "F", "E", "D", "A") if joint != 3 else ("O", "D"):
         axes.plot(at[point][i], at[point][j], "o", color="black", ms=4)
-        axes.annotate(
-            point, (at[point][i], at[point][j]), xytext=(6, 7), textcoords="offset points", fontsize=12, fontstyle="italic"
-        )
+        shift, where = (6, -16 if point == "D" and joint == 1 else 7), (at[point][i], at[point][j])
+        axes.annotate(point, where, xytext=shift, textcoords="offset points", fontsize=12, fontstyle="italic")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.16)
+    axes.margins(0.2)
     axes.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]")
     axes.set_title(f"{name}: θ{joint} = {value:.4f}°", fontsize=12)

@@ -106,56 +106,6 @@ def turned(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.abs((a - b + np.pi) % (2 * np.pi) - np.pi).max())
 
 
-# --- the telescopic Pieper robot ---------------------------------------------------------------------------------
-
-SOLUTIONS = (
-    (-35.5964, 2.7296, 22.5391, 7.7660, 62.2486, -51.5743),
-    (144.4036, 177.2704, -157.4609, 7.7660, 62.2486, -51.5743),
-    (-89.7350, 16.6451, 4.5028, 7.7660, 117.7514, -407.5519),
-    (90.2650, 163.3549, -175.4972, 7.7660, 117.7514, -407.5519),
-)
-"""Computed by two independent means; the paper prints the first, to 0.02."""
-
-
-@pytest.fixture(scope="module")
-def yao(tmp_path_factory: pytest.TempPathFactory) -> dict:
-    return study("yao2020", tmp_path_factory.mktemp("yao"))
-
-
-def test_yao_forward_and_lengths(yao: dict) -> None:
-    """Forward example (joint values of the paper) and the lengths behind the printed points D0, E0, F0."""
-    for name in ("forward, A", "the same by symkin"):
-        assert_close(computed(yao, name), [-513.6785, -105.8242, -77.5586], 1e-4)
-    assert_close(computed(yao, "a3, d1, a2"), [160, 105, 85], 3e-5)
-    assert_close(computed(yao, "a1 from"), 300.003, 1e-3)
-
-
-def test_yao_solutions(yao: dict) -> None:
-    """All four solutions of the worked example; the printed one (paper, section 3.2) is the first, to its own error."""
-    for k, expected in enumerate(SOLUTIONS, start=1):
-        assert_close(computed(yao, f"inverse, solution {k}"), expected, 6e-5)
-    assert row(yao, "inverse, solution 1")["paper"] == [-35.5954, 2.7289, 22.5392, 7.7657, 62.2462, -51.556]
-    assert_close(np.array(row(yao, "inverse, solution 1")["difference"]), np.zeros(6), 0.02)
-    assert_close(computed(yao, "solutions by return"), [4, 4], 0)
-    assert_close(computed(yao, "symkin.solve"), SOLUTIONS[0], 6e-5)
-    assert computed(yao, "random poses with equal sets") == 40
-
-
-def test_yao_search(yao: dict) -> None:
-    """What the printed loop does on [-500, 0]."""
-    assert_close(computed(yao, "f at -500, -250, 0"), [50.4, -42.9, 26.3], 0.06)
-    assert_close(computed(yao, "printed loop, left")[0], -407.5519, 1e-4)
-    assert_close(computed(yao, "printed loop, right"), [-51.5743, 33], 1e-4)
-    assert_close(computed(yao, "|OF| - a1 at"), 8.4e-3, 1e-4)
-    assert_close(computed(yao, "distance from A"), 0.0114, 1e-4)
-    assert_close(computed(yao, "L6 moved by"), [1.6e-4, 7.3e-3], 1e-4)
-    assert_close(computed(yao, "L6 in closed form"), [-407.5519, -51.5743], 1e-4)
-
-
-def test_yao_errata(yao: dict) -> None:
-    assert_errata(yao, "1e-8 was not met", "no bracket", "33 steps", "no iterative search", "equation (11)")
-
-
 # --- XJ-HEXAS ----------------------------------------------------------------------------------------------------
 
 
