@@ -4,8 +4,8 @@
     yao2020_inverse     section 2.2: planes, search, return of the axes, closed form, closures
     yao2020_iterations  steps and times of the ways to L6 over many poses
     yao2020_holes       section 3.3: reach of the wrist, 86 holes by `track`, joint errors; with its rows
-    yao2020_frame, yao2020_search, yao2020_example   rows of the other sections
-    yao2020_sketches, yao2020_pictures               drawings
+    yao2020_frame, yao2020_search, yao2020_example      rows of the other sections
+    yao2020_parts, yao2020_sketches, yao2020_pictures   drawings
 
 Units: mm, deg. Source: Yao Haifeng et al., Journal of Mining Science and Technology 5(6), 2020. Its displayed formulas but (11) are
 missing in the copy at hand; (1) to (10) and (12) are written from the text around them, and none of its lengths is printed.

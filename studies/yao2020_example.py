@@ -207,7 +207,7 @@ def report_guesses(report: Report, arm: symkin.Mechanism, solutions: list[np.nda
     two, modes = plane_closure(), [np.array([q[5], math.radians(q[4])]) for q in solutions[::2]]
     guesses = np.column_stack([slide, turns[:, 4]])
     trials = [attempt(search(two), guesses, axis5_origin(A, R), modes) for search in (rootfinder, least_squares)]
-    report_trials(report, "inverse, (5)-(8) in L6, theta5", "2.2.1", trials)
+    report_trials(report, "inverse, (5)-(8) in L6, theta5 (two solutions each)", "2.2.1", trials)
     six, guesses = [inside(q) for q in solutions], np.column_stack([turns, slide])
     searches = (rootfinder(square_closure()), least_squares(point_closure()))
     trials = [attempt(search, guesses, three_points(A, R), six) for search in searches]

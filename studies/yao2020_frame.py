@@ -60,7 +60,7 @@ def report_concurrency(report: Report) -> None:
     gap = concurrency(here[:3])
     row("axes 1, 2, 3 meet: largest distance", 0, gap, place="1, fig. 2; 4 (2)", tolerance=TINY)
     gaps = [round(line_distance(here[i], here[j]), 9) for i, j in ((3, 4), (3, 5), (4, 5))]
-    row("axes 4, 5, 6 skew in pairs: distances 4-5, 4-6, 5-6", None, gaps, place="1, fig. 2", verdict="differs")
+    row("axes 4, 5, 6: distances 4-5, 4-6, 5-6", "skew in pairs", gaps, place="1, fig. 2", verdict="differs")
     text = "axes 4, 5 and 6 are not skew in pairs: axes 5 and 6 meet in D, as section 2.2.1 says itself."
     report.erratum(text, shown=gaps[2] < TINY and min(gaps[:2]) > 1)
 

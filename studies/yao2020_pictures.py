@@ -19,6 +19,7 @@ from yao2020_inverse import (
     distance_function,
     f_iteration,
     inside,
+    inverse,
     plane_closure,
     point_closure,
     slides,
@@ -26,7 +27,7 @@ from yao2020_inverse import (
     three_points,
 )
 from yao2020_model import A1, A2, D1, STROKE, TIP, goal_rotation, placed, turn
-from yao2020_sketches import MEMBERS, members
+from yao2020_parts import MEMBERS, members
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
@@ -82,7 +83,7 @@ def draw_configuration(axes, q: np.ndarray, colour: str, style: str = "-o", labe
 
 
 def draw_guesses(solutions: list[np.ndarray], points: int):
-    """Over L6 and theta5, the solution that each guess leads to: (5) to (8) in these two unknowns, and (3) in six joints."""
+    """The solution that each guess leads to: of L6 and theta5 by (5) to (8), and of theta1 and L6, the others zero, by (3)."""
     A, R = TIP, goal_rotation()
     e, goal = axis5_origin(A, R), three_points(A, R)
     pairs, modes = [np.array([q[5], math.radians(q[4])]) for q in solutions[::2]], [inside(q) for q in solutions]
@@ -92,27 +93,20 @@ def draw_guesses(solutions: list[np.ndarray], points: int):
     grid = figure.add_gridspec(2, 4)
     two = {"rootfinder": rootfinder(plane_closure()), "IPOPT": least_squares(plane_closure())}
     six = {"rootfinder": rootfinder(square_closure()), "IPOPT": least_squares(point_closure())}
+    degree = 180 / math.pi
     for column, name in enumerate(two):
-        top, low = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
+        axes = figure.add_subplot(grid[0, column])
         draw_basins(
-            top,
-            two[name],
-            e,
-            pairs,
-            (0, 1),
-            np.zeros(2),
-            (reach, turns),
-            COLOURS[::2],
-            points=points,
-            scales=(1.0, 180 / math.pi),
+            axes, two[name], e, pairs, (0, 1), np.zeros(2), (reach, turns), COLOURS[::2], points=points, scales=(1.0, degree)
         )
-        top.set_title(f"{name}, (5)-(8): L6 and θ5\n1: solutions 1, 2; 2: solutions 3, 4", fontsize=12)
+        axes.set(xlabel="guess: L6 [mm]", ylabel="guess: θ5 [deg]", yticks=range(-180, 181, 90))
+        axes.set_title(f"{name}, (5)-(8): L6 and θ5\n1: solutions 1, 2; 2: solutions 3, 4", fontsize=12)
+        axes = figure.add_subplot(grid[1, column])
         draw_basins(
-            low, six[name], goal, modes, (5, 4), np.zeros(6), (reach, turns), COLOURS, points=points, scales=(1.0, 180 / math.pi)
+            axes, six[name], goal, modes, (0, 5), np.zeros(6), (turns, reach), COLOURS, points=points, scales=(degree, 1.0)
         )
-        low.set_title(f"{name}, (3): six joints,\nguess θ1 to θ4 = 0", fontsize=12)
-        for axes in (top, low):
-            axes.set(xlabel="guess: L6 [mm]", ylabel="guess: θ5 [deg]", yticks=range(-180, 181, 90))
+        axes.set(xlabel="guess: θ1 [deg]", ylabel="guess: L6 [mm]", xticks=range(-180, 181, 90))
+        axes.set_title(f"{name}, (3): six joints,\nguess θ2 to θ5 = 0", fontsize=12)
     for k, q in enumerate(solutions):
         axes = figure.add_subplot(grid[k % 2, 2 + k // 2], projection="3d")
         draw_configuration(axes, q, COLOURS[k])
@@ -150,8 +144,6 @@ def draw_holes(arm: symkin.Mechanism, track: Track):
 
 def draw_seat(axes) -> None:
     """Figure 8: the printed pose and the last 40 mm before it."""
-    from yao2020_inverse import inverse
-
     q = inverse(TIP, goal_rotation())[0]
     members(axes, placed([*q[:5], q[5] + 40]), ghost=True)
     members(axes, placed(q))

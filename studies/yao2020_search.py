@@ -48,7 +48,7 @@ def report_planes(report: Report) -> None:
     """(4) to (8) as written, in the worked example."""
     A, R = pose_of(FORWARD)
     label, angle = "forward example: angle of planes I and II", angle_of_planes(A, R, FORWARD[5])
-    report.row(label, FORWARD[4], angle, "deg", place="2.2.1, fig. 5", run=angle_of_planes, tolerance=1e-9)
+    report.row(label, FORWARD[4], angle, "deg", place="2.2.1, fig. 5; 4 (3)", run=angle_of_planes, tolerance=1e-9)
     A, R, root = TIP, goal_rotation(), max(slides(TIP, goal_rotation()))
     p, (ad, normal, _) = retreated(A, R, root), plane_vectors(A, R, root)
     for name, point in p.items():
@@ -167,8 +167,8 @@ def report_closed_form(report: Report) -> None:
     """The conclusion that L6 needs an iterative search, against h = a2 + sqrt(a1^2 - e_z^2)."""
     A, R = TIP, goal_rotation()
     direct, f = slides(A, R), distance_function(A, R)
-    label = "'L6 needs an iterative search': e_x -+ sqrt((a2 + sqrt(a1^2 - e_z^2))^2 - e_y^2)"
-    report.row(label, None, direct, "mm", place="0, 4 (2)", run=slides, verdict="refuted")
+    label = "L6 = e_x -+ sqrt((a2 + sqrt(a1^2 - e_z^2))^2 - e_y^2)"
+    report.row(label, "needs a search", direct, "mm", place="0, 4 (2)", run=slides, verdict="refuted")
     searched = [paper_search(f_iteration(A, R, full_angle_of_planes), order)[0] for order in ("left", "right")]
     text = (
         "L6 needs no iterative search: e_x -+ sqrt((a2 + sqrt(a1^2 - e_z^2))^2 - e_y^2) gives both roots, and so there is an analytic "
