@@ -54,9 +54,9 @@ from yao2020_model import (
 FORMULAS = {1: "arctan2(-Fy, -Fx)", 2: "arctan2(Fz, -Fx)", 3: "arctan2((C - A)z, (C - A)y)", 4: "arctan2((E - F)z, -(E - F)x)"}
 POSES = 200
 """Poses at which (11) is tried."""
-SETS = 40
+SETS = 25
 """Poses over which sets of solutions are compared."""
-GUESSES = 150
+GUESSES = 100
 """Guesses of each solver."""
 
 

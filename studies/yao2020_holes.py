@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -140,69 +141,54 @@ def report_application(report: Report, arm: symkin.Mechanism) -> Track:
 
 def _report_seat(report: Report, arm: symkin.Mechanism) -> None:
     track = track_seat(arm)
-    joints = np.array([s.actuated for s in track.samples])
-    text = [float(np.ptp(joints[:, :5], axis=0).max()), float(np.ptp(joints[:, 5]))]
-    report.row("seat along its axis to the cutting head, 40 mm: joints 1 to 5 move by at most, L6 by", [0, 40], text, "deg, mm", place="3.2, fig. 8",
-               run=Tracked(track), tolerance=1e-9)  # fmt: skip
+    moved = np.ptp(np.array([s.actuated for s in track.samples]), axis=0)
+    label = "seat along its axis to the cutting head, 40 mm: joints 1 to 5 move by at most, L6 by"
+    report.row(label, [0, 40], [moved[:5].max(), moved[5]], "deg, mm", place="3.2, fig. 8", run=Tracked(track), tolerance=1e-9)
 
 
 def _report_reach(report: Report, arm: symkin.Mechanism) -> None:
     """The stadium against enumeration just inside and outside of it, and against the place where a track stops."""
     for z in (D1, D1 + 150.0):
-        here = [symkin.modes(arm, pose=symkin_pose(outward(z, beyond), np.eye(3))) for beyond in (-1.0, 1.0)]
-        label = f"reach on the face at z = {z:g}: solutions 1 mm inside and 1 mm outside, by continuation"
+        here, place = [symkin.modes(arm, pose=symkin_pose(outward(z, d), np.eye(3))) for d in (-1.0, 1.0)], f"reach at z = {z:g}"
+        label = f"{place}: solutions 1 mm inside and 1 mm outside of it on the face, by continuation"
         report.row(label, None, [len(found) for found in here], place="3.3", run=here)
         track = track_outward(arm, z)
-        label = f"reach on the face at z = {z:g}: y where a track outward stops ({track.stop.kind}), less a2 + sqrt(a1^2 - e_z^2)"
-        report.row(
-            label, None, float(track.end.pose.position[1]) - outward(z, 0.0)[1], "mm", place="3.3", run=(Tracked(track), outward)
-        )
+        off = float(track.end.pose.position[1]) - outward(z, 0.0)[1]
+        label = f"{place}: y where a track outward stops ({track.stop.kind}), less a2 + sqrt(a1^2 - e_z^2)"
+        report.row(label, None, round(off, 9), "mm", place="3.3", run=(Tracked(track), outward))
 
 
 def _report_path(report: Report, track: Track, joints: np.ndarray) -> None:
-    ran = Tracked(track)
-    report.row("holes of the pattern", HOLES, len(holes()), place="3.3, fig. 10", run=holes)
     margin = min(reach_margin(np.array([FACE, y, z]), np.eye(3)) for y, z in holes())
+    report.row("holes of our pattern", HOLES, len(holes()), place="3.3, fig. 10", run=holes, verdict="-")
     report.row("least margin of a hole inside the wrist's reach", None, margin, "mm", place="3.3", run=reach_margin)
-    report.row(
-        "path of all holes, there and back in each: poses reached",
-        None,
-        f"{len(track.samples)}, {track.statement}",
-        place="3.3",
-        run=ran,
-    )
-    report.row("ground of the path", None, track.ground, place="3.3", run=ran)
-    report.row("largest |A| error along the path", 0, track.residual, "mm", place="3.3", run=ran, tolerance=1e-8)
-    report.row("theta1 to theta5, L6: least", None, joints.min(axis=0).round(6) + 0.0, "deg, mm", place="3.3", run=ran)
-    report.row("theta1 to theta5, L6: most", None, joints.max(axis=0).round(6) + 0.0, "deg, mm", place="3.3", run=ran)
-    report.row("L6 stays inside [-500, 0] by", None, stroke_margin(joints[:, 5]), "mm", place="2.2.1, 3.3", run=ran)
-    report.row("nearest singularity: distance, type 1 (0 to 1)", None, track.distances["type 1"], place="3.3", run=ran)
+    row = partial(report.row, place="3.3", run=Tracked(track))
+    row("path of all holes, there and back in each: poses reached", None, f"{len(track.samples)}, {track.statement}")
+    row("ground of the path", None, track.ground)
+    row("largest |A| error along the path", 0, track.residual, "mm", tolerance=1e-8)
+    row("theta1 to theta5, L6: least", None, joints.min(axis=0).round(6) + 0.0, "deg, mm")
+    row("theta1 to theta5, L6: most", None, joints.max(axis=0).round(6) + 0.0, "deg, mm")
+    row("L6 stays inside [-500, 0] by", None, stroke_margin(joints[:, 5]), "mm")
+    row("nearest singularity: distance, type 1 (0 to 1)", None, track.distances["type 1"])
     by_hole = joints.reshape(HOLES, 3, 6)
     fed = by_hole[:, 1] - by_hole[:, 0]
-    text = [float(np.abs(fed[:, :5]).max()), float(fed[:, 5].min()), float(fed[:, 5].max())]
-    report.row("into a hole: joints 1 to 5 move by at most, L6 by (least, most)", None, text, "deg, mm", place="3.3", run=ran)
+    moved = [float(np.abs(fed[:, :5]).max().round(9)), float(fed[:, 5].min()), float(fed[:, 5].max())]
+    row("into a hole: joints 1 to 5 move by at most, L6 by (least, most)", None, moved, "deg, mm")
 
 
 def _report_errors(report: Report, arm: symkin.Mechanism, track: Track) -> None:
     """What 27.6 mm would be in joint angles of this small arm, to first order."""
-    jacobian = symkin.jacobian(arm, kind="direct")
-    bottoms = [s.solution for s in track.samples[1::3]]
-    report.row(
-        "largest offset of a hole within the mine's bound",
+    jacobian, bottoms = symkin.jacobian(arm, kind="direct"), [s.solution for s in track.samples[1::3]]
+    row = partial(report.row, place="3.3, fig. 11")
+    row(
+        "printed values: the largest offset is within the mine's bound",
         True,
         LARGEST_OFFSET < ALLOWED,
-        place="3.3, fig. 11; 4 (5)",
         run="27.6 < 30",
+        verdict="-",
     )
     most = np.max([tip_errors(jacobian, s) for s in bottoms], axis=0)
-    report.row(
-        "A moves for 1 deg of error in joints 1 to 5, most over the holes",
-        None,
-        most,
-        "mm",
-        place="3.3, fig. 11",
-        run=(jacobian.at, tip_errors),
-    )
+    row("A moves for 1 deg of error in joints 1 to 5, most over the holes", None, most, "mm", run=(jacobian.at, tip_errors))
     worst = max(worst_of_equal_errors(jacobian, s) for s in bottoms)
-    report.row("equal errors of joints 1 to 5 that make 27.6 mm at the worst hole", None, LARGEST_OFFSET / worst, "deg", place="3.3, fig. 11",
-               run=(jacobian.at, worst_of_equal_errors))  # fmt: skip
+    label = "equal errors of joints 1 to 5 that make 27.6 mm at the worst hole, with these lengths"
+    row(label, None, LARGEST_OFFSET / worst, "deg", run=(jacobian.at, worst_of_equal_errors))

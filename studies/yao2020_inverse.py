@@ -74,15 +74,17 @@ def paper_search(f: Function, order: str) -> tuple[float, int]:
     """The printed loop on [-500, 0] to 1e-8. `order`: which test is made first, 'left' (f_min f_mid < 0) or 'right';
     'both': one after the other with the same values, as printed. Returns L6 and the steps made."""
     (low, high), steps = STROKE, 0
+    at_low, at_high = f(low), f(high)
     for steps in range(1, 201):  # noqa: B007 - the last value is returned
         middle = 0.5 * (low + high)
-        at_low, at_middle, at_high = f(low), f(middle), f(high)
+        at_middle = f(middle)
         left, right = at_low * at_middle < 0, at_middle * at_high < 0
         if abs(at_middle) < TOLERANCE or not (left or right):
             break
         take_left = left and (order != "right" or not right)
         take_right = right and (order != "left" or not left)
-        low, high = (middle if take_right else low), (middle if take_left else high)
+        low, at_low = (middle, at_middle) if take_right else (low, at_low)
+        high, at_high = (middle, at_middle) if take_left else (high, at_high)
     return middle, steps
 
 
