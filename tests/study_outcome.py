@@ -19,7 +19,7 @@ class Outcome:
 
     def __init__(self, name: str, folder: Path, *options: str) -> None:
         command = [sys.executable, "-W", "error", str(STUDIES / f"{name}.py"), "-o", str(folder), *options]
-        self.run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        self.run = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
         self.name, self.folder = name, folder
         self.picture = folder / f"{name}.png"
         self.content = json.loads((folder / f"{name}.json").read_text()) if self.run.returncode == 0 else {}
