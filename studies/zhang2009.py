@@ -9,193 +9,158 @@ Notation: A_i platform joint centres on a circle of 250 mm at 240, 330, 0, 90, 1
 
 Units: mm; angles in degrees where printed, in radians inside; the residual max |f_i| is in mm^2.
 Source: Zhang Zhaoyin, Practical solution of 6-DOF parallel robot position forward solution, Computer Engineering and
-Applications 45(9), 2009, 47-48. Tables 2 (start) and 3 (iterations) are missing from the copy at hand: the start here is
-our choice. The paper claims real time without a figure.
+Applications 45(9), 2009, 47-48. The copy at hand ends at table 1: tables 2 (start) and 3 (iterations) and the list of
+references are missing, so that the start here and the 24 unknowns of references [3], [4] are our choice.
+
+Parts: `zhang2009_model` (printed matrices and lines, equations), `zhang2009_newton` (the method and its operations),
+`zhang2009_unknowns` (24 and three unknowns), `zhang2009_claims` (their comparison, accuracy, real time),
+`zhang2009_instructions` (the example in C), `zhang2009_pictures`.
 """
 
 from __future__ import annotations
-
-import math
-import time
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 import symkin
 from enumerated import statement
-from report import Report, equal_axes, folder_from_arguments, new_figure
-from symkin.spatial.rotation import euler_from_quaternion
+from report import Report, options_parser
+from written import written
+from zhang2009_claims import SEED, report_claims, report_fewest, report_guesses, report_unknowns
+from zhang2009_model import (
+    A_PRINTED,
+    B_IN_EQUATIONS,
+    B_PRINTED,
+    EVIDENT_POSE,
+    START,
+    START_NEARBY,
+    TABLE_1,
+    A,
+    B,
+    Equations,
+    equations,
+    euler_pose,
+    inside,
+    jacobian_by_axes,
+    joints,
+    leg_lengths,
+    outside,
+    printed_joints,
+    quaternion_pose,
+    rotation_of,
+    six_unknowns,
+    symbols,
+)
+from zhang2009_newton import (
+    Path,
+    gauss_jordan,
+    newton,
+    rootfinder_pose,
+)
+from zhang2009_pictures import draw, draw_figure_1, draw_guesses, draw_unknowns
+from zhang2009_unknowns import (
+    quadratic_unknowns,
+    third_derivative,
+)
 
-PLATFORM_DEG, BASE_DEG = (240, 330, 0, 90, 120, 210), (270, 300, 30, 60, 150, 180)
-A = 250.0 * np.array([[math.cos(t), math.sin(t), 0.0] for t in np.radians(PLATFORM_DEG)])
-B = 275.0 * np.array([[math.cos(t), math.sin(t), 0.0] for t in np.radians(BASE_DEG)])
-B_PRINTED = np.vstack([[0.0, -125.0, 0.0], B[1:]])
-TABLE_1 = np.array([144.6, 347.0, 110.3, 178.6, 277.6, 269.4])
-START = (0.0, 0.0, 100.0, 0.0, 0.0, 0.0)
-START_NEARBY = (0.0, 0.0, 100.0, 5.0, 5.0, 5.0)
-EVIDENT_POSE = (119.0, 88.0, 72.0, 10.0, 21.0, 15.0)
-SEED = 0
-COLOURS = ("#0072b2", "#d55e00", "#7f7f7f")
-
-Numbers = Sequence[float] | np.ndarray
-Path = list[tuple[np.ndarray, float]]
-"""(X, max |f|) at every step."""
+# --- introduction (1) --------------------------------------------------------------------------------------------
 
 
-# --- the paper's equations ---------------------------------------------------------------------------------------
-
-
-def rotation(angles: ca.SX, *, misprint: bool) -> ca.SX:
-    """R of the paper's T; row 3, column 1 is printed with s_gamma where c_gamma must stand."""
-    (sa, sb, sg), (ca_, cb, cg) = ca.vertsplit(ca.sin(angles)), ca.vertsplit(ca.cos(angles))
-    return ca.vertcat(
-        ca.horzcat(cb * cg, -cb * sg, sb),
-        ca.horzcat(sa * sb * cg + ca_ * sg, ca_ * cg - sa * sb * sg, -sa * cb),
-        ca.horzcat(sa * sg - ca_ * sb * (sg if misprint else cg), ca_ * sb * sg + sa * cg, ca_ * cb),
+def report_introduction(report: Report, platform: symkin.Mechanism, found: symkin.Modes) -> None:
+    single = symkin.modes(platform, pose=quaternion_pose(EVIDENT_POSE))
+    report.row("'inverse easy, direct very difficult': solutions of inverse (lengths > 0), direct (complex)", None,
+               [sum(all(length > 0 for length in mode.actuated) for mode in single), found.complex_count],
+               place="1", run=(single, found))  # fmt: skip
+    six, many = third_derivative(six_unknowns()), third_derivative(quadratic_unknowns())
+    report.row("third derivatives of 'quadratic equations in six unknowns': largest", 0.0, six, place="1", run=third_derivative,
+               verdict="refuted")  # fmt: skip
+    report.row("third derivatives of the quadratic equations in 24 unknowns: largest", 0.0, many, place="1, [3], [4]",
+               run=third_derivative, tolerance=1e-9)  # fmt: skip
+    text = "equations (2) are called quadratic, but in the six unknowns they hold sines and cosines: their third derivatives do not vanish."
+    report.erratum(text, shown=six > 0.1 and many < 1e-9)
+    report.outside(
+        "the 24 unknowns of [3], [4]", "1", "the list of references is missing; the natural ones below are used instead"
     )
+    rows = quadratic_unknowns().F
+    for title, k in (("limb 1", 0), ("joint 1 in the platform's plane, x", 6), ("n.n = 1", 21), ("n.o = 0", 23)):
+        report.row(
+            f"24 unknowns, in radii of the base, {title}: 0 =",
+            None,
+            written(rows[k]),
+            place="1, [3], [4]",
+            run=quadratic_unknowns,
+        )
+    report.outside("[1], [2]: direct problem by iterating with velocities", "1", "their lists of equations are not in the paper")
+    report.outside("[5], [6], [7]: direct problem by neural networks", "1", "no figures, no networks are given")
 
 
-@dataclass(frozen=True)
-class Equations:
-    """F and D = dF/dX for one reading of the paper: its T as printed or right, its B as printed or as in equation (2)."""
-
-    X: ca.SX
-    F: ca.SX
-    evaluate: ca.Function
-    lengths: ca.Function
-    R: ca.Function
+# --- geometry and transformation (2) -----------------------------------------------------------------------------
 
 
-def equations(*, misprint: bool = False, base: np.ndarray = B) -> Equations:
-    X = ca.SX.sym("X", 6)
-    R = rotation(X[3:], misprint=misprint)
-    squares = ca.vertcat(*(ca.sumsqr(ca.DM(b) - X[:3] - R @ ca.DM(a)) for a, b in zip(A, base, strict=True)))
-    F = squares - TABLE_1**2
-    evaluate = ca.Function("F_D", [X], [F, ca.jacobian(F, X)])
-    return Equations(X, F, evaluate, ca.Function("L", [X], [ca.sqrt(squares)]), ca.Function("R", [X], [R]))
+def radii(points: np.ndarray) -> np.ndarray:
+    """Distances from the origin."""
+    return np.linalg.norm(points, axis=1)
 
 
-def inside(pose: Numbers) -> np.ndarray:
-    """Degrees to radians in the last three."""
-    return np.concatenate([pose[:3], np.radians(pose[3:])])
+def central_angles(points: np.ndarray) -> np.ndarray:
+    """Angles between neighbours on a circle, sorted, degrees."""
+    turns = np.sort(np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0)
+    return np.sort(np.diff([*turns, turns[0] + 360.0]))
 
 
-def outside(X: np.ndarray) -> np.ndarray:
-    """Radians to degrees in (-180, 180] in the last three."""
-    return np.concatenate([X[:3], np.degrees(np.arctan2(np.sin(X[3:]), np.cos(X[3:])))])
-
-
-def leg_lengths(system: Equations, pose: Numbers) -> np.ndarray:
-    return np.asarray(system.lengths(inside(pose))).ravel()
-
-
-# --- Newton's method as the paper writes it ----------------------------------------------------------------------
-
-
-def gauss_jordan(D: np.ndarray) -> np.ndarray:
-    """C = D^-1 by elimination with row pivots; NaN where a pivot vanishes."""
-    n = len(D)
-    work = np.hstack([D, np.eye(n)])
-    for k in range(n):
-        best = k + int(np.argmax(np.abs(work[k:, k])))
-        if abs(work[best, k]) < 1e-12 * np.abs(D).max():
-            return np.full((n, n), np.nan)
-        work[[k, best]] = work[[best, k]]
-        work[k] /= work[k, k]
-        work -= np.outer(np.where(np.arange(n) == k, 0.0, work[:, k]), work[k])
-    return work[:, n:]
-
-
-def newton(system: Equations, start: Numbers, *, as_printed: bool = False, most: int = 30) -> Path:
-    """Steps until no |f| is above 1e-9 mm^2. `as_printed`: the update X - C D, row i of C by column i of D for unknown i."""
-    X, path = inside(start), []
-    for _ in range(most + 1):
-        F, D = (np.asarray(v) for v in system.evaluate(X))
-        path.append((X, float(np.abs(F).max())))
-        if path[-1][1] < 1e-9:
-            break
-        C = gauss_jordan(D)
-        X = X - (np.diag(C @ D) if as_printed else (C @ F).ravel())
-    return path
-
-
-def rootfinder(system: Equations, method: str) -> np.ndarray:
-    """The same by CasADi's rootfinder from the same start."""
-    find = ca.rootfinder("find", method, {"x": system.X, "g": system.F}, {"abstol": 1e-9})
-    return outside(np.asarray(find(x0=inside(START))["x"]).ravel())
-
-
-# --- report ------------------------------------------------------------------------------------------------------
-
-
-def euler_pose(pose: symkin.Pose) -> np.ndarray:
-    """x, y, z in mm, alpha, beta, gamma in degrees."""
-    return np.concatenate([pose.position, np.degrees(euler_from_quaternion(pose.quaternion, "XYZ"))])
-
-
-def quaternion_pose(pose: Numbers) -> symkin.Pose:
-    return symkin.Pose.from_euler(np.array(pose[:3]), np.radians(pose[3:]), "XYZ")
-
-
-def report_inverse(report: Report, platform: symkin.Mechanism, system: Equations) -> None:
-    report.row("limb lengths, frames coincident", None, leg_lengths(system, (0.0,) * 6), "mm")
-    own = symkin.solve(platform, pose=quaternion_pose(EVIDENT_POSE)).solution.actuated
-    report.row("limb lengths at (119, 88, 72; 10, 21, 15)", TABLE_1, leg_lengths(system, EVIDENT_POSE), "mm")
-    report.row("the same by symkin's inverse", TABLE_1, own, "mm")
-    tenths = 10 * np.array(own)
-    fits = (np.floor(tenths) == np.round(10 * TABLE_1)) | (np.round(tenths) == np.round(10 * TABLE_1))
-    report.row("of these truncate or round to table 1", 6, int(fits.sum()))
-
-
-def report_newton(report: Report, system: Equations) -> Path:
-    path = newton(system, START)
-    for k, (X, residual) in enumerate(path):
-        report.row(f"Newton, step {k}: x, y, z, alpha, beta, gamma; max |f|", None, [*outside(X), residual], "mm, deg; mm^2")
-    report.row("Newton steps from (0, 0, 100; 0, 0, 0)", "tables 2, 3 missing: not comparable", len(path) - 1)
-    for method in ("newton", "fast_newton"):
-        report.row(f"CasADi rootfinder {method}", EVIDENT_POSE, rootfinder(system, method), "mm, deg")
-    begin = time.perf_counter()
-    for _ in range(20):
-        newton(system, START)
-    report.row("time of one direct solution", "real time, no figure", round(50 * (time.perf_counter() - begin), 2), "ms")
-    return path
-
-
-def report_modes(report: Report, platform: symkin.Mechanism) -> list[symkin.Pose]:
-    found = symkin.modes(platform, joints=TABLE_1, seed=SEED)
-    poses = [euler_pose(mode.pose) for mode in found]
-    report.row(f"real modes by symkin.modes, {found.method}", None, len(found))
-    report.row("complex solutions of the six equations", None, found.complex_count)
-    report.row("completeness", None, statement(found))
-    for k, pose in enumerate(poses, start=1):
-        report.row(f"mode {k}", EVIDENT_POSE if k == 1 else None, pose, "mm, deg")
-    mirrored = [pose * (1, 1, -1, -1, -1, 1) for pose in poses]
-    pairs = sum(any(np.abs(m - p).max() < 1e-8 for p in poses) for m in mirrored) // 2
-    report.row("mirror pairs (z, alpha, beta change sign)", None, pairs)
-    for solver in ("newton", "fast_newton", "ipopt"):
-        report.row(f"modes reached by symkin.solve, {solver}", None, reached(platform, poses, solver))
-    return [mode.pose for mode in found]
-
-
-def reached(platform: symkin.Mechanism, poses: list[np.ndarray], solver: str) -> int:
-    """How many modes a solver finds from their poses rounded to 10 mm and 10 degrees."""
-    count = 0
-    for pose in poses:
-        end = symkin.solve(platform, joints=TABLE_1, start=quaternion_pose(np.round(pose, -1)), solver=solver).solution
-        count += bool(np.abs(euler_pose(end.pose) - pose).max() < 1e-8)
-    return count
+def report_geometry(report: Report, system: Equations) -> None:
+    for name, printed, radius, right in (("A", A_PRINTED, 250.0, A), ("B", B_PRINTED, 275.0, B)):
+        report.row(f"central angles of the {name}_i, sorted", [30.0] * 3 + [90.0] * 3, central_angles(right), "deg", place="2.1",
+                   run=central_angles)  # fmt: skip
+        distances = radii(printed)
+        report.row(f"printed matrix {name}: |{name}_1| to |{name}_6|", [radius] * 6, distances, "mm", place="2.1", run=radii,
+                   verdict="reproduced" if name == "A" else "refuted")  # fmt: skip
+    report.row("B of equations (2): |B_1| to |B_6|", [275.0] * 6, radii(B_IN_EQUATIONS), "mm", place="3, (2)",
+               run=radii)  # fmt: skip
+    report.row(
+        "limb lengths, frames coincident (figure 1)", None, leg_lengths(system, (0.0,) * 6), "mm", place="2.1", run=leg_lengths
+    )
+    D = np.asarray(system.evaluate(np.zeros(6))[1])
+    report.row(
+        "rank of D there: no place to start from", None, int(np.linalg.matrix_rank(D, tol=1e-6)), place="2.1", run=equations
+    )
 
 
 def report_base_misprint(report: Report, system: Equations) -> None:
     printed = equations(base=B_PRINTED)
     first = leg_lengths(printed, EVIDENT_POSE)[0], leg_lengths(system, EVIDENT_POSE)[0]
-    report.row("limb 1 at the pose with B_1 = (0, -125, 0), (0, -275, 0)", [144.6, 144.6], first, "mm")
+    report.row("limb 1 at the pose with B_1 = (0, -125, 0), (0, -275, 0)", [144.6, 144.6], first, "mm", place="2.1", run=leg_lengths,
+               verdict="refuted")  # fmt: skip
     end = outside(newton(printed, START)[-1][0])
-    report.row("Newton with B_1 = (0, -125, 0)", EVIDENT_POSE, end, "mm, deg")
+    report.row("Newton with B_1 = (0, -125, 0)", EVIDENT_POSE, end, "mm, deg", place="2.1", run=newton, verdict="refuted")
     shown = abs(first[0] - 144.6) > 1.0 and abs(first[1] - 144.6) < 0.1 and abs(np.linalg.norm(B_PRINTED[0]) - 275) > 1
     report.erratum("B_1 = (0, -125, 0) in the matrix B is off its circle; (0, -275, 0) in equation (2) is right.", shown=shown)
+
+
+def wrong_entries(printed: np.ndarray, right: np.ndarray) -> list[str]:
+    """Names (row, column from 1) of the entries that differ."""
+    return [f"{i + 1}, {j + 1}" for i, j in np.argwhere(np.abs(printed - right) > 1e-9)]
+
+
+def report_transformation(report: Report) -> None:
+    """T and the 18 lines against the composition of three turns."""
+    X = inside(EVIDENT_POSE)
+    composed = quaternion_pose(EVIDENT_POSE).rotation
+    as_printed = np.asarray(equations(misprint=True).R(X))
+    report.row("entries of the printed rotation that are not those of Rx Ry Rz", "none", ", ".join(wrong_entries(as_printed, composed)),
+               place="2.2, T", run=(equations, quaternion_pose), verdict="refuted")  # fmt: skip
+    report.row("largest difference with row 3, column 1 = s_alpha s_gamma - c_alpha s_beta c_gamma", 0.0,
+               float(np.abs(rotation_of(X[3:]) - composed).max()), place="2.2, T", run=(rotation_of, quaternion_pose), tolerance=1e-12)  # fmt: skip
+    texts = symbols()[0]
+    for i in range(6):
+        lines = "; ".join(f"{c}_{i + 1} = {written(texts[i, k])}" for k, c in enumerate("xyz"))
+        report.row(f"A'_{i + 1}, right", None, lines, "mm", place="2.2", run=symbols)
+    P = ca.SX.sym("X", 6)
+    lines = np.asarray(ca.Function("lines", [P], [printed_joints(P)])(X))
+    right = X[:3] + A @ composed.T
+    wrong = [f"{'xyz'[j]}_{i + 1}" for i, j in np.argwhere(np.abs(lines - right) > 1e-9)]
+    report.row("lines of x_1 to z_6 that are not T A_i with the right T", "none", ", ".join(wrong), place="2.2", run=(printed_joints, joints),
+               verdict="refuted")  # fmt: skip
 
 
 def report_rotation_misprint(report: Report, system: Equations) -> Path:
@@ -205,12 +170,22 @@ def report_rotation_misprint(report: Report, system: Equations) -> Path:
     path = newton(printed, START_NEARBY)
     false_pose = outside(path[-1][0])
     miss = leg_lengths(system, false_pose) - TABLE_1
-    report.row("rank of D at a start without rotation: T as printed, right", None, rank)
-    report.row("largest entry of R^T R - I, T as printed", None, float(np.abs(R.T @ R - np.eye(3)).max()))
-    report.row(f"Newton, T as printed, {len(path) - 1} steps from {START_NEARBY}", EVIDENT_POSE, false_pose, "mm, deg")
-    report.row("limb lengths there under the right rotation, less table 1", None, miss, "mm")
+    report.row("rank of D at a start without rotation: T as printed, right", None, rank, place="2.2, T", run=equations)
+    report.row("largest entry of R^T R - I, T as printed", 0.0, float(np.abs(R.T @ R - np.eye(3)).max()), place="2.2, T", run=equations,
+               verdict="refuted")  # fmt: skip
+    report.row(f"Newton, T as printed, {len(path) - 1} steps from {START_NEARBY}", EVIDENT_POSE, false_pose, "mm, deg", place="2.2, T",
+               run=newton, verdict="refuted")  # fmt: skip
+    report.row(
+        "limb lengths there under the right rotation, less table 1",
+        0.0,
+        miss,
+        "mm",
+        place="2.2, T",
+        run=leg_lengths,
+        verdict="refuted",
+    )
     text = (
-        "row 3, column 1 of T, and with it every z_i, is printed s_alpha s_gamma - c_alpha s_beta s_gamma; it must be "
+        "row 3, column 1 of T, and with it every z_i but z_4, is printed s_alpha s_gamma - c_alpha s_beta s_gamma; it must be "
         f"s_alpha s_gamma - c_alpha s_beta c_gamma. As printed, R is no rotation, D has rank {rank[0]} without rotation, and "
         f"Newton goes to a false pose that misses the limbs by up to {np.abs(miss).max():.1f} mm."
     )
@@ -218,73 +193,130 @@ def report_rotation_misprint(report: Report, system: Equations) -> Path:
     return path
 
 
+# --- Newton's method (3) -----------------------------------------------------------------------------------------
+
+
+def report_equations(report: Report, system: Equations) -> None:
+    texts = symbols()[1]
+    for i in range(6):
+        report.row(f"f_{i + 1} = 0", None, written(texts[i]), "mm^2", place="(1), (2)", run=symbols)
+    X = inside(EVIDENT_POSE)
+    D = np.asarray(system.evaluate(X)[1])
+    report.row("D by CasADi less D by the axes of the three turns: largest over |D|", 0.0,
+               float(np.abs(D - jacobian_by_axes(X)).max() / np.abs(D).max()), place="(4), D", run=(equations, jacobian_by_axes),
+               tolerance=1e-12)  # fmt: skip
+
+
 def report_printed_update(report: Report, system: Equations) -> Path:
     _, D = (np.asarray(v) for v in system.evaluate(inside(START)))
     identity = float(np.abs(gauss_jordan(D) @ D - np.eye(6)).max())
     path = newton(system, START, as_printed=True, most=8)
     steps = np.diff([X for X, _ in path], axis=0)
-    report.row("largest entry of C D - I", None, identity)
-    report.row("printed update X - C D: every step in each unknown", None, [float(steps.min()), float(steps.max())], "mm, rad")
-    report.row("residual before, after 8 printed updates", None, [path[0][1], path[-1][1]], "mm^2")
+    report.row("C by Gauss and Jordan: largest entry of C D - I", 0.0, identity, place="3", run=gauss_jordan, tolerance=1e-9)
+    report.row("printed update X - C D: every step in each unknown", None, [float(steps.min()), float(steps.max())], "mm, rad",
+               place="3, after (5)", run=newton)  # fmt: skip
+    report.row(
+        "residual before, after 8 printed updates", None, [path[0][1], path[-1][1]], "mm^2", place="3, after (5)", run=newton
+    )
     text = (
         "the update is printed X - C D, but D is the Jacobian and C its inverse, so that C D is the identity and every "
-        "unknown falls by 1 at each step whatever the limbs measure; it must be X - C F."
+        "unknown falls by 1 at each step whatever the limbs measure; it must be X - C F, as in (5)."
     )
     report.erratum(text, shown=identity < 1e-9 and bool(np.abs(steps + 1).max() < 1e-9) and path[-1][1] > 1e3)
     return path
 
 
-# --- picture -----------------------------------------------------------------------------------------------------
+# --- example (4) -------------------------------------------------------------------------------------------------
 
 
-def draw_convergence(axes, right, misprint, printed) -> None:
-    labels = "Newton", "Newton with T as misprinted, from 5° each: a false pose", "update as printed: X less C D"
-    for path, style, label, colour in zip((right, misprint, printed), ("o-", "s-", "^-"), labels, COLOURS, strict=True):
-        axes.semilogy([r for _, r in path], style, color=colour, lw=1.8, ms=6, label=label)
-    axes.set(xlabel="iteration", ylabel="largest residual $|f_i|$ [mm$^2$]", ylim=(1e-13, 1e8))
-    axes.set_title("Convergence from (0, 0, 100) mm without rotation", fontsize=12)
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower left", frameon=False, fontsize=10)
-    axes.spines[["top", "right"]].set_visible(False)
+def report_table_1(report: Report, platform: symkin.Mechanism, system: Equations) -> None:
+    inverse = symkin.solve(platform, pose=quaternion_pose(EVIDENT_POSE))
+    own = inverse.solution.actuated
+    report.row("limb lengths at (119, 88, 72; 10, 21, 15)", TABLE_1, leg_lengths(system, EVIDENT_POSE), "mm", place="(1), table 1",
+               run=leg_lengths)  # fmt: skip
+    report.row("the same by symkin's inverse", TABLE_1, own, "mm", place="(1), table 1", run=inverse)
+    tenths = 10 * np.array(own)
+    fits = (np.floor(tenths) == np.round(10 * TABLE_1)) | (np.round(tenths) == np.round(10 * TABLE_1))
+    report.row("of these truncate or round to table 1", 6, int(fits.sum()), place="table 1", run=inverse)
 
 
-def draw_platform(axes, pose: symkin.Pose, title: str) -> None:
-    ends = np.array([pose.apply(a) for a in A])
-    for polygon, colour in ((B, "0.45"), (ends, COLOURS[0])):
-        closed = np.vstack([polygon, polygon[:1]])
-        axes.plot_trisurf(*polygon.T, triangles=[(0, i, i + 1) for i in range(1, 5)], color=colour, alpha=0.22, shade=False)
-        axes.plot(*closed.T, color=colour, lw=1.8)
-    for b, a in zip(B, ends, strict=True):
-        axes.plot(*np.array([b, a]).T, "-o", color=COLOURS[1], lw=2, ms=3.5)
-    equal_axes(axes, (-290, -290, -230), (390, 390, 230), "mm", 200)
-    axes.set_title(title, fontsize=12, y=0.97)
-    axes.view_init(20, -116)
+def report_newton(report: Report, system: Equations) -> Path:
+    report.outside("table 2: the start", "table 2", "missing from the copy at hand; (0, 0, 100; 0, 0, 0) is used instead")
+    path = newton(system, START)
+    for k, (X, residual) in enumerate(path):
+        values = [*outside(X), residual]
+        report.row(
+            f"Newton, step {k}: x, y, z, alpha, beta, gamma; max |f|", None, values, "mm, deg; mm^2", place="(5)", run=newton
+        )
+    report.row("Newton steps from (0, 0, 100; 0, 0, 0)", None, len(path) - 1, place="(5)", run=newton)
+    report.outside("table 3: the iterations", "table 3", "missing from the copy at hand; not comparable")
+    for method in ("newton", "fast_newton"):
+        pose = rootfinder_pose(system, method)
+        report.row(f"CasADi rootfinder {method}", EVIDENT_POSE, pose, "mm, deg", place="4", run=rootfinder_pose, tolerance=0.1)
+    return path
 
 
-def draw(poses: list[symkin.Pose], *paths: Path):
-    figure = new_figure(16, 9)
-    figure.suptitle("Gough-Stewart platform, direct problem of table 1: Newton's method and all four assembly modes", fontsize=15)
-    grid = figure.add_gridspec(2, 3, width_ratios=(1.15, 1, 1))
-    draw_convergence(figure.add_subplot(grid[:, 0]), *paths)
-    for k, pose in enumerate(poses):
-        x, y, z, *angles = euler_pose(pose)
-        turns = r"$\alpha, \beta, \gamma$ = " + ", ".join(f"{a:.2f}°" for a in angles)
-        place = figure.add_subplot(grid[k % 2, 1 + k // 2], projection="3d")
-        draw_platform(place, pose, f"mode {k + 1}: ({x:.2f}, {y:.2f}, {z:.2f}) mm\n{turns}")
-    return figure
+def report_modes(report: Report, platform: symkin.Mechanism, found: symkin.Modes) -> None:
+    poses = [euler_pose(mode.pose) for mode in found]
+    report.row("real modes by continuation", None, len(found), place="4", run=found)
+    report.row("complex solutions of the six equations", None, found.complex_count, place="4", run=found)
+    report.row("completeness", None, statement(found), place="4", run=found)
+    for k, pose in enumerate(poses, start=1):
+        paper = EVIDENT_POSE if k == 1 else None
+        report.row(f"mode {k}", paper, pose, "mm, deg", place="4", run=found, tolerance=0.1)
+    mirrored = [pose * (1, 1, -1, -1, -1, 1) for pose in poses]
+    pairs = sum(any(np.abs(m - p).max() < 1e-8 for p in poses) for m in mirrored) // 2
+    report.row("mirror pairs (z, alpha, beta change sign)", None, pairs, place="4", run=found)
+    for solver in ("newton", "fast_newton", "ipopt"):
+        ends = [
+            symkin.solve(platform, joints=TABLE_1, start=quaternion_pose(np.round(pose, -1)), solver=solver) for pose in poses
+        ]
+        near = sum(bool(np.abs(euler_pose(e.solution.pose) - p).max() < 1e-8) for e, p in zip(ends, poses, strict=True))
+        report.row(
+            f"modes reached by symkin.solve, {solver}, from their poses rounded to 10 mm and 10 degrees",
+            None,
+            near,
+            place="4",
+            run=ends,
+        )
+
+
+# --- all ----------------------------------------------------------------------------------------------------------
+
+
+def report_outside(report: Report) -> None:
+    report.outside("conclusions and references", "after table 1", "missing from the copy at hand")
+    report.outside("'the usability is strong'", "abstract", "an opinion, without figures")
 
 
 def main() -> None:
-    folder = folder_from_arguments(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.splitlines()[0])
+    parser.add_argument("--guesses", type=int, default=200, help="random guesses for each search (default: 200)")
+    parser.add_argument("--points", type=int, default=31, help="guesses along each side of the picture (default: 31)")
+    options = parser.parse_args()
     platform, system = symkin.load("zhang2009"), equations()
+    found = symkin.modes(platform, joints=TABLE_1, seed=SEED)
+    poses = [mode.pose for mode in found]
     report = Report("zhang2009", "Gough-Stewart platform (Zhang 2009): direct kinematics by Newton's method", SEED)
-    report_inverse(report, platform, system)
-    right = report_newton(report, system)
-    poses = report_modes(report, platform)
+    report_introduction(report, platform, found)
+    report_fewest(report, found)
+    report_geometry(report, system)
     report_base_misprint(report, system)
+    report_transformation(report)
     misprint = report_rotation_misprint(report, system)
+    report_equations(report, system)
     printed = report_printed_update(report, system)
-    report.finish(draw(poses, right, misprint, printed), folder)
+    report_table_1(report, platform, system)
+    right = report_newton(report, system)
+    report_modes(report, platform, found)
+    trials = report_guesses(report, platform, found, options.guesses)
+    paths = report_unknowns(report)
+    counts = report_claims(report, system, found)
+    report_outside(report)
+    report.finish(
+        draw(poses, right, misprint, printed), options.output, figure1=draw_figure_1(poses[0]),
+        guesses=draw_guesses(six_unknowns(), poses, options.points), unknowns=draw_unknowns(paths, trials, counts),
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

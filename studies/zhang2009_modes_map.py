@@ -17,7 +17,6 @@ import math
 
 import casadi as ca
 import numpy as np
-from zhang2009 import TABLE_1, equations
 
 import symkin
 from report import Report, new_figure, options_parser
@@ -25,6 +24,7 @@ from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.singularity import singularity
 from symkin.spatial.rotation import euler_from_quaternion
 from symkin.view.loci_plot import draw_curves
+from zhang2009_model import TABLE_1, equations
 
 SEED = 7
 WINDOW = ((30.0, 400.0), (120.0, 420.0))
@@ -35,7 +35,7 @@ WINDOW = ((30.0, 400.0), (120.0, 420.0))
 
 
 def number_of_modes(platform: symkin.Mechanism, one: float, two: float) -> int:
-    found = symkin.modes(platform, joints=(one, two, *TABLE_1[2:]), starts=50)
+    found = symkin.modes(platform, joints=(one, two, *TABLE_1[2:]))
     if found.completeness == "incomplete":
         raise SystemExit(f"zhang2009_modes_map: {found.unresolved_paths} unresolved paths at legs {one:g}, {two:g}")
     return len(found)
