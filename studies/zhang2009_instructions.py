@@ -96,7 +96,7 @@ def _tables(start: np.ndarray, known: np.ndarray, expected: np.ndarray) -> list[
 def _folder(source: str, include: str, tables: list[str], prepare: str, call: str, measured: str) -> Any:
     harness, _ = bench_tools()
     folder = Path(tempfile.mkdtemp())
-    (folder / "bench.c").write_text(harness._filled(f'#include "{include}.h"', tables, prepare, call, 3, 1, 1))
+    (folder / "bench.c").write_text(harness.filled(f'#include "{include}.h"', tables, prepare, call, 3, 1, 1))
     return harness.Harness(folder, source, (measured,), ("example",))
 
 

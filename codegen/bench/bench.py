@@ -2,8 +2,7 @@
 
     python codegen/bench/bench.py [--write]
 
-Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. Beside it, in the same run, CasADi's own C of a
-fast_newton rootfinder for the same poses.
+Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import argparse
 from collections.abc import Iterator
 
 from footprint import footprint_table
-from harness import Harness, casadi_harness, harness_of
+from harness import Harness, harness_of
 from processors import HOST, measure
 from readme import written
 
@@ -32,7 +31,6 @@ def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:
     yield "zhang2009 float, home-relative", harness_of("zhang2009", relative), ("M4F", HOST), "mm"
     struct = Options("double", geometry="struct", home=HOME)
     yield "zhang2009 double, struct geometry", harness_of("zhang2009", struct), ("M7", HOST), "mm"
-    yield "CasADi fast_newton, double", casadi_harness(), ("M4F", "M7", HOST), "mm"
     for real, board in boards.items():
         for name, unit in PARALLEL:
             yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), unit  # type: ignore[arg-type]

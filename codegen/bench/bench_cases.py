@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from symkin.firmware.program import Kind
@@ -15,11 +17,16 @@ HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
 """Home of the platform whose singular reference asks for one, as in generate.py."""
 
 
+vectors_of = lru_cache(maxsize=8)(build_vectors)
+"""A folder's own vectors; kinds compare by identity."""
+
+
+@lru_cache(maxsize=8)
 def cases_of(kind: Kind) -> dict[str, np.ndarray]:
     """Tables by name: 64 poses about home for a platform whose home is HOME, the folder's own vectors for all others."""
     if isinstance(kind, RodPlatform) and kind.options.home == HOME:
         return platform_cases(kind)
-    v = build_vectors(kind)
+    v = vectors_of(kind)
     if isinstance(kind, SerialArm):
         return {"guesses": v.guesses, "poses": v.poses, "expected": v.inverse}
     odd, n = np.arange(len(v.joints)) % 2 == 1, len(v.joints)

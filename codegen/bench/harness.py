@@ -13,18 +13,14 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 
-from bench_cases import HOME, cases_of
+from bench_cases import cases_of
 from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
 from symkin.firmware.program import Program, build_program
-from symkin.firmware.rods import RodPlatform
 from symkin.model.file import load
-from symkin.position.newton import flat_rows
-from symkin.position.problem import build_problem
 
 MAIN = """
 #include "board.h"
@@ -91,35 +87,13 @@ def main_text(program: Program) -> str:
     return _serial_text(program) if program.mechanism.serial else _platform_text(program)
 
 
-def casadi_harness() -> Harness:
-    """CasADi's fast_newton C, double, tolerance 1e-9, on the same 64 poses of the platform."""
-    mechanism = load("zhang2009")
-    platform = build_program(mechanism, Options("double", home=HOME)).kind
-    if not isinstance(platform, RodPlatform):
-        raise TypeError("zhang2009 is a platform on six rods")
-    cases, exact = cases_of(platform), Real("double")
-    system = build_problem(mechanism, "direct").system
-    problem = {"x": system.unknown, "p": system.known, "g": flat_rows(system)}
-    solver = ca.rootfinder("solver", "fast_newton", problem, {"abstol": 1e-9, "abstolStep": 1e-9})
-    folder = Path(tempfile.mkdtemp())
-    generator = ca.CodeGenerator("newton.c", {"with_header": True})
-    generator.add(solver)
-    generator.generate(f"{folder}/")
-    sizes = [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
-    tables = [table("double", key, cases[key], exact) for key in ("joints", "cold", "warm", "expected")]
-    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; double result[7]; int status;
-        const double *arg[{sizes[0] + 1}] = {{ (kind == 0) ? cold[k] : warm[k], joints[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
-    text = _filled('#include "newton.h"', tables, prepare, "status = solver(arg, res, iw, w, 0);", 3, 2, 64)
-    (folder / "bench.c").write_text(text)
-    return Harness(folder, "newton", ("solver",), ("cold", "warm"))
-
-
 def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
     lines = ", ".join("{ " + ", ".join(real.hexadecimal(float(v)) for v in row) + " }" for row in rows)
     return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {lines} }};"
 
 
-def _filled(include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int) -> str:
+def filled(include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int) -> str:
+    """MAIN with its parts filled in."""
     values = {"include": include, "tables": "\n".join(tables), "prepare": prepare, "call": call, "checked": checked,
               "kinds": kinds, "count": count}  # fmt: skip
     text = MAIN
@@ -148,7 +122,7 @@ def _platform_text(program: Program) -> str:
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = start[3 + i]; }}"""
     direct = f"(int){name}_direct({first}0, joints[k], &pose, &pose, &info)"
     call = f"status = (kind < 2) ? {direct} : (int){name}_track({first}joints[k], &pose, &info);"
-    return _filled(f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"]))
+    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"]))
 
 
 def _serial_text(program: Program) -> str:
@@ -161,7 +135,7 @@ def _serial_text(program: Program) -> str:
         for (int i = 0; i < 3; ++i) {{ pose.position[i] = poses[k][i]; }}
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
     call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"
-    return _filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
+    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
 
 
 def from_folder(folder: Path) -> str:
