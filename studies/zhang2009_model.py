@@ -39,7 +39,7 @@ EVIDENT_POSE = (119.0, 88.0, 72.0, 10.0, 21.0, 15.0)
 """Gives table 1 to its last digit: the pose from which the paper made its example."""
 SCALES = np.array([BASE_RADIUS, BASE_RADIUS, BASE_RADIUS, 1.0, 1.0, 1.0])
 """Units of the solvers' unknowns: lengths in radii of the base, angles in rad. Lengths in mm beside angles in rad would leave
-IPOPT in local minima from five times as many guesses; Newton's method does not mind."""
+IPOPT in local minima more often; Newton's method does not mind."""
 NAMES = ("x", "y", "z", "alpha", "beta", "gamma")
 
 Numbers = Sequence[float] | np.ndarray

@@ -1,6 +1,6 @@
 """The C that CasADi's own code generator makes of symkin's equations: what a user of plain CasADi has.
 
-    python codegen/bench/plain_casadi.py [-o DIR] [NAME ...]
+    python codegen/bench/plain_casadi.py [-o DIR] [--real double] [NAME ...]
 
 Writes NAME_casadi.c and NAME_casadi.h for each of the five systems, about 1,000 lines each; they are not committed. Functions:
 
@@ -18,6 +18,7 @@ import argparse
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -31,6 +32,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.newton import flat_rows
 from symkin.position.problem import Problem, build_problem
 
+RealName = Literal["float", "double"]
 SYSTEMS = ("zhang2009", "ren2008", "zhao2000", "gluon_6l3", "yao2020")
 HOMES = {"zhang2009": HOME}
 MAX_STEPS = 100
@@ -39,9 +41,10 @@ MAX_STEPS = 100
 
 @dataclass(frozen=True, eq=False)
 class PlainCasadi:
-    """One mechanism for CasADi's generator, with the tolerance (length unit) of symkin's C in double precision."""
+    """One mechanism for CasADi's generator, with the tolerance (length unit) and the type of symkin's C."""
 
     name: str
+    real: RealName = "double"
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -50,7 +53,7 @@ class PlainCasadi:
     @cached_property
     def program(self) -> Program:
         """symkin's C of the same mechanism."""
-        return build_program(self.mechanism, Options("double", home=HOMES.get(self.name)))
+        return build_program(self.mechanism, Options(self.real, home=HOMES.get(self.name)))
 
     @cached_property
     def problem(self) -> Problem:
@@ -93,7 +96,7 @@ class PlainCasadi:
     def generate(self, folder: Path) -> None:
         """NAME_casadi.c and NAME_casadi.h."""
         folder.mkdir(parents=True, exist_ok=True)
-        generator = ca.CodeGenerator(f"{self.source}.c", {"with_header": True})
+        generator = ca.CodeGenerator(f"{self.source}.c", {"with_header": True, "casadi_real": self.real})
         for function in self.functions:
             generator.add(function)
         generator.generate(f"{folder}/")
@@ -132,8 +135,9 @@ class PlainCasadi:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(SYSTEMS))
+    parser.add_argument("--real", choices=("float", "double"), default="double")
     parser.add_argument("-o", default="casadi_c", metavar="DIR", help="where to write (default: casadi_c)")
     chosen = parser.parse_args()
     for given in chosen.names:
-        PlainCasadi(given).generate(Path(chosen.o))
+        PlainCasadi(given, chosen.real).generate(Path(chosen.o))
         print(f"{chosen.o}/{given}_casadi.c")

@@ -41,18 +41,23 @@ def _casadi_newton(plain: PlainCasadi) -> Harness:
     else:
         starts = [np.array([plain.unknowns_at(pose) for pose in cases[key]]) for key in ("cold", "warm")]
         known, offset, checked = cases["joints"], plain.places(("pose.x",))[0], 3
-    tables = [table("double", f"start{k}", rows, EXACT) for k, rows in enumerate(starts)]
-    tables += [table("double", "known", known, EXACT), table("double", "expected", cases["expected"], EXACT)]
+    tables = [_given(plain, f"start{k}", rows) for k, rows in enumerate(starts)]
+    tables += [_given(plain, "known", known), table("double", "expected", cases["expected"], EXACT)]
     begin = "(kind == 0) ? start0[k] : start1[k]" if len(starts) == 2 else "start0[k]"
-    prepare = f"double z[{n}]; const double *const result = z + {offset}; int status; (void)kind;"
+    prepare = f"{plain.real} z[{n}]; const {plain.real} *const result = z + {offset}; int status; (void)kind;"
     names = ("inverse",) if serial else ("cold", "warm")
     return _casadi(plain, plain.newton, (begin, "known[k]"), "z", tables, prepare, checked, names, len(known))
 
 
 def _casadi_matrix(plain: PlainCasadi, inputs: np.ndarray, expected: np.ndarray) -> Harness:
-    tables = [table("double", "input", inputs, EXACT), table("double", "expected", expected, EXACT)]
-    prepare = f"double result[{expected.shape[1]}]; int status; (void)kind;"
+    tables = [_given(plain, "input", inputs), table("double", "expected", expected, EXACT)]
+    prepare = f"{plain.real} result[{expected.shape[1]}]; int status; (void)kind;"
     return _casadi(plain, plain.matrix, ("input[k]",), "result", tables, prepare, expected.shape[1], ("jacobian",), len(inputs))
+
+
+def _given(plain: PlainCasadi, name: str, rows: np.ndarray) -> str:
+    """A table of inputs in the type of the C."""
+    return table(plain.real, name, rows, plain.program.real)
 
 
 def _casadi(
@@ -62,8 +67,8 @@ def _casadi(
     """A call of one of CasADi's functions with the work arrays that it asks for."""
     folder = Path(tempfile.mkdtemp())
     plain.generate(folder)
-    work = f"""static double w[{function.sz_w() + 1}]; static casadi_int iw[{function.sz_iw() + 1}];
-        const double *arg[{function.sz_arg() + 1}] = {{ {", ".join(arguments)} }}; double *res[{function.sz_res() + 1}] = {{ {output} }};"""
+    work = f"""static {plain.real} w[{function.sz_w() + 1}]; static casadi_int iw[{function.sz_iw() + 1}];
+        const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(arguments)} }}; {plain.real} *res[{function.sz_res() + 1}] = {{ {output} }};"""
     call = f"status = {function.name()}(arg, res, iw, w, 0);"
     text = filled(f'#include "{plain.source}.h"', tables, f"{prepare} {work}", call, checked, len(kinds), count)
     (folder / "bench.c").write_text(text)
@@ -74,8 +79,8 @@ def _symkin_matrix(plain: PlainCasadi, places: np.ndarray, expected: np.ndarray)
     name, program = plain.name, plain.program
     folder = Path(tempfile.mkdtemp())
     write_folder(program.mechanism, folder, program.options)
-    tables = [table("double", "place", places, EXACT), table("double", "expected", expected, EXACT)]
-    prepare = f"double result[{expected.shape[1]}]; int status; (void)kind;"
+    tables = [_given(plain, "place", places), table("double", "expected", expected, EXACT)]
+    prepare = f"{plain.real} result[{expected.shape[1]}]; int status; (void)kind;"
     if program.mechanism.serial:
         call = f"status = (int){name}_jacobian(place[k], result);"
     else:
