@@ -15,7 +15,6 @@ import numpy as np
 
 import symkin
 from symkin.calibration.gauge import joint_frames
-from symkin.spatial.rotation import quaternion_from_euler
 
 NOMINAL = {
     "base": [(0, 0, 0), (0.1504, 0, 0), (0.6283, 0.8278, 0), (0.5531, 0.958, 0), (-0.4027, 0.958, 0), (-0.4779, 0.8278, 0)],
@@ -64,47 +63,6 @@ def circle(points: list) -> tuple[np.ndarray, float, float]:
 PLATFORM_CENTRE, BASE_CENTRE = circle(NOMINAL["platform"])[0], circle(NOMINAL["base"])[0]
 
 
-def table_gap(mechanism: symkin.Mechanism, table: dict[str, list]) -> float:
-    """Largest difference of a mechanism's limbs from a table."""
-    return max(float(np.abs(np.subtract([getattr(limb, key) for limb in mechanism.limbs], table[key])).max()) for key in table)
-
-
 def held_names(mechanism: symkin.Mechanism) -> tuple[str, ...]:
     """The ten parameters that are zero by the paper's frames."""
     return joint_frames(mechanism, *BY_FRAME)
-
-
-def extensions(mechanism: symkin.Mechanism, pose: symkin.Pose) -> np.ndarray:
-    """l_i = |t + R m_i - b_i| - dl_i: the inverse problem in closed form."""
-    ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in mechanism.limbs]
-    return np.array([np.linalg.norm(end) - limb.offset for end, limb in zip(ends, mechanism.limbs, strict=True)])
-
-
-def pose_at(centre: np.ndarray, angles_deg: np.ndarray) -> symkin.Pose:
-    """The pose whose platform circle is centred at `centre`, turned by (alpha, beta, gamma)."""
-    q = quaternion_from_euler(np.radians(angles_deg), "xyz")
-    return symkin.Pose(centre - symkin.Pose(np.zeros(3), q).apply(PLATFORM_CENTRE), q)
-
-
-def random_pose(
-    mechanism: symkin.Mechanism, rng: np.random.Generator, inclination: np.ndarray | None = None
-) -> tuple[symkin.Pose, int]:
-    """A pose of the assumed workspace, with a given (alpha, beta) or a random one, and how many were drawn for it."""
-    drawn = 0
-    while True:
-        drawn += 1
-        centre = BASE_CENTRE + [*rng.uniform(-ASIDE, ASIDE, 2), rng.uniform(*HEIGHTS)]
-        angles = rng.uniform(-TILT, TILT, 3)
-        if inclination is not None:
-            angles[:2] = inclination
-        pose = pose_at(centre, angles)
-        lengths = extensions(mechanism, pose)
-        if EXTENSIONS[0] <= lengths.min() and lengths.max() <= EXTENSIONS[1]:
-            return pose, drawn
-
-
-def random_poses(mechanism: symkin.Mechanism, count: int, seed: int) -> tuple[list[symkin.Pose], float]:
-    """Poses in the assumed workspace, and the share of draws that the range of the rods rejects."""
-    rng = np.random.default_rng(seed)
-    made = [random_pose(mechanism, rng) for _ in range(count)]
-    return [pose for pose, _ in made], 1 - count / sum(drawn for _, drawn in made)

@@ -106,40 +106,6 @@ def turned(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.abs((a - b + np.pi) % (2 * np.pi) - np.pi).max())
 
 
-# --- XJ-HEXAS ----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def ren(tmp_path_factory: pytest.TempPathFactory) -> dict:
-    return study("ren2008", tmp_path_factory.mktemp("ren"))
-
-
-def test_ren_geometry(ren: dict) -> None:
-    """42 parameters (paper, section 1.2), tables 1 and 2, and the circles that the joints of table 1 lie on."""
-    assert computed(ren, "geometric parameters") == 42
-    assert computed(ren, "mechanism files less") == 0
-    assert_close(computed(ren, "platform joint circle"), [0.38435, 0.28757, 0.48, 0], 2e-5)
-    assert_close(computed(ren, "base joint circle"), [0.0752, 0.59525, 0.6, 0], 2e-5)
-
-
-def test_ren_round_trips(ren: dict) -> None:
-    """Law: the direct problem of the inverse problem's rods is the pose again."""
-    assert computed(ren, "inverse: symkin less") < 1e-12
-    assert computed(ren, "direct, Newton from home") == 200
-    modes, above = computed(ren, "direct problem at home")
-    assert modes == 2 * above == 16
-
-
-def test_ren_error_before_calibration(ren: dict) -> None:
-    """The paper says 9 mm and 0.8 deg; computed in the assumed workspace: at most 18 to 20 mm and 1.35 to 1.6 deg."""
-    assert 18 < computed(ren, "position error before") < 20
-    assert 1.35 < computed(ren, "orientation error before") < 1.6
-    assert_close(computed(ren, "position error: mean")[0], 12, 0.5)
-    assert_close(computed(ren, "assumed workspace"), 33, 5)
-
-
-def test_ren_errata(ren: dict) -> None:
-    assert_errata(ren, "9 mm and 0.8 deg")
 
 
 # --- solvers -----------------------------------------------------------------------------------------------------
