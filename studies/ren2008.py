@@ -112,7 +112,7 @@ def main() -> None:
     report_introduction(report)
     report_machine(report, case)
     report_identifiable(report, case)
-    modes = report_direct(report, case.nominal, case.true, SEED)
+    modes = report_direct(report, case)
     paper_way = report_estimator(report, case)
     report_estimators(report, case)
     sizes = report_causes(report, case)

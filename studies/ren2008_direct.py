@@ -1,6 +1,6 @@
 """Rows on equations (1) and (2): the inverse problem by formula, the direct problem by every solver, its modes from varied guesses.
 
-The paper only writes X = F(q, eta); its closure is that of the "usual simplified model" of a platform on six rods. Source: Ren,
+The paper only writes x = F(l, eta); its closure is that of the "usual simplified model" of a platform on six rods. Source: Ren,
 Feng, Su 2008, 1.3 (see `ren2008`).
 """
 
@@ -16,7 +16,7 @@ import symkin
 from enumerated import statement
 from guesses import attempt, least_squares, report_trials, rootfinder
 from ren2008_method import poses_of, random_postures
-from ren2008_model import angles_of, closure, direct, eta_of, inverse
+from ren2008_model import Case, angles_of, closure, direct, inverse
 from report import Report
 from symkin.position.solution import Modes, SolveResult
 from written import written
@@ -24,6 +24,8 @@ from written import written
 PLACE = "1.3, (1)"
 POSES = 200
 GUESSES = 300
+FEWER = (25, 50, 100, 200)
+"""Starts that are fewer."""
 ELSEWHERE = 20
 """Postures of the workspace at which both lists of modes are compared."""
 SAME = 1e-7
@@ -39,12 +41,6 @@ class Solved:
     def evidence(self) -> dict[str, object]:
         method = self.results[0].method
         return {"by": "symkin.solve", "method": method, "calls": len(self.results), "text": f"solve: {method}"}
-
-
-def home_posture(nominal: symkin.Mechanism) -> np.ndarray:
-    """The reference pose as X (6,): level, the platform's circle above the base's."""
-    pose = nominal.reference_pose
-    return np.concatenate([pose.position, angles_of(np.array([pose.rotation]))[0]])
 
 
 def postures_of(modes: Modes) -> list[np.ndarray]:
@@ -83,23 +79,23 @@ def apart(one: symkin.Solution, other: symkin.Solution) -> float:
 # --- rows --------------------------------------------------------------------------------------------------------
 
 
-def report_closure(report: Report, nominal: symkin.Mechanism) -> None:
-    F = closure(eta_of(nominal)).F
+def report_closure(report: Report, case: Case) -> None:
+    F = closure(case.eta).F
     for i in range(6):
         report.row(
             f"|t + R m_{i + 1} - b_{i + 1}| - dl_{i + 1} - l_{i + 1}: 0 =", None, written(F[i]), "m", place=PLACE, run=closure
         )
 
 
-def report_inverse(report: Report, nominal: symkin.Mechanism, postures: np.ndarray) -> None:
+def report_inverse(report: Report, case: Case, postures: np.ndarray) -> None:
     """The inverse problem is a formula: one solution, no guesses."""
-    eta, home = eta_of(nominal), home_posture(nominal)
+    eta, home = case.eta, case.home
     report.row(
         "inverse, l_i = |t + R m_i - b_i| - dl_i, at home", None, inverse(home[None], eta)[0], "m", place=PLACE, run=inverse
     )
-    branches = symkin.modes(nominal, pose=nominal.reference_pose)
+    branches = symkin.modes(case.nominal, pose=case.nominal.reference_pose)
     report.row("inverse at home: solutions", None, len(branches), place=PLACE, run=branches)
-    solved = Solved([symkin.solve(nominal, pose=pose) for pose in poses_of(postures)])
+    solved = Solved([symkin.solve(case.nominal, pose=pose) for pose in poses_of(postures)])
     lengths = np.array([result.solution.actuated for result in solved.results])
     report.row(
         f"inverse at {len(postures)} poses: symkin less the formula, largest", 0, float(np.abs(lengths - inverse(postures, eta)).max()),
@@ -107,9 +103,9 @@ def report_inverse(report: Report, nominal: symkin.Mechanism, postures: np.ndarr
     )  # fmt: skip
 
 
-def report_from_home(report: Report, nominal: symkin.Mechanism, postures: np.ndarray) -> None:
+def report_from_home(report: Report, case: Case, postures: np.ndarray) -> None:
     """(1) and (2) as the paper uses them: Newton from the home pose gives each posture back."""
-    eta, home, count = eta_of(nominal), home_posture(nominal), len(postures)
+    eta, home, count = case.eta, case.home, len(postures)
     q = inverse(postures, eta)
     found = direct(q, eta, np.tile(home, (count, 1)))
     gap = np.abs(found - postures).max(axis=1)
@@ -121,7 +117,7 @@ def report_from_home(report: Report, nominal: symkin.Mechanism, postures: np.nda
         run=direct,
     )
     begin = time.perf_counter()
-    solved = Solved([symkin.solve(nominal, joints=row, start=nominal.reference_pose) for row in q])
+    solved = Solved([symkin.solve(case.nominal, joints=row, start=case.nominal.reference_pose) for row in q])
     seconds = time.perf_counter() - begin
     apart = [np.abs(r.solution.pose.matrix - p.matrix).max() for r, p in zip(solved.results, poses_of(postures), strict=True)]
     report.row(
@@ -145,53 +141,64 @@ def random_guesses(home: np.ndarray, count: int, seed: int) -> np.ndarray:
     return np.column_stack([aside, rng.uniform(-1.5, 1.5, count), rng.uniform(-np.pi, np.pi, (count, 3))])
 
 
-def report_modes(report: Report, nominal: symkin.Mechanism, true: symkin.Mechanism, seed: int) -> list[np.ndarray]:
+def report_modes(report: Report, case: Case) -> list[np.ndarray]:
     """The direct problem at home: continuation, and the same modes from varied guesses by each solver."""
-    eta, home = eta_of(nominal), home_posture(nominal)
+    eta, home = case.eta, case.home
     q = inverse(home[None], eta)[0]
-    known = symkin.modes(nominal, joints=q)
+    known = symkin.modes(case.nominal, joints=q)
     above = sum(bool(mode.position[2] > 0) for mode in known)
     report.row("direct at home, continuation: real modes, above the base", None, [len(known), above], place=PLACE, run=known)
     report.row("completeness", None, statement(known), place=PLACE, run=known)
     modes = postures_of(known)
-    system, guesses = closure(eta), random_guesses(home, GUESSES, seed)
+    system, guesses = closure(eta), random_guesses(home, GUESSES, case.seed)
     trials = [attempt(search(system), guesses, q, modes) for search in (rootfinder, least_squares)]
     report_trials(report, "direct at home", PLACE, trials)
     for solver in ("batched", "newton", "ipopt"):
-        found = symkin.modes(nominal, joints=q, method="multistart", solver=solver, starts=GUESSES, seed=seed)
+        found = symkin.modes(case.nominal, joints=q, method="multistart", solver=solver, starts=GUESSES, seed=case.seed)
         name, same = f"direct at home, multistart, {solver}", match(found, known)
         report.row(
             f"{name}: modes met, missed of those of continuation", None, [same.met, same.missed], place=PLACE, run=(found, known)
         )
         report.row(f"{name}: modes that continuation has not", 0, len(found) - same.met, place=PLACE, run=(found, known))
         report.row(f"{name}: hits per mode", None, same.hits, place=PLACE, run=(found, known))
+        report.row(f"{name}: time", None, found.elapsed_s, "s", place=PLACE, run=(found, known), volatile=True)
         report.row(
             f"{name}: largest difference from continuation", 0, same.gap, "m", place=PLACE, run=(found, known), tolerance=SAME
         )
-    report_true_modes(report, true, inverse(home[None], eta_of(true))[0], seed)
+    report_fewer_starts(report, case, q, known)
+    report_true_modes(report, case)
     return modes
 
 
-def report_true_modes(report: Report, true: symkin.Mechanism, q: np.ndarray, seed: int) -> None:
+def report_fewer_starts(report: Report, case: Case, q: np.ndarray, known: Modes) -> None:
+    """What multistart misses where it is given less."""
+    found = [symkin.modes(case.nominal, joints=q, method="multistart", starts=n, seed=case.seed) for n in FEWER]
+    missed = [match(one, known).missed for one in found]
+    report.row(f"direct at home, multistart, batched, {', '.join(map(str, FEWER))} starts: modes missed of those of continuation", None,
+               missed, place=PLACE, run=(found, known))  # fmt: skip
+
+
+def report_true_modes(report: Report, case: Case) -> None:
     """The true geometry, whose joints lie in no plane: no mirror pairs, and all 40 complex solutions of six rods."""
-    known = symkin.modes(true, joints=q)
+    q = inverse(case.home[None], case.truth)[0]
+    known = symkin.modes(case.true, joints=q)
     above = sum(bool(mode.position[2] > 0) for mode in known)
     report.row(
         "true geometry at home, continuation: real modes, above the base", None, [len(known), above], place=PLACE, run=known
     )
     report.row("true geometry: completeness", None, statement(known), place=PLACE, run=known)
-    found = symkin.modes(true, joints=q, method="multistart", starts=GUESSES, seed=seed)
+    found = symkin.modes(case.true, joints=q, method="multistart", starts=GUESSES, seed=case.seed)
     same = match(found, known)
     report.row("true geometry, multistart: modes met, missed of those of continuation", None, [same.met, same.missed], place=PLACE,
                run=(found, known))  # fmt: skip
 
 
-def report_elsewhere(report: Report, nominal: symkin.Mechanism, postures: np.ndarray, seed: int) -> None:
+def report_elsewhere(report: Report, case: Case, postures: np.ndarray) -> None:
     """How often as many starts miss modes at other postures of the workspace."""
-    lists = [symkin.modes(nominal, joints=q) for q in inverse(postures, eta_of(nominal))]
+    lists = [symkin.modes(case.nominal, joints=q) for q in inverse(postures, case.eta)]
     found = [
-        symkin.modes(nominal, joints=q, method="multistart", starts=GUESSES, seed=seed)
-        for q in inverse(postures, eta_of(nominal))
+        symkin.modes(case.nominal, joints=q, method="multistart", starts=GUESSES, seed=case.seed)
+        for q in inverse(postures, case.eta)
     ]
     same = [match(one, known) for one, known in zip(found, lists, strict=True)]
     name = f"direct at {len(postures)} postures"
@@ -205,13 +212,12 @@ def report_elsewhere(report: Report, nominal: symkin.Mechanism, postures: np.nda
     report.row(f"{name}, multistart: modes that continuation has not", 0, new, place=PLACE, run=(found, lists))
 
 
-def report_direct(report: Report, nominal: symkin.Mechanism, true: symkin.Mechanism, seed: int) -> list[np.ndarray]:
+def report_direct(report: Report, case: Case) -> list[np.ndarray]:
     """All rows of (1) and (2); the modes at home, for the picture of the guesses."""
-    eta = eta_of(nominal)
-    postures, _ = random_postures(eta, np.full((POSES, 2), np.nan), np.random.default_rng(seed))
-    report_closure(report, nominal)
-    report_inverse(report, nominal, postures)
-    report_from_home(report, nominal, postures)
-    modes = report_modes(report, nominal, true, seed)
-    report_elsewhere(report, nominal, postures[:ELSEWHERE], seed)
+    postures, _ = random_postures(case.eta, np.full((POSES, 2), np.nan), np.random.default_rng(case.seed))
+    report_closure(report, case)
+    report_inverse(report, case, postures)
+    report_from_home(report, case, postures)
+    modes = report_modes(report, case)
+    report_elsewhere(report, case, postures[:ELSEWHERE])
     return modes

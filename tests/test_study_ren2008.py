@@ -15,12 +15,12 @@ import symkin
 from study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
 sys.path.insert(0, str(STUDIES))
-import ren2008_errors as errors  # noqa: E402
-import ren2008_identification as identification  # noqa: E402
-import ren2008_levelling as levelling  # noqa: E402
-import ren2008_method as method  # noqa: E402
-import ren2008_model as model  # noqa: E402
-import ren2008_tables as tables  # noqa: E402
+import ren2008_errors as errors
+import ren2008_identification as identification
+import ren2008_levelling as levelling
+import ren2008_method as method
+import ren2008_model as model
+import ren2008_tables as tables
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 ETA, TRUTH = model.eta_of(NOMINAL), model.eta_of(TRUE)
