@@ -125,7 +125,7 @@ def report_24(report: Report, case: Case, tests: np.ndarray, count: int) -> tupl
     made = planned(case, case.truth, at, tests, [case.rng(24, k) for k in range(count)])
     report.row(f"24 planned postures, {BEST}, aligned frames: worst errors, median", None, np.median(made.worst, axis=0).tolist(),
                "mm, deg", place=PLACE, run=(at, made))  # fmt: skip
-    report.row("24 planned postures: experiments within what the paper reaches with 80, 0.1 mm and 0.01 deg", None, made.within(WANTED),
+    report.row("24 planned postures, aligned frames: experiments within what the paper reaches with 80, 0.1 mm and 0.01 deg", None, made.within(WANTED),
                "%", place=PLACE, run=(at, made))  # fmt: skip
     return at, made
 
@@ -134,7 +134,7 @@ def report_40(report: Report, at: Chosen, table: np.ndarray) -> None:
     for k, what in enumerate(("position", "orientation")):
         ratio = table[:, 2 + k] / table[:, k]
         report.row(
-            f"{GEOMETRIES} geometries, 40 postures, random over planned {what} error: mean, median, least", None,
+            f"{GEOMETRIES} geometries, 40 postures, random over planned {what} error, aligned frames: mean, median, least", None,
             [float(np.mean(table[:, 2 + k]) / np.mean(table[:, k])), float(np.median(ratio)), float(ratio.min())],
             place=PLACE, run=(at, compare),
         )  # fmt: skip
@@ -155,13 +155,16 @@ def draw(at: Chosen, made: Trials, table: np.ndarray):
     centre.axhline(WANTED[1], color="#d55e00", ls="--", lw=1)
     limits = 1.1 * np.maximum(WANTED, made.worst.max(axis=0))
     centre.set(
-        xlabel="worst position error [mm]", ylabel="worst orientation error [deg]", xlim=(0, limits[0]), ylim=(0, limits[1])
+        xlabel="worst position error, aligned frames [mm]",
+        ylabel="worst orientation error, aligned frames [deg]",
+        xlim=(0, limits[0]),
+        ylim=(0, limits[1]),
     )
     centre.set_title(f"{len(made.fits)} experiments at 24 postures", loc="left")
     places = np.arange(1, len(table) + 1)
     right.semilogy(places, table[:, 2], "s", color="#d55e00", label="40 random (10 x 4)")
     right.semilogy(places, table[:, 0], "o", color="#0072b2", label="40 planned")
-    right.set(xlabel="geometry", ylabel="largest position error [mm]", xticks=places[::2] + 1)
+    right.set(xlabel="geometry", ylabel="worst position error, aligned frames [mm]", xticks=places[::2] + 1)
     right.set_title(f"{GEOMETRIES} true geometries", loc="left")
     right.set_ylim(top=3 * right.get_ylim()[1])
     right.legend(fontsize=9, frameon=False, loc="upper right", ncols=2)
