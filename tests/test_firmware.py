@@ -13,9 +13,10 @@ import pytest
 import samples
 from symkin import load
 from symkin.errors import InputError
-from symkin.firmware.emit import Real, snap
+from symkin.firmware.emit import Real
 from symkin.firmware.folder import folder_files, write_folder
 from symkin.firmware.options import Options
+from symkin.model.snapping import snap
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 

@@ -8,11 +8,23 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from latex_reader import evaluated
 
 import symkin
+from samples import delta, five_bar, pieper, three_rps, three_rrr
 from symkin.export.latex import distinct, document, equations, letter_of_values, symbol_name, write
-from symkin.model.closure import build_closure
+from symkin.export.tidying import tidied
+from symkin.model.closure import build_closure, random_values
+from symkin.model.snapping import snap, snapped_expression
+
+OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
+EVERY = [*symkin.shipped_names(), *OWN]
+
+
+def mechanism_of(name: str) -> symkin.Mechanism:
+    return OWN[name]() if name in OWN else symkin.load(name)
 
 
 @pytest.mark.parametrize("name", symkin.shipped_names())
@@ -73,3 +85,107 @@ def test_names_that_look_alike_have_symbols_of_their_own() -> None:
     assert len({s.replace("{", "").replace("}", "") for s in symbols}) == 5
     assert letter_of_values(symbols) != "v"
     assert letter_of_values(symbols[:2]) == "v"
+
+
+# --- no rounding noise, and short -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_equations_have_the_values_of_the_closure(name: str) -> None:
+    """Read back as arithmetic at random values, each printed row is the closure's, in lengths and without its factors."""
+    mechanism = mechanism_of(name)
+    closure = build_closure(mechanism)
+    lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in equations(mechanism).splitlines() if " &= " in line]
+    definitions = [(name, text) for name, text in lines if name != "0"]
+    rows = [text.split(" && ")[0] for name, text in lines if name == "0"][: closure.rows.shape[0]]
+    values = random_values(closure.coordinates, closure.size, np.random.default_rng(3))
+    parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    full = [name if k is None else f"{name}.{k}" for name, k in parts]
+    symbols = distinct([symbol_name(*part) for part in parts], full)
+    found = np.array(evaluated(definitions, rows, dict(zip(symbols, values, strict=True))))
+    plain = ca.Function("rows", [closure.variables], [closure.bound(closure.rows)])
+    expected = np.asarray(plain(values)).ravel()
+    scale = {"distance": (2 * closure.size,), "point": (1.0,), "line": (1.0,)}
+    for row, one, other in zip(closure.row_sources, found, expected, strict=True):
+        factors = scale.get(row.relation, (1.0, 1 / closure.size))
+        error = min(abs(one - factor * other) for factor in factors)
+        assert error < 1e-9 * closure.size ** (2 if row.relation == "distance" else 1), row
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_equations_hold_no_rounding_noise(name: str) -> None:
+    """No power of ten, and no number that rounding has made: none below 1e-9, none within 1e-11 of 0, 1 or a half but these."""
+    text = equations(mechanism_of(name))
+    assert r"\cdot 10^" not in text
+    numbers = [float(n) for n in re.findall(r"(?<![_{\d.])\d+\.\d+", text)]
+    for number in numbers:
+        assert number > 1e-9
+        assert number in (0.5, 1.0) or min(abs(number - simple) for simple in (0.5, 1.0)) > 1e-11
+
+
+def test_parallel_axes_of_an_arm_leave_short_equations() -> None:
+    """The Gluon arm, whose DH angles are quarter turns: the position rows are products of sines and cosines with its lengths."""
+    text = equations(symkin.load("gluon_6l3"))
+    lengths = {"44.36", "75.66", "80.09", "105.03", "174.42"}
+    halves = {"0.5", "0.707106781187"}  # of half angles, and of the quarter turn of the tool at the reference
+    assert set(re.findall(r"\d+\.\d+", text)) == lengths | halves
+    assert len(text) < 3500
+
+
+def test_the_text_and_the_firmware_share_their_snapping() -> None:
+    """Rounding noise of quarter turns and square roots folds away; what is no noise stays."""
+    x = ca.SX.sym("x")
+    assert str(snapped_expression(6e-17 * x + (1 + 2e-16) * x, [x])) == "x"
+    assert [snap(v) for v in (1e-48, -3e-16, 1 - 1e-16, 0.49999999999999994, 1e-9, 1 / 3)] == [0, 0, 1, 0.5, 1e-9, 1 / 3]
+
+
+def _expressions(x: ca.SX) -> st.SearchStrategy[ca.SX]:
+    leaves = st.sampled_from([*(x[k] for k in range(3)), ca.SX(2.0), ca.SX(-1.0), ca.SX(0.5), ca.SX(-3.25)])
+    c = ca.cos(x[0])
+    return st.recursive(
+        leaves,
+        lambda inner: st.one_of(
+            st.tuples(inner, inner).map(lambda p: p[0] + p[1]),
+            st.tuples(inner, inner).map(lambda p: p[0] - p[1]),
+            st.tuples(inner, inner).map(lambda p: p[0] * p[1]),
+            inner.map(lambda a: -a),
+            inner.map(lambda a: 2 * a),
+            inner.map(lambda a: a * a),
+            inner.map(ca.sin),
+            inner.map(lambda a: c * a + (1 - c) * a),
+        ),
+        max_leaves=12,
+    )
+
+
+_X = ca.SX.sym("x", 3)
+
+
+@given(_expressions(_X))
+def test_tidied_expressions_keep_their_values(expression: ca.SX) -> None:
+    """Signs, factors, constants and turned axes drawn out of random expressions change no value."""
+    both = ca.Function("f", [_X], [expression, tidied(expression, [_X])])
+    one, other = (float(v) for v in both([0.7, -1.3, 0.4]))
+    assert abs(one - other) <= 1e-12 * max(1.0, abs(one))
+
+
+_A, _B, _C = _X[0], _X[1], ca.cos(_X[2])
+
+
+@pytest.mark.parametrize(
+    ("untidy", "tidy"),
+    [
+        (_C * _A + (1 - _C) * _A, "x_0"),
+        ((1 - _C) * (-_A) + -(_A * _C), "(-x_0)"),
+        (-5 * _C + -5 * (1 - _C), "-5"),
+        (-4 + _A - 3 + 7, "x_0"),
+        (_A + (3 - _B) - 5, "((x_0-x_1)-2)"),
+        (2 * (-(_A * _B)), "(-2*(x_0*x_1))"),
+        ((3 * _A) * (-0.5 * _B), "(-1.5*(x_0*x_1))"),
+        (_A - (-_B), "(x_0+x_1)"),
+    ],
+    ids=str,
+)
+def test_what_a_reader_would_leave_out_is_left_out(untidy: ca.SX, tidy: str) -> None:
+    """What a turn about an axis leaves of what lies along it, constants of nested sums, signs and factors of products."""
+    assert str(tidied(untidy, [_X])) == tidy

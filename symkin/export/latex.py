@@ -11,8 +11,10 @@ import casadi as ca
 
 from symkin.export.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
 from symkin.export.expression import write as write_in
-from symkin.model.closure import Closure, build_closure
+from symkin.export.tidying import tidied
+from symkin.model.closure import Closure, build_closure, numbered_rows
 from symkin.model.mechanism import Mechanism
+from symkin.model.snapping import snapped_expression
 from symkin.text import ascii_letters, latex_text
 
 _FUNCTIONS = {
@@ -25,7 +27,7 @@ _GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omeg
 def equations(mechanism: Mechanism) -> str:
     """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
     closure = build_closure(mechanism)
-    rows = _in_user_scale(closure)
+    rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables]), [closure.variables])
     parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
     names = distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
     definitions, results = write(rows, closure.variables, names)
@@ -106,7 +108,8 @@ def _in_user_scale(closure: Closure) -> ca.SX:
     for k, row in enumerate(closure.row_sources):
         if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
             scaled[k] = 1.0
-    return closure.bound(ca.vertcat(*(f * closure.rows[k] for k, f in enumerate(scaled))))
+    rows = numbered_rows(closure.mechanism)
+    return ca.vertcat(*(f * rows[k] for k, f in enumerate(scaled)))
 
 
 def _is_position_row(closure: Closure, k: int) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.errors import InputError
-from symkin.firmware.emit import Real, indexed, snapped_expression
+from symkin.firmware.emit import Real, indexed
 from symkin.firmware.geometry import Geometry
 from symkin.firmware.kernel import Kernel, system_kernel
 from symkin.firmware.options import Options
@@ -22,6 +22,7 @@ from symkin.firmware.samples import Configuration, configurations
 from symkin.model.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.model.snapping import snapped_expression
 from symkin.position.mobility import analyse_mobility
 from symkin.position.problem import Problem, build_problem
 from symkin.position.rank import Rank

@@ -16,9 +16,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.model.graph import instructions, rebuilt
+from symkin.model.graph import instructions
+from symkin.model.snapping import snap
 
-_NOISE = 4e-15
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}
 
@@ -57,24 +57,6 @@ class Real:
             return "INFINITY" if value > 0 else "-INFINITY"
         rounded = float(np.float32(value)) if self.name == "float" else float(value)
         return rounded.hex() + self.suffix
-
-
-def snap(value: float) -> float:
-    """A constant without the rounding noise of trigonometry and square roots that cancel."""
-    if abs(value) < _NOISE:
-        return 0.0
-    near = float(f"{value:.11g}")
-    return near if abs(near - value) <= _NOISE * abs(value) else value
-
-
-def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX]) -> ca.SX:
-    """The same expression with snapped constants, so that what they make zero folds away."""
-    function = ca.Function("f", list(symbols), [expression], {"cse": True})
-
-    def folded(value: ca.SX) -> ca.SX:
-        return ca.SX(snap(float(value))) if value.is_constant() else value
-
-    return rebuilt(function, symbols, lambda number: ca.SX(snap(number)), folded)
 
 
 @dataclass

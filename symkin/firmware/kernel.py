@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.firmware.emit import snap, snapped_expression
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.model.snapping import snap, snapped_expression
 from symkin.position.system import System
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose

@@ -5,8 +5,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from symkin.firmware.emit import Emitter, Real, indent, indexed, snapped_expression
+from symkin.firmware.emit import Emitter, Real, indent, indexed
 from symkin.firmware.geometry import Geometry
+from symkin.model.snapping import snapped_expression
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {

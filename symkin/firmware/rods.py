@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.firmware.emit import Emitter, Real, indent, indexed, snap
+from symkin.firmware.emit import Emitter, Real, indent, indexed
 from symkin.firmware.factor import curvature
 from symkin.firmware.kernel import Kernel, Rods, rod_geometry, rod_kernel, rod_vectors
 from symkin.firmware.options import Options
 from symkin.firmware.source import KernelSource, common_values, copy, factored, fill, kernel_source
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.model.snapping import snap
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply

@@ -14,7 +14,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.errors import InputError
 from symkin.firmware.closed import line_target, ranges
-from symkin.firmware.emit import Emitter, Real, indent, indexed, snapped_expression
+from symkin.firmware.emit import Emitter, Real, indent, indexed
 from symkin.firmware.factor import curvature
 from symkin.firmware.geometry import Geometry
 from symkin.firmware.kernel import Kernel, system_kernel
@@ -22,6 +22,7 @@ from symkin.firmware.options import Options
 from symkin.firmware.source import KernelSource, common_values, copy, fill, kernel_source
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.model.snapping import snapped_expression
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.rotation import conjugate, multiply
 
