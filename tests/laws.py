@@ -177,22 +177,23 @@ def same_modes(a: Iterable[Any], b: Iterable[Any], size: float, tolerance: float
     return matched(list(a), list(b), lambda x, y: same_pose(x, y, size, tolerance))
 
 
+def configuration(solution: Any, size: float) -> np.ndarray:
+    """Numbers that are equal for equal configurations: lengths over the size, cosine and sine of angles, rotation matrices."""
+    parts = [solution.position / size, ball_turn(solution.quaternion).ravel()]
+    kinds = {c.name: c for c in solution_coordinates(solution)}
+    for name, value in solution.values.items():
+        if kinds[name].kind == "quaternion":
+            parts.append(ball_turn(value).ravel())
+        elif kinds[name].kind == "angle":
+            parts.append(np.array([math.cos(value), math.sin(value)]))
+        else:
+            parts.append(np.array([value / size if kinds[name].kind == "length" else value]))
+    return np.concatenate(parts)
+
+
 def all_distinct(solutions: Iterable[Any], size: float) -> bool:
     """No two solutions are the same pose with the same joint values (angles modulo turns, quaternions modulo sign)."""
-
-    def coordinates(solution: Any) -> np.ndarray:
-        parts = [solution.position / size, ball_turn(solution.quaternion).ravel()]
-        kinds = {c.name: c for c in solution_coordinates(solution)}
-        for name, value in solution.values.items():
-            if kinds[name].kind == "quaternion":
-                parts.append(ball_turn(value).ravel())
-            elif kinds[name].kind == "angle":
-                parts.append(np.array([math.cos(value), math.sin(value)]))
-            else:
-                parts.append(np.array([value / size if kinds[name].kind == "length" else value]))
-        return np.concatenate(parts)
-
-    rows = [coordinates(s) for s in solutions]
+    rows = [configuration(s, size) for s in solutions]
     return all(np.max(np.abs(rows[i] - rows[j])) > 1e-6 for i in range(len(rows)) for j in range(i))
 
 
