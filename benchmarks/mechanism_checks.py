@@ -190,15 +190,17 @@ class Checks:
             brute.append(found_at(m, x, free))
         run = self.run("modes", f"--{kind}={given}", "--json")
         lists = [] if run is None else [self.judge_modes(run, x, kind, brute, complete=None)]
+        formula = m.serial and kind == "joints"
         if self.sometimes("multistart"):
-            again = self.run("modes", f"--{kind}={given}", "--json", "--method", "multistart", "--starts", "100")
+            starts = [] if formula else ["--starts", "100"]
+            again = self.run("modes", f"--{kind}={given}", "--json", "--method", "multistart", *starts)
             if again is not None:
                 some = self.judge_modes(again, x, kind, brute, complete=False)
                 if lists and lists[0] is not None and some is not None:
                     self.judge_contained(run, lists[0], some)
         if not self.sometimes("solve"):
             return
-        solver = ["--solver", "ipopt"] if self.sometimes("ipopt") else []
+        solver = ["--solver", "ipopt"] if self.sometimes("ipopt") and not formula else []
         solved = self.run("solve", f"--{kind}={given}", "--json", *solver)
         if solved is not None:
             solution = solved.json()["solution"]
@@ -426,7 +428,7 @@ class Checks:
             "track",
             f"--from={self.joints_text(x)}",
             f"--to={self.joints_text(end)}",
-            f"--start={self.pose_text(x)}",
+            *([] if m.serial else [f"--start={self.pose_text(x)}"]),
             "--samples",
             "5",
             "--json",
@@ -461,7 +463,9 @@ class Checks:
         low, high = (self._out(i, value + d) for d in (-width, width))
         with tempfile.TemporaryDirectory() as folder:
             grid = f"--grid={number.name}={max(low, 0.0) if number.name.startswith('leg') else low!r}:{high!r}:3"
-            self.run("sweep", grid, f"--at={self.joints_text(x)}", "-o", f"{folder}/map", "--workers", "0", "--starts", "100")
+            starts = [] if self.plain.serial else ["--starts", "100"]
+            at = [] if len(self.actuated) == 1 else [f"--at={self.joints_text(x)}"]
+            self.run("sweep", grid, *at, "-o", f"{folder}/map", "--workers", "0", *starts)
 
     # --- texts ------------------------------------------------------------------------------------------------------
 

@@ -53,8 +53,8 @@ class Problem:
     complete: Modes
 
     @staticmethod
-    def of(name: str, mechanism: symkin.Mechanism, given: dict[str, object], seed: int) -> Problem:
-        return Problem(name, mechanism, given, symkin.modes(mechanism, **given, seed=seed))
+    def of(name: str, mechanism: symkin.Mechanism, given: dict[str, object]) -> Problem:
+        return Problem(name, mechanism, given, symkin.modes(mechanism, **given))
 
     def multistart(self, solver: str, starts: int, seed: int) -> Modes:
         return symkin.modes(self.mechanism, **self.given, method="multistart", solver=solver, starts=starts, seed=seed)
@@ -125,12 +125,12 @@ class Guess:
 # --- report ------------------------------------------------------------------------------------------------------
 
 
-def problems(seed: int) -> list[Problem]:
+def problems() -> list[Problem]:
     zhang, yao = symkin.load("zhang2009"), symkin.load("yao2020")
     return [
-        Problem.of("zhang2009", zhang, {"joints": zhang.example.joints}, seed),
-        Problem.of("dietmaier1998", platform(), {"joints": LEGS}, seed),
-        Problem.of("yao2020", yao, {"pose": yao.example.pose}, seed),
+        Problem.of("zhang2009", zhang, {"joints": zhang.example.joints}),
+        Problem.of("dietmaier1998", platform(), {"joints": LEGS}),
+        Problem.of("yao2020", yao, {"pose": yao.example.pose}),
     ]
 
 
@@ -211,7 +211,7 @@ def main() -> None:
     parser.add_argument("--scale", type=float, default=1.0, help="multiplies all numbers of starts (default: 1)")
     options = parser.parse_args()
     report, found = Report("coverage", "What multistart misses", options.seed), []
-    for problem in problems(options.seed):
+    for problem in problems():
         trials = report_trials(report, problem, options.scale, options.seed)
         found.append((problem, trials, report_guesses(report, problem, options.scale, options.seed)))
     report.finish(draw(found), options.output)

@@ -54,8 +54,8 @@ def leg_errors(mode: symkin.Pose) -> np.ndarray:
     return np.asarray(np.linalg.norm(ends - np.array(BASE), axis=1) - LEGS)
 
 
-def report_modes(report: Report, machine: symkin.Mechanism, seed: int) -> Modes:
-    found = symkin.modes(machine, joints=LEGS, seed=seed)
+def report_modes(report: Report, machine: symkin.Mechanism) -> Modes:
+    found = symkin.modes(machine, joints=LEGS)
     report.row("complex solutions", BOUND, found.complex_count)
     report.row("real modes", BOUND, len(found))
     report.row("completeness", None, statement(found))
@@ -68,24 +68,24 @@ def report_modes(report: Report, machine: symkin.Mechanism, seed: int) -> Modes:
     conditions = [mode.condition for mode in found]
     report.row("condition: best, worst mode", None, [min(conditions), max(conditions)])
     begin = time.perf_counter()
-    symkin.modes(machine, joints=LEGS, seed=seed)
+    symkin.modes(machine, joints=LEGS)
     report.row("time of all modes, start kept", None, round(1e3 * (time.perf_counter() - begin), 1), "ms")
     return found
 
 
-def report_rounded(report: Report, machine: symkin.Mechanism, seed: int) -> None:
+def report_rounded(report: Report, machine: symkin.Mechanism) -> None:
     """The same platform with its legs rounded."""
     for decimals in (5, 4, 3, 2):
-        found = symkin.modes(machine, joints=np.round(LEGS, decimals), seed=seed)
+        found = symkin.modes(machine, joints=np.round(LEGS, decimals))
         report.row(f"legs rounded to {decimals} decimals: real modes", None, len(found))
 
 
 def main() -> None:
-    options = options_parser(__doc__.splitlines()[0], 0).parse_args()
+    options = options_parser(__doc__.splitlines()[0]).parse_args()
     machine = platform()
-    report = Report("dietmaier1998", "Stewart-Gough platform with 40 real modes (Dietmaier 1998)", options.seed)
-    found = report_modes(report, machine, options.seed)
-    report_rounded(report, machine, options.seed)
+    report = Report("dietmaier1998", "Stewart-Gough platform with 40 real modes (Dietmaier 1998)")
+    found = report_modes(report, machine)
+    report_rounded(report, machine)
     title = f"Dietmaier's platform: all {len(found)} assembly modes of one set of leg lengths"
     report.finish(draw_small_multiples(found, title, statement(found), columns=8), options.output)
 

@@ -102,12 +102,12 @@ def random_pose(arm: symkin.Mechanism, rng: np.random.Generator) -> symkin.Pose:
 # --- report ------------------------------------------------------------------------------------------------------
 
 
-def report_sixteen(report: Report, seed: int) -> Modes:
+def report_sixteen(report: Report) -> Modes:
     arm, pose = manseur_doty(), hand_pose()
     change = np.abs(np.asarray(pose.rotation) - np.array(HAND)[:, :3]).max()
     report.row("printed hand less the nearest rotation, largest entry", 0.0, float(change))
     begin = time.perf_counter()
-    found = symkin.modes(arm, pose=pose, seed=seed)
+    found = symkin.modes(arm, pose=pose)
     report.row("Manseur and Doty's arm: complex solutions", 16, found.complex_count)
     report.row("Manseur and Doty's arm: real solutions", 16, len(found))
     report.row("its completeness", None, statement(found))
@@ -157,7 +157,7 @@ def main() -> None:
     parser.add_argument("--poses", type=int, default=20, help="random poses of each arm (default: 20)")
     options = parser.parse_args()
     report = Report("general_6r", "Inverse solutions of six-joint arms", options.seed)
-    found = report_sixteen(report, options.seed)
+    found = report_sixteen(report)
     report_counts(report, options.arms, options.poses, np.random.default_rng(options.seed))
     title = f"Manseur and Doty's arm: {len(found)} real inverse solutions of one pose"
     captions = [caption(mode) for mode in found]

@@ -124,8 +124,8 @@ class Step:
     apart: float | None
 
     @staticmethod
-    def of(mechanism: symkin.Mechanism, at: Singularity, d: float, side: int, seed: int) -> Step:
-        found = symkin.modes(mechanism, joints=at.legs_beside(d, side), seed=seed)
+    def of(mechanism: symkin.Mechanism, at: Singularity, d: float, side: int) -> Step:
+        found = symkin.modes(mechanism, joints=at.legs_beside(d, side))
         away = np.array([distance(at.pose, mode.pose, at.size) for mode in found])
         merging = tuple(found[int(i)] for i in np.flatnonzero(away < max(10 * d, 1e-3)))
         apart = distance(merging[0].pose, merging[1].pose, at.size) if len(merging) == 2 else None
@@ -151,8 +151,8 @@ def distance(a: symkin.Pose, b: symkin.Pose, size: float) -> float:
     return float(np.hypot(shift, np.linalg.norm(np.asarray(a.rotation) - np.asarray(b.rotation)) / np.sqrt(2)))
 
 
-def walk(mechanism: symkin.Mechanism, at: Singularity, side: int, seed: int) -> list[Step]:
-    return [Step.of(mechanism, at, d, side, seed) for d in DISTANCES]
+def walk(mechanism: symkin.Mechanism, at: Singularity, side: int) -> list[Step]:
+    return [Step.of(mechanism, at, d, side) for d in DISTANCES]
 
 
 # --- report ------------------------------------------------------------------------------------------------------
@@ -235,7 +235,7 @@ def main() -> None:
     at = find_singularity(platform, mechanism.size, rng)
     report = Report("near_singular", "All modes near a type 2 singularity of a general 6-6 platform", options.seed)
     report_singularity(report, platform, at)
-    near, beyond = (walk(mechanism, at, side, options.seed) for side in (1, -1))
+    near, beyond = (walk(mechanism, at, side) for side in (1, -1))
     report_walk(report, near)
     report_walk(report, beyond)
     report_verdict(report, near, beyond)

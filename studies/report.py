@@ -87,7 +87,8 @@ class Report:
 
     def markdown(self) -> str:
         """The table as a page of docs/papers; rows that differ from run to run are left out."""
-        lines = [f"# {self.title}", "", f"Written by `python studies/{self.name}.py -o out`, seed {self.seed}.", ""]
+        seed = "" if self.seed is None else f", seed {self.seed}"
+        lines = [f"# {self.title}", "", f"Written by `python studies/{self.name}.py -o out`{seed}.", ""]
         lines += ["| item | in the paper | what was run | paper | computed | verdict |", "|---|---|---|---|---|---|"]
         for row in self.rows:
             if not row["volatile"]:

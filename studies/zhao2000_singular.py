@@ -197,7 +197,7 @@ def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: 
     equal = 0
     for one in coarse[0]:
         for two in coarse[1]:
-            modes = symkin.modes(platform, joints=(one, two, *INPUT[2:]), starts=50)
+            modes = symkin.modes(platform, joints=(one, two, *INPUT[2:]))
             equal += len(modes) == counts(np.array([[one, two, INPUT[2]]]), INPUT[3])[0]
     report.row(f"inputs of the slice where enumeration = closed form ({number} x {number})", number**2, equal)
     fine = [np.linspace(low, high, 241) for low, high in WINDOW]

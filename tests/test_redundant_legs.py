@@ -73,7 +73,7 @@ def test_lengths_that_contradict_each_other_have_no_pose():
     lengths = _lengths(base, platform, (0, 0, 220), (1, 0.1, 0, 0))
     for k in range(8):
         wrong = lengths + np.eye(8)[k]
-        assert len(symkin.modes(_machine(base, platform), joints=wrong.tolist(), starts=200)) == 0
+        assert len(symkin.modes(_machine(base, platform), joints=wrong.tolist())) == 0
 
 
 def test_firmware_says_why_it_is_not_for_joints_that_must_agree():
@@ -122,7 +122,7 @@ def test_coordinates_of_1e150_make_no_warnings(which):
     ]
     machine = symkin.Mechanism("far", limbs, platform_position=tuple(position), length_unit="mm", angle_unit="deg")
     for verb in (
-        lambda: symkin.modes(machine, starts=20),
+        lambda: symkin.modes(machine),
         lambda: symkin.modes(machine, pose=(*position, 1, 0, 0, 0)),
         lambda: symkin.solve(machine, check=False),
         lambda: symkin.solve(machine, solver="ipopt", check=False),

@@ -8,6 +8,7 @@ import pytest
 import symkin
 from samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
+from symkin.enumeration.modes import modes_at_need
 from symkin.model.file import parse
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -33,7 +34,7 @@ def check_same(mechanism, kind, points, tolerance=1e-9):
     """Counts, and modes in order to `tolerance` of the size (angles apart by whole turns are one)."""
     found, total = enumerated(mechanism, kind, points), 0
     for i, point in enumerate(points):
-        alone = symkin.modes(mechanism, **point, starts=300)
+        alone = modes_at_need(mechanism, **point, starts=300)
         assert found.count[i] == len(alone), (i, point)
         total += len(alone)
         expected = [[*s.position, *s.quaternion, *np.hstack(list(s.joints.values()))] for s in alone]
@@ -100,7 +101,7 @@ def test_arms_that_touch_the_border_of_their_reach():
     radii = [0.9, 1 + 1e-3, 2.0, 3 - 1e-6, 3 - 1e-10, 3.0, 3 + 1e-3]
     points = [{"pose": Pose(np.array([r * math.cos(0.3), r * math.sin(0.3), 0.0]), np.array([1.0, 0, 0, 0]))} for r in radii]
     found = enumerated(mechanism, "inverse", points)
-    expected = [len(symkin.modes(mechanism, **p, starts=300)) for p in points]
+    expected = [len(modes_at_need(mechanism, **p, starts=300)) for p in points]
     assert found.count.tolist() == expected
     assert found.count[[0, 1, 2, 3, 6]].tolist() == [0, 2, 2, 2, 0]
 
@@ -135,7 +136,7 @@ def test_problems_that_are_sampled_say_so():
     points = [{"joints": [v]} for v in (0.0, 2.0)]
     found = enumerated(mechanism, "direct", points)
     assert set(found.completeness) == {COMPLETENESS.index("sampled")}
-    assert found.count.tolist() == [len(symkin.modes(mechanism, **p, starts=300)) for p in points]
+    assert found.count.tolist() == [len(modes_at_need(mechanism, **p, starts=300)) for p in points]
     assert (found.unresolved == -1).all()
 
 

@@ -15,7 +15,7 @@ from symkin.calibration.frames import frames_at
 from symkin.calibration.from_poses import parameters_from_poses
 from symkin.calibration.gauge import least_change
 from symkin.calibration.lifted import estimate_by_ipopt
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.measurements import NO_GROUP, Measurements
 from symkin.calibration.outcome import Fitted, report
 from symkin.calibration.outliers import LEVEL, Screening
 from symkin.calibration.parameters import FRAMES
@@ -26,6 +26,7 @@ from symkin.calibration.robust import LOSSES, loss_note, robust_estimate
 from symkin.calibration.starting import start_postures, started
 from symkin.calibration.state import evaluate
 from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.quiet import without_float_warnings
 
@@ -52,7 +53,7 @@ def calibrate(
     method: str = "nested",
     loss: str = "squared",
     outliers: str = "remove",
-    level: float = LEVEL,
+    level: float | None = None,
     max_iterations: int = 60,
     seed: int = 0,
 ) -> Calibration:
@@ -64,13 +65,17 @@ def calibrate(
     to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
     "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
     or "cauchy" (see `robust`); `outliers`: "remove",
-    "report" or "ignore", at the family-wise `level`; `seed` is for random starts of direct problems.
+    "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for random starts of direct problems.
 
     Raises InputError for names, options and readings that do not fit, and where no posture's direct problem is solved.
     """
+    if outliers == "ignore":
+        refuse_ignored({"level": level}, "outliers = 'ignore' tests no reading")
+    level = LEVEL if level is None else level
     _check_choices(method, loss, outliers, level)
     begin = time.perf_counter()
     measurements.check(mechanism)
+    _check_form(residual, measurements)
     free = set(parameters or ()) - set(fixed)
     measurements = started(mechanism, measurements, posed=not free & set(FRAMES))
     options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual, "tolerance": tolerance}
@@ -209,6 +214,17 @@ def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.nda
             f"{problem.mechanism.name}: the actuated joints do not determine the pose; calibration needs a direct problem with "
             "isolated solutions: actuate more joints, or declare the platform's motion"
         )
+
+
+def _check_form(residual: str, measurements: Measurements) -> None:
+    """Refuse a form of residuals that these readings make no use of, so that it would be that of means."""
+    groups = np.array([NO_GROUP]) if measurements.groups is None else measurements.groups
+    asked = {f"residual = {residual!r}": residual}
+    if residual == "differences" and not np.any(groups != NO_GROUP):
+        refuse_ignored(asked, "differences are between neighbours in a group, and there are no groups")
+    if residual == "maximum likelihood" and measurements.joint_sigma is None:
+        reason = "it weighs the noise of the joint readings, which is not known"
+        refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
 
 
 def _check_choices(method: str, loss: str, outliers: str, level: float) -> None:

@@ -19,6 +19,7 @@ from symkin.calibration.sensitivity import lever, pose_slopes, reading_slopes, w
 from symkin.calibration.simulate import Noise, check_readings, group_numbers, random_postures
 from symkin.calibration.workspace import Workspace
 from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.position.rank import RANK_TOLERANCE
 
@@ -101,6 +102,8 @@ def plan_measurements(
     check_readings(readings)
     if not readings and not groups:
         raise InputError("nothing is read beside the joints; name groups or readings")
+    if not groups:
+        refuse_ignored({"wedges": wedges}, "there are no groups that stand on them", "ask for groups")
     rng = np.random.default_rng(seed)
     offered = (corner_wedges(workspace.tilt) if wedges is None else np.asarray(wedges, dtype=float)) if groups else None
     task = _Task(workspace, readings, noise, parameters, aligned, rng)

@@ -25,6 +25,7 @@ from symkin.calibration.report import FitReport
 from symkin.calibration.sequence import described, find_sequence
 from symkin.calibration.suspicions import misfit, suspicions
 from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.text import printable
@@ -33,6 +34,11 @@ EVERYTHING = "all"
 """The pattern that stands for every parameter that moves poses."""
 _SHOWN = 12
 """Most names that a message lists."""
+_NAMES = {
+    "group": "groups", "inclination": "inclinations", "position": "positions", "orientation": "orientations",
+    "distance": "distances",
+}  # fmt: skip
+"""Readings by the keys of their standard deviations."""
 LEAST = "least"
 """Frames held by the least change from nominal."""
 
@@ -130,6 +136,8 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
     """The measurements with standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
+        if key != "joint" and not _is_read(data, key):
+            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {_NAMES[key]}")
         if key == "distance":
             m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
             continue
@@ -137,6 +145,15 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
             raise InputError(f"{data.path}: the standard deviation of {key} readings stands in the file; leave the option out")
         m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
     return m
+
+
+def _is_read(data: DataFile, key: str) -> bool:
+    """Whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
+    m = data.measurements
+    if key == "distance":
+        return bool(m.distances)
+    angles = key == "orientation" and (data.euler is not None or data.open_euler is not None)
+    return angles or getattr(m, "groups" if key == "group" else key) is not None
 
 
 def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:

@@ -20,7 +20,7 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import ANGULAR, linearise
-from symkin.enumeration.modes import modes
+from symkin.enumeration.modes import modes_at_need
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
@@ -223,7 +223,7 @@ def _modes_at(mechanism: Mechanism, model: PostureModel, joints: np.ndarray) -> 
     """Unknowns (k, width) of the modes at joint readings; none where they cannot be listed."""
     given = [mechanism.angle_out(float(v)) if c.is_angular else float(v) for v, c in zip(joints, mechanism.actuated, strict=True)]
     try:
-        found = modes(mechanism, joints=given, starts=_SAMPLED)
+        found = modes_at_need(mechanism, joints=given, starts=_SAMPLED)
     except SymkinError:
         return np.zeros((0, model.system.width))
     names = [c.name for c in model.system.unknowns]

@@ -33,6 +33,8 @@ from symkin.commands.calibrate_options import (
     Outliers,
     PatternOption,
     PosturesOption,
+    RandomGroupsOption,
+    RandomPosturesOption,
     ReadingsOption,
     Residual,
     Shape,
@@ -51,7 +53,9 @@ from symkin.commands.quantities import (
     quantity,
     tolerances,
 )
+from symkin.commands.unread import refuse_unread_drawing, refuse_unread_noise
 from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
 from symkin.written_files import check_own_file, write_own_file
 
 if TYPE_CHECKING:
@@ -66,6 +70,10 @@ _MARGIN = 0.02
 """Share of each joint's range that a plan keeps free at its limits: the true geometry is not the nominal one."""
 _ANGLE = "0.001deg"
 """Standard deviation of angular readings where none is given."""
+_POSTURES = 40
+"""Random postures that are simulated where no count is given."""
+_RANGE = "20deg"
+"""Range of inclinations and of turns about z where none is given."""
 
 
 @calibrate.command()
@@ -139,8 +147,8 @@ def fit(
 def simulate(
     mech: MechArgument,
     output: CsvOption,
-    postures: PosturesOption = 40,
-    groups: GroupsOption = 0,
+    postures: RandomPosturesOption = None,
+    groups: RandomGroupsOption = None,
     readings: ReadingsOption = "",
     truth: Annotated[
         str | None, typer.Option(metavar="TRUTH", help="Mechanism that is measured, name or file. Default: MECH itself.")
@@ -148,9 +156,9 @@ def simulate(
     plan: Annotated[Path | None, typer.Option(metavar="PLAN.csv", help="Take the postures and groups of a plan.")] = None,
     noise_joints: NoiseJoints = None,
     noise_group: NoiseGroup = None,
-    noise_inclination: NoiseInclination = "0.001deg",
+    noise_inclination: NoiseInclination = None,
     noise_position: NoisePosition = None,
-    noise_orientation: NoiseOrientation = "0.001deg",
+    noise_orientation: NoiseOrientation = None,
     distance: DistanceOption = None,
     noise_distance: NoiseDistance = None,
     noise_shape: Annotated[
@@ -159,8 +167,8 @@ def simulate(
     euler: Annotated[str | None, typer.Option(metavar="ZYX", help="Write orientations as Euler angles of this sequence.")] = None,
     hide_sequence: Annotated[bool, typer.Option("--hide-sequence", help="Leave the sequence out of the header.")] = False,
     box: BoxOption = None,
-    tilt: TiltOption = "20deg",
-    spin: SpinOption = "20deg",
+    tilt: TiltOption = None,
+    spin: SpinOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
@@ -179,6 +187,16 @@ def simulate(
     _check_same_joints(mechanism, true)
     kinds = _split(readings)
     beside = [*kinds, *(distance or ())]
+    refuse_unread_noise(kinds, noise_inclination, noise_position, noise_orientation)
+    refuse_unread_drawing(true, plan, postures, groups, box=box, tilt=tilt, spin=spin)
+    if not distance:
+        refuse_ignored({"--noise-distance": noise_distance}, "no distance is read", "name one with --distance")
+    if not {"orientation", "pose"} & set(kinds):
+        refuse_ignored({"--euler": euler}, "no orientation is read", "name it with --readings")
+    if euler is None:
+        refuse_ignored(
+            {"--hide-sequence": hide_sequence}, "orientations are written as quaternions", "name a sequence with --euler"
+        )
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, noise_shape)
     if noise_distance is not None:
         noise = replace(noise, distance=noise_quantity(noise_distance, "length", mechanism, "noise-distance"))
@@ -189,8 +207,8 @@ def simulate(
         _check_read(planned.measurements.groups is not None, beside, noise_group)
         numbers, made = planned_postures(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
     else:
-        _check_read(groups != 0, beside, noise_group)
-        numbers = group_numbers(postures, groups)
+        _check_read(bool(groups), beside, noise_group)
+        numbers = group_numbers(_POSTURES if postures is None else postures, groups or 0)
         made = random_postures(workspace, numbers, noise, rng)
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
     measured = read(mechanism, made, numbers, kinds, noise, rng, ends)
@@ -219,12 +237,12 @@ def plan(
     ] = False,
     noise_joints: NoiseJoints = None,
     noise_group: NoiseGroup = None,
-    noise_inclination: NoiseInclination = "0.001deg",
+    noise_inclination: NoiseInclination = None,
     noise_position: NoisePosition = None,
-    noise_orientation: NoiseOrientation = "0.001deg",
+    noise_orientation: NoiseOrientation = None,
     box: BoxOption = None,
-    tilt: TiltOption = "20deg",
-    spin: SpinOption = "20deg",
+    tilt: TiltOption = None,
+    spin: SpinOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
@@ -238,6 +256,7 @@ def plan(
     check_own_file(output, force=force)
     mechanism = load(mech)
     _check_read(groups != 0, _split(readings), noise_group)
+    refuse_unread_noise(_split(readings), noise_inclination, noise_position, noise_orientation)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
     made = plan_measurements(
         _workspace(mechanism, box, tilt, spin, _MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_seed(seed),
@@ -263,8 +282,9 @@ def plan(
 
 
 def _noise(
-    m: Mechanism, joints: str | None, group: str | None, inclination: str, position: str | None, orientation: str, shape: Shape
-) -> Noise:
+    m: Mechanism, joints: str | None, group: str | None, inclination: str | None, position: str | None, orientation: str | None,
+    shape: Shape,
+) -> Noise:  # fmt: skip
     from symkin.calibration.simulate import Noise
 
     lengths, angles = 1e-6 * m.size, quantity(_ANGLE, "angle", m, "noise-joints")
@@ -274,10 +294,10 @@ def _noise(
             check_noise(float(value), "angle" if c.is_angular else "length", m, "noise-joints")
             lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
     return Noise(
-        lengths, angles, noise_quantity(_ANGLE if group is None else group, "angle", m, "noise-group"),
-        noise_quantity(inclination, "angle", m, "noise-inclination"),
+        lengths, angles, noise_quantity(group or _ANGLE, "angle", m, "noise-group"),
+        noise_quantity(inclination or _ANGLE, "angle", m, "noise-inclination"),
         1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
-        noise_quantity(orientation, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
+        noise_quantity(orientation or _ANGLE, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
     )  # fmt: skip
 
 
@@ -303,15 +323,15 @@ def _check_read(grouped: bool, read: list[str], noise_group: str | None) -> None
         )
 
 
-def _workspace(mechanism: Mechanism, box: str | None, tilt: str, spin: str, margin: float = 0.0) -> Workspace:
+def _workspace(mechanism: Mechanism, box: str | None, tilt: str | None, spin: str | None, margin: float = 0.0) -> Workspace:
     from symkin.calibration.workspace import Workspace
 
     half = None if box is None else [quantity(part, "length", mechanism, "box") for part in box.split(",")]
     return Workspace.about(
         mechanism,
         half,
-        tilt=quantity(tilt, "angle", mechanism, "tilt"),
-        spin=quantity(spin, "angle", mechanism, "spin"),
+        tilt=quantity(tilt or _RANGE, "angle", mechanism, "tilt"),
+        spin=quantity(spin or _RANGE, "angle", mechanism, "spin"),
         margin=margin,
     )
 

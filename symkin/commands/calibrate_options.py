@@ -50,6 +50,12 @@ DataArgument = Annotated[Path, typer.Argument(metavar="DATA.csv", help="Measurem
 CsvOption = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="File to write.")]
 PosturesOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of postures.")]
 GroupsOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Groups of equal inclination; 0: none.")]
+RandomPosturesOption = Annotated[
+    int | None, typer.Option(metavar="N", parser=whole_number, help="Number of random postures. Default: 40.")
+]
+RandomGroupsOption = Annotated[
+    int | None, typer.Option(metavar="N", parser=whole_number, help="Their groups of equal inclination. Default: 0, none.")
+]
 ReadingsOption = Annotated[
     str, typer.Option(metavar="A,B,...", help="What is read beside joints: inclination, position, orientation, pose.")
 ]
@@ -57,8 +63,10 @@ BoxOption = Annotated[
     str | None,
     typer.Option(metavar="DX,DY,DZ", help="Half widths of the workspace about the reference. Default: 0.15 of the size."),
 ]
-TiltOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of alpha and beta about the reference.")]
-SpinOption = Annotated[str, typer.Option(metavar="ANGLE", help="Range of the turn about z.")]
+TiltOption = Annotated[
+    str | None, typer.Option(metavar="ANGLE", help="Range of alpha and beta about the reference. Default: 20deg.")
+]
+SpinOption = Annotated[str | None, typer.Option(metavar="ANGLE", help="Range of the turn about z. Default: 20deg.")]
 NoiseJoints = Annotated[
     str | None,
     typer.Option(
@@ -73,11 +81,15 @@ NoiseGroup = Annotated[
         help="Standard deviation of equality in a group (inclinometer's repeatability). Default: 0.001deg.",
     ),
 ]
-NoiseInclination = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of inclination readings.")]
+NoiseInclination = Annotated[
+    str | None, typer.Option(metavar="SIGMA", help="Standard deviation of inclination readings. Default: 0.001deg.")
+]
 NoisePosition = Annotated[
     str | None, typer.Option(metavar="SIGMA", help="Standard deviation of positions. Default: 1e-5 of the size.")
 ]
-NoiseOrientation = Annotated[str, typer.Option(metavar="SIGMA", help="Standard deviation of orientations.")]
+NoiseOrientation = Annotated[
+    str | None, typer.Option(metavar="SIGMA", help="Standard deviation of orientations. Default: 0.001deg.")
+]
 SigmaOption = Annotated[
     str | None, typer.Option(metavar="SIGMA", help="Standard deviation where the file has no sigma_ columns.")
 ]

@@ -35,6 +35,9 @@ StartOption = Annotated[
     typer.Option(metavar="V1,V2,...", help="A pose for the direct problem, all actuated joints for the inverse one."),
 ]
 SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of random numbers.")]
+SearchSeedOption = Annotated[
+    int | None, typer.Option(metavar="N", parser=whole_number, help="Seed of the random starts. Default: 0.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
 
 

@@ -13,7 +13,7 @@ from symkin.commands.options import (
     JsonOption,
     MechArgument,
     PoseOption,
-    SeedOption,
+    SearchSeedOption,
     StartOption,
     numbers_from,
     print_result,
@@ -39,8 +39,11 @@ def modes(
     method: Annotated[
         Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
     ] = Method.continuation,
-    starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Number of starts.")] = 2000,
-    seed: SeedOption = 0,
+    starts: Annotated[
+        int | None,
+        typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
+    ] = None,
+    seed: SearchSeedOption = None,
     as_json: JsonOption = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
 ) -> None:

@@ -13,7 +13,7 @@ from symkin.commands.options import (
     JsonOption,
     MechArgument,
     PoseOption,
-    SeedOption,
+    SearchSeedOption,
     StartOption,
     numbers_from,
     print_result,
@@ -22,6 +22,7 @@ from symkin.commands.options import (
 from symkin.commands.progress import progress_bar
 from symkin.commands.streams import say
 from symkin.errors import InputError, SolveError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.written_number import written_number
 
 
@@ -43,8 +44,10 @@ def singularities(
         typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
     ] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
-    starts: Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane.")] = 200,
-    seed: SeedOption = 0,
+    starts: Annotated[
+        int | None, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.")
+    ] = None,
+    seed: SearchSeedOption = None,
     output: Annotated[
         str | None,
         typer.Option(
@@ -64,8 +67,9 @@ def singularities(
     from symkin.position.solution import SolveResult
     from symkin.singularities.configuration import configuration
 
-    if plane is None and (window is not None or plot is not None):
-        raise InputError("--range and --plot belong to --plane U,V, which names the two coordinates")
+    if plane is None:
+        loci_only = {"--range": window, "--plot": plot, "--starts": starts, "--seed": seed}
+        refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech)
@@ -91,11 +95,12 @@ def singularities(
         found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
         print_result(as_json, found.to_json, lambda: str(found))
         return
-    from symkin.singularities.loci import singular_loci
+    from symkin.singularities.loci import DEFAULT_STARTS, singular_loci
 
     names = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):
-        loci = singular_loci(solution, names, ranges=sides, starts=starts, seed=seed)
+        count = DEFAULT_STARTS if starts is None else starts
+        loci = singular_loci(solution, names, ranges=sides, starts=count, seed=0 if seed is None else seed)
     if plot is not None:
         from symkin.view.loci_plot import draw_loci
 

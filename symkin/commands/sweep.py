@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from symkin.commands.options import Interrupted, MechArgument, SeedOption, numbers_from, whole_number
+from symkin.commands.options import Interrupted, MechArgument, SearchSeedOption, numbers_from, whole_number
 from symkin.commands.progress import progress_bar
 from symkin.errors import InputError
 
@@ -48,10 +48,10 @@ def sweep(
         str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")
     ] = None,
     random: Annotated[int | None, _count("--random", "Random points in place of a grid.")] = None,
-    seed: SeedOption = 0,
+    seed: SearchSeedOption = None,
     quantity: Annotated[Quantity, typer.Option(help="What is stored.")] = Quantity.modes,
     certify: Annotated[bool, typer.Option("--certify", help="Prove every mode; takes many times as long.")] = False,
-    starts: Annotated[int, _count("--starts", "Random starts where paths do not decide.")] = 2000,
+    starts: Annotated[int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")] = None,
     workers: Annotated[int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")] = None,
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.")
@@ -65,7 +65,7 @@ def sweep(
 ) -> None:
     """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
     from symkin.model.file import load
-    from symkin.sweeps.ranges import check_slices, read_ranges, read_values
+    from symkin.sweeps.ranges import check_map_is_left, check_slices, read_ranges, read_values
     from symkin.sweeps.run import sweep as run
 
     mechanism = load(mech)
@@ -73,6 +73,7 @@ def sweep(
     ranges = read_ranges(grid, sampled=random is not None, angle_unit=unit)
     cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
     check_slices(cuts, ranges, sampled=random is not None)
+    check_map_is_left(cuts, ranges)
     if slices is not None and plot is None:
         raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
     if plot is not None:

@@ -62,11 +62,12 @@ def track(
         found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
         write_track(found, output)
-    if plot is not None and found.samples:
+    drawn = plot if found.samples else None
+    if drawn is not None:
         from symkin.view.track_plot import draw_track
 
-        draw_track(found, plot)
-    files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", plot)) if name is not None)
+        draw_track(found, drawn)
+    files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
     print_result(as_json, found.to_json, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)
 

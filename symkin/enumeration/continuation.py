@@ -42,9 +42,10 @@ _LEAST_ERROR_STARTS = 200
 
 def by_continuation(
     problem: Problem, given: Given, starts: int, rng: np.random.Generator, progress: Progress | None = None
-) -> tuple[list[Roots], tuple[str, ...]]:
-    """Roots of each block by paths; blocks without a start system by `starts` random starts, with a note why."""
-    blocks, notes = [], []
+) -> tuple[list[Roots], tuple[str, ...], bool]:
+    """Roots of each block by paths; blocks without a start system by `starts` random starts, with a note why. Last, whether
+    `starts` and `rng` were of use: in such blocks, and where paths left something in doubt."""
+    blocks, notes, random_starts = [], [], False
     reason = unsuitable(problem)
     for block in problem.blocks:
         match = None if reason else system_of(problem, block)
@@ -55,10 +56,13 @@ def by_continuation(
         if match is None or start is None:
             blocks.append(batched(problem, block, given, starts, rng))
             notes.append(f"{', '.join(sorted(c.name for c in block.unknowns))}: sampled by multistart, {why}")
+            random_starts = True
             continue
-        blocks.append(_block_roots(problem, match, block, start, given, starts, rng))
+        roots, doubtful = _block_roots(problem, match, block, start, given, starts, rng)
+        blocks.append(roots)
+        random_starts |= doubtful
         notes += _orbit_notes(match, start)
-    return blocks, tuple(notes)
+    return blocks, tuple(notes), random_starts
 
 
 def unsuitable(problem: Problem) -> str | None:
@@ -81,9 +85,10 @@ def _orbit_notes(system: AlgebraicSystem, start: Fibre) -> list[str]:
 
 def _block_roots(
     problem: Problem, algebraic: AlgebraicSystem, block: System, start: Fibre, given: Given, starts: int, rng: np.random.Generator
-) -> Roots:
+) -> tuple[Roots, bool]:
     """Roots that are real: polished on the block's own rows and checked on all of them. Where paths are unresolved, or end
-    on a set that is not isolated, random starts look for what they missed; where no root is real, for the least error."""
+    on a set that is not isolated, `starts` random starts look for what they missed, and True is returned beside; where no root
+    is real, a fixed number of fixed ones looks for the least error."""
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
     prover = Prover.of(problem, algebraic, block, ends.z, given)
@@ -94,19 +99,21 @@ def _block_roots(
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
-        sampled = batched(problem, block, given, starts if doubtful else min(starts, _LEAST_ERROR_STARTS), rng)
+        count, generator = (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
+        sampled = batched(problem, block, given, count, generator)
         regular = [z for z in sampled.points if block.condition(z, given.values) < SINGULAR_ROOT]
         points = np.concatenate([points, np.array(regular).reshape(len(regular), block.width)])
         continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
-    return Roots(
+    roots = Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
         complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(dyads_of(problem)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
         missing=_missing(ends),
     )  # fmt: skip
+    return roots, doubtful
 
 
 def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.enumeration.search import DEFAULT_SEED, Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from, pose_from
@@ -29,9 +30,7 @@ from symkin.spatial.pose import Pose
 if TYPE_CHECKING:
     from symkin.proof.independent_rows import PartialProof
 
-MOST_STARTS = 1_000_000
 _NEARLY_CLOSED = 1e-4
-METHODS = ("continuation", "multistart")
 
 
 @without_float_warnings
@@ -41,28 +40,45 @@ def modes(
     joints: Sequence[float] | None = None,
     pose: Sequence[float] | Pose | None = None,
     method: str | None = None,
-    starts: int = DEFAULT_STARTS,
-    seed: int = 0,
-    solver: str | Newton | LeastSquares = "batched",
+    starts: int | None = None,
+    seed: int | None = None,
+    solver: str | Newton | LeastSquares | None = None,
     progress: Progress | None = None,
 ) -> Modes:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
-    complete the list is; "multistart" keeps what `starts` random starts reach. `solver`, for multistart, is "batched"
-    (Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. A part that has
-    no start system is sampled, and a note says why. Raises InputError for values that do not fit.
+    complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
+    "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
+    continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
+    fit, and for options that the call would ignore: `solver` with continuation, `starts` and `seed` where nothing is sampled.
     """
+    search = Search.of(method, starts, seed, solver)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _modes(mechanism, joints, pose, method, starts, seed, solver, progress)
+        return _modes(mechanism, joints, pose, search, progress)
+
+
+@without_float_warnings
+def modes_at_need(
+    mechanism: Mechanism,
+    *,
+    joints: Sequence[float] | None = None,
+    pose: Sequence[float] | Pose | None = None,
+    starts: int = DEFAULT_STARTS,
+    seed: int = DEFAULT_SEED,
+) -> Modes:
+    """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _modes(mechanism, joints, pose, Search("continuation", starts, seed, "batched"), None)
 
 
 def _modes(
-    mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None, method: str | None,
-    starts: int, seed: int, solver: str | Newton | LeastSquares, progress: Progress | None,
-) -> Modes:  # fmt: skip
-    chosen = method or ("continuation" if solver == "batched" else "multistart")
-    _check_options(chosen, starts, seed)
+    mechanism: Mechanism,
+    joints: Sequence[float] | None,
+    pose: Sequence[float] | Pose | None,
+    search: Search,
+    progress: Progress | None,
+) -> Modes:
     begin = time.perf_counter()
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
@@ -70,33 +86,34 @@ def _modes(
     if free is not None and mechanism.serial:
         raise InputError(free)
     if free is not None:
-        empty = _result(problem, given, [], chosen, seed, (f"positive-dimensional set: {free}",))
+        search.refuse_unless_multistart(free)
+        empty = _result(problem, given, [], search.method, search.seed, (f"positive-dimensional set: {free}",))
         return replace(empty, positive_dimensional=True, elapsed_s=time.perf_counter() - begin)
-    found = _known_without_search(problem, given, chosen, seed)
+    found = _known_without_search(problem, given, search)
     if found is None:
-        rng = np.random.default_rng(seed)
-        if chosen == "continuation":
-            from symkin.enumeration.continuation import by_continuation
-
-            blocks, notes = by_continuation(problem, given, starts, rng, progress)
-        elif solver == "batched":
-            blocks, notes = [batched(problem, block, given, starts, rng, progress) for block in problem.blocks], ()
-        else:
-            blocks, notes = [one_by_one(problem, given, starts, rng, solver, progress)], ()
-        name = chosen if solver == "batched" else f"{chosen} {solver}"
-        found = _result(problem, given, blocks, name, seed, notes)
-        if chosen == "continuation" and found.completeness == "sampled":
-            found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
+        found = _searched(problem, given, search, progress)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
-def _check_options(method: str, starts: int, seed: int) -> None:
-    if method not in METHODS:
-        raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
-    if not 1 <= starts <= MOST_STARTS:
-        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
+def _searched(problem: Problem, given: Given, search: Search, progress: Progress | None) -> Modes:
+    """The modes by paths or from random starts."""
+    rng = np.random.default_rng(search.seed)
+    notes: tuple[str, ...] = ()
+    if search.method == "continuation":
+        from symkin.enumeration.continuation import by_continuation
+
+        blocks, notes, random_starts = by_continuation(problem, given, search.starts, rng, progress)
+        if not random_starts:
+            search.refuse_starts(problem)
+    elif search.solver == "batched":
+        blocks = [batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks]
+    else:
+        blocks = [one_by_one(problem, given, search.starts, rng, search.solver, progress)]
+    name = search.method if search.solver == "batched" else f"{search.method} {search.solver}"
+    found = _result(problem, given, blocks, name, search.seed, notes)
+    if search.method == "continuation" and found.completeness == "sampled":
+        found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
+    return found
 
 
 def _free_unknowns(problem: Problem) -> str | None:
@@ -110,12 +127,14 @@ def _free_unknowns(problem: Problem) -> str | None:
     )
 
 
-def _known_without_search(problem: Problem, given: Given, method: str, seed: int) -> Modes | None:
+def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
     """What needs no search: a pose off the motion, the direct problem of a serial arm, given values that contradict
     rows without unknowns."""
+    method, seed = search.method, search.seed
     if given.off_motion > 0.0:
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
     if problem.is_explicit:
+        search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
         values = problem.assemble(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
@@ -138,6 +157,9 @@ def _known_without_search(problem: Problem, given: Given, method: str, seed: int
     if off > ACCEPTED * problem.closure.size:
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
     if not problem.blocks:
+        search.refuse_unless_multistart(
+            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
+        )
         solution = make_solution(problem, problem.assemble(np.zeros(0), given.values), notes=given.notes)
         return Modes(
             problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.errors import InputError, SolveError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from
 from symkin.position.least_squares import LeastSquares
@@ -56,10 +57,13 @@ def solve(
     Values are in the mechanism's units: actuated joints in file order; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
     reference. `solver` is "newton", "fast_newton", "ipopt" or a Newton or LeastSquares value.
-    Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit.
+    Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit, and for
+    a `start` where nothing is iterated.
     """
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
+    if problem.is_explicit or not problem.system.width:
+        refuse_ignored({"start": start}, _nothing_iterated(problem))
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
         raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
@@ -77,6 +81,13 @@ def solve(
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *given.notes]), result)
     return result
+
+
+def _nothing_iterated(problem: Problem) -> str:
+    """Why `solve` needs no start."""
+    if problem.is_explicit:
+        return "the direct problem of a serial arm is a function of its joints, and nothing is iterated"
+    return f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is iterated"
 
 
 def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndarray) -> SolveResult:

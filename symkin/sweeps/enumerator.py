@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.enumeration.continuation import unsuitable
-from symkin.enumeration.modes import modes
+from symkin.enumeration.modes import modes_at_need
 from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.paths.algebraic import AlgebraicSystem
@@ -137,7 +137,7 @@ class Enumerator:
         if given.off_motion > 0.0:
             return nothing(self.problem.closure, "off the motion", 0)
         try:
-            found = modes(self.problem.mechanism, **arguments, starts=self.starts, seed=self.seed)
+            found = modes_at_need(self.problem.mechanism, **arguments, starts=self.starts, seed=self.seed)
         except TooManyModesError:
             return nothing(self.problem.closure, "too many to list", -1)
         return from_modes(found)

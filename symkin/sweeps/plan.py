@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin._version import __version__
 from symkin.caching import cached_property
-from symkin.enumeration.modes import MOST_STARTS
+from symkin.enumeration.search import MOST_STARTS
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Kind

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -94,3 +94,10 @@ def check_slices(slices: Mapping[str, float], swept: Mapping[str, np.ndarray], *
         if not low - slack <= value <= high + slack:
             allowed = f"{low:.10g} to {high:.10g}" if high > low else f"{low:.10g}"
             raise InputError(f"slice: {name} = {value:.10g} lies outside what is swept; allowed: {allowed}")
+
+
+def check_map_is_left(slices: Mapping[str, float], swept: Iterable[str]) -> None:
+    """Raises InputError for slices that leave nothing over which a map could be drawn."""
+    if slices and set(swept) <= set(slices):
+        all_of_it = f"{', '.join(slices)} {'is' if len(slices) == 1 else 'are'} all that is swept"
+        raise InputError(f"slice: {all_of_it}; leave at least one out, over which the map is drawn")

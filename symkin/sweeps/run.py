@@ -64,10 +64,10 @@ def sweep(
     poses: bool = False,
     at: Sequence[float] | Pose | None = None,
     random: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     quantity: str = "modes",
     certify: bool = False,
-    starts: int = 2000,
+    starts: int | None = None,
     chunk: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
@@ -80,12 +80,15 @@ def sweep(
     z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of `at`), in the mechanism's
     units; with `random` = N points, to (least, largest). Poses of which the joints allow hardly any are refused. `at` gives what
     is not swept. `quantity` is "modes", "conditioning" or "reach"; `certify` proves modes, at many times the cost; `seed`
-    is that of the sample and of random starts, `starts` their number where paths do not decide. `chunk` points are computed
+    (default 0) is that of the sample and of random starts, `starts` (default 2000) their number where paths do not decide. `chunk` points are computed
     and written at a time, by `executor`, by the Dask scheduler at the address `dask`, or by `workers` local processes (0:
     this one). The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit.
-    Raises InputError for what does not fit, another sweep in the folder, and a folder that cannot be written.
+    Raises InputError for what does not fit, options that would be ignored, another sweep in the folder, and a folder that
+    cannot be written.
     """
-    from symkin.sweeps.arguments import check_types, whole
+    from symkin.enumeration.search import DEFAULT_SEED
+    from symkin.position.multistart import DEFAULT_STARTS
+    from symkin.sweeps.arguments import check_types, refuse_unread, whole
     from symkin.sweeps.plan import make_plan
     from symkin.sweeps.space import make_space
     from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
@@ -93,16 +96,17 @@ def sweep(
 
     others = {"poses": poses, "certify": certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
     check_types(mechanism, grid, directory, **others)
-    seed, starts = whole(seed, "seed"), whole(starts, "starts")
-    counts = {"random": random, "chunk": chunk, "workers": workers}
-    random, chunk, workers = (None if value is None else whole(value, name) for name, value in counts.items())
+    counts = {"random": random, "chunk": chunk, "workers": workers, "seed": seed, "starts": starts}
+    random, chunk, workers, seed, starts = (None if value is None else whole(value, name) for name, value in counts.items())
     folder = Path(directory)
     require_zarr()
     read_attributes(folder)
     if (executor is not None) + (workers is not None) + (dask is not None) > 1:
         raise InputError("executor, workers and dask are given together; one of them is needed, or none")
-    space = make_space(mechanism, grid, poses=poses, at=at, sample=random, seed=seed)
-    plan = make_plan(space, quantity=quantity, certify=certify, starts=starts, chunk=chunk)
+    space = make_space(mechanism, grid, poses=poses, at=at, sample=random, seed=DEFAULT_SEED if seed is None else seed)
+    refuse_unread(space, at=at, seed=seed, starts=starts)
+    count = DEFAULT_STARTS if starts is None else starts
+    plan = make_plan(space, quantity=quantity, certify=certify, starts=count, chunk=chunk)
     enumerator = plan.enumerator()
     pinned = plan.pinned(enumerator)
     with _crew(executor, workers, dask) as crew:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.enumeration.modes import modes
+from symkin.enumeration.modes import modes_at_need
 from symkin.errors import SymkinError
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem, build_problem
@@ -62,7 +62,7 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
         return None
     given = user_values(trajectory, trajectory.at(row, u - back))
     try:
-        found = modes(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
+        found = modes_at_need(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
     except SymkinError:
         return None
     turning = [w for w in branch.stopped if _turns(w)]

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import joint_values, pose_coordinates, pose_from
@@ -189,7 +190,13 @@ def _refined(trajectory: Trajectory, count: int) -> Trajectory:
     intervals = len(trajectory) - 1
     if not isinstance(count, int | np.integer) or not 2 <= count <= _MOST_SAMPLES:
         raise InputError(f"samples = {count}; a whole number from 2 to {_MOST_SAMPLES} is needed")
-    if intervals < 1 or count <= len(trajectory):
+    if intervals < 1 or count < len(trajectory):
+        have = f"{len(trajectory)} sample{'s' * (intervals > 0)}"
+        reason = (
+            f"the path has {have} already, which {'can only be divided further' if intervals else 'leaves nothing to divide'}"
+        )
+        refuse_ignored({f"samples = {count}": count}, reason)
+    if count == len(trajectory):
         return trajectory
     parts = math.ceil((count - 1) / intervals)
     places = [(row, j / parts) for row in range(intervals) for j in range(parts)] + [(intervals - 1, 1.0)]

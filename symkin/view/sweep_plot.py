@@ -21,7 +21,7 @@ from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
-from symkin.sweeps.ranges import check_slices
+from symkin.sweeps.ranges import check_map_is_left, check_slices
 from symkin.sweeps.store import read_attributes, require_zarr
 from symkin.view.box import COLOURS, drawing
 from symkin.view.plain_number import plain
@@ -84,6 +84,7 @@ def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
         sampled = attributes["sample"] is not None
         names = list(attributes["axes"])
         check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
+        check_map_is_left(slices, names)
         name = _SHOWN[attributes["quantity"]]
         part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
     with drawing():

@@ -1,0 +1,61 @@
+"""How modes are searched: the method with its random starts and solver, and which of these the caller has named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
+from symkin.position.least_squares import LeastSquares
+from symkin.position.multistart import DEFAULT_STARTS
+from symkin.position.newton import Newton
+from symkin.position.problem import Problem
+
+MOST_STARTS = 1_000_000
+DEFAULT_SEED = 0
+METHODS = ("continuation", "multistart")
+_MULTISTART = "give method = 'multistart' (--method multistart), which searches from random starts"
+
+
+@dataclass(frozen=True)
+class Search:
+    """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that the caller gave, None for
+    the others, so that what a problem has no use for can be refused."""
+
+    method: str
+    starts: int
+    seed: int
+    solver: str | Newton | LeastSquares
+    named: Mapping[str, object] = field(default_factory=dict)
+
+    @staticmethod
+    def of(method: str | None, starts: int | None, seed: int | None, solver: str | Newton | LeastSquares | None) -> Search:
+        """A checked search; a solver without a method means multistart. Raises InputError."""
+        chosen = method or ("continuation" if solver is None else "multistart")
+        if chosen not in METHODS:
+            raise InputError(f"method = {chosen!r} is unknown; allowed: {', '.join(METHODS)}")
+        if starts is not None and not 1 <= starts <= MOST_STARTS:
+            raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
+        if seed is not None and seed < 0:
+            raise InputError(f"seed = {seed} must not be negative")
+        if chosen == "continuation":
+            refuse_ignored({"solver": solver}, "continuation tracks paths and calls no solver of single solutions", _MULTISTART)
+        return Search(
+            chosen,
+            DEFAULT_STARTS if starts is None else starts,
+            DEFAULT_SEED if seed is None else seed,
+            "batched" if solver is None else solver,
+            {"starts": starts, "seed": seed, "solver": solver},
+        )
+
+    def refuse_starts(self, problem: Problem) -> None:
+        """Refuse `starts` and `seed` after a continuation that had no use for random starts."""
+        reason = f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by continuation, and nothing was sampled"
+        refuse_ignored(self.named, reason, _MULTISTART)
+
+    def refuse_unless_multistart(self, reason: str) -> None:
+        """Refuse `starts` and `seed` where nothing is searched, unless they belong to a multistart that the caller asked for,
+        which is then answered without any start."""
+        if self.method == "continuation":
+            refuse_ignored(self.named, reason)
