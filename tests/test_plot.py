@@ -68,7 +68,7 @@ def sps_joints() -> Mechanism:
 def modes_of(name: str) -> Modes:
     own = {"delta": delta_robot, "planar_3rrr": planar_3rrr, "sps_joints": sps_joints}
     if name in own:
-        return symkin.modes(own[name](), starts=300 if name == "sps_joints" else None)
+        return symkin.modes(own[name]())
     mechanism = symkin.load(name)
     if name == "gluon_6l3":
         return symkin.modes(mechanism, pose=symkin.modes(mechanism)[0].pose)

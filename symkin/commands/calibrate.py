@@ -294,11 +294,16 @@ def _noise(
             check_noise(float(value), "angle" if c.is_angular else "length", m, "noise-joints")
             lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
     return Noise(
-        lengths, angles, noise_quantity(group or _ANGLE, "angle", m, "noise-group"),
-        noise_quantity(inclination or _ANGLE, "angle", m, "noise-inclination"),
+        lengths, angles, noise_quantity(_given(group), "angle", m, "noise-group"),
+        noise_quantity(_given(inclination), "angle", m, "noise-inclination"),
         1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
-        noise_quantity(orientation or _ANGLE, "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
+        noise_quantity(_given(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
     )  # fmt: skip
+
+
+def _given(text: str | None, default: str = _ANGLE) -> str:
+    """An option's text, or the default where it is not given; an empty one is given."""
+    return default if text is None else text
 
 
 def _note_earlier(output: Path, mechanism: Mechanism) -> None:
@@ -330,8 +335,8 @@ def _workspace(mechanism: Mechanism, box: str | None, tilt: str | None, spin: st
     return Workspace.about(
         mechanism,
         half,
-        tilt=quantity(tilt or _RANGE, "angle", mechanism, "tilt"),
-        spin=quantity(spin or _RANGE, "angle", mechanism, "spin"),
+        tilt=quantity(_given(tilt, _RANGE), "angle", mechanism, "tilt"),
+        spin=quantity(_given(spin, _RANGE), "angle", mechanism, "spin"),
         margin=margin,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -19,12 +20,18 @@ def list_() -> None:
 
 
 def show(
-    mech: MechArgument, latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False
+    mech: MechArgument,
+    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
     from symkin.model.file import load
 
     mechanism = load(mech)
+    if plot is not None:
+        from symkin.view.sketch import draw_sketch
+
+        draw_sketch(mechanism, plot)
     if latex:
         from symkin.export.latex import equations
 
@@ -33,3 +40,5 @@ def show(
     from symkin.view.describe import describe
 
     print(describe(mechanism))
+    if plot is not None:
+        print(f"\npicture: {plot}")

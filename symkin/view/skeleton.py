@@ -38,9 +38,19 @@ class Dot:
     actuated: bool
 
 
+@dataclass(frozen=True, eq=False)
+class _Rail:
+    """A P joint: the direction along which it slides, in the base frame."""
+
+    name: str
+    axis: np.ndarray
+    actuated: bool
+
+
 @dataclass(eq=False)
 class LimbLines:
-    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the platform."""
+    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the platform. `places` are those of
+    its joints by name, of a P joint the middle of its slide."""
 
     name: str
     base: np.ndarray
@@ -48,6 +58,7 @@ class LimbLines:
     rods: list[Segment] = field(default_factory=list)
     dots: list[Dot] = field(default_factory=list)
     ends: list[np.ndarray] = field(default_factory=list)
+    places: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def points(self) -> np.ndarray:
@@ -126,17 +137,18 @@ def _joint_limb_lines(
 ) -> LimbLines:
     links = link_displacements(mechanism, limb, values, pose)
     lines = LimbLines(limb.name, _base_point(mechanism, limb, places))
-    slides: list[tuple[np.ndarray, bool]] = []
+    slides: list[_Rail] = []
     for i, joint in enumerate(limb.joints):
         axis = None if joint.axis is None else links[i].turn(np.array(joint.axis))
         if joint.type == "P" and axis is not None:
-            slides.append((axis, joint.actuated))
+            slides.append(_Rail(joint.name, axis, joint.actuated))
             continue
         point = places[joint.name]
         entry, leave = links[i].apply(point), links[i + 1].apply(point)
         _walk(lines, entry, slides)
         slides = []
         lines.dots.append(Dot(entry, joint.actuated))
+        lines.places[joint.name] = entry
         if joint.type in "CH":
             lines.line_to(leave, _slide_kind(joint.actuated))
     _finish(mechanism, limb, places, lines, slides, links[-1], pose)
@@ -145,7 +157,7 @@ def _joint_limb_lines(
 
 def _finish(
     mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray], lines: LimbLines,
-    slides: list[tuple[np.ndarray, bool]], last_link: Pose, pose: Pose,
+    slides: Sequence[_Rail], last_link: Pose, pose: Pose,
 ) -> None:  # fmt: skip
     """From the last joint to the platform: by rods, to the tool, or along what slides there."""
     if not limb.rods:
@@ -162,16 +174,17 @@ def _finish(
         lines.dots += [Dot(start, False), Dot(end, False)]
 
 
-def _walk(lines: LimbLines, target: np.ndarray, slides: Sequence[tuple[np.ndarray, bool]]) -> None:
+def _walk(lines: LimbLines, target: np.ndarray, slides: Sequence[_Rail]) -> None:
     """Go on to `target`: straight, or along the axes of the P joints on the way, after what they cannot cover."""
     last = lines.points[-1]
     if slides:
-        axes = np.array([axis for axis, _ in slides])
+        axes = np.array([rail.axis for rail in slides])
         shares = np.linalg.lstsq(axes.T, target - last, rcond=None)[0]
         lines.line_to(target - shares @ axes, "link")
-        for (axis, actuated), share in zip(slides[:-1], shares[:-1], strict=True):
-            lines.line_to(lines.points[-1] + share * axis, _slide_kind(actuated))
-        lines.line_to(target, _slide_kind(slides[-1][1]))
+        for k, (rail, share) in enumerate(zip(slides, shares, strict=True), start=1):
+            begin = lines.points[-1]
+            lines.line_to(target if k == len(slides) else begin + share * rail.axis, _slide_kind(rail.actuated))
+            lines.places[rail.name] = 0.5 * (begin + lines.points[-1])
     else:
         lines.line_to(target, "link")
 
