@@ -14,6 +14,13 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, given_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import levenberg_marquardt
+from symkin.position.moved_starts import (
+    StartRank,
+    is_singular,
+    moved_note,
+    moved_starts,
+    nearly_closes,
+)
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import (
@@ -25,12 +32,7 @@ from symkin.position.solution import (
     pose_of,
 )
 from symkin.position.start_notes import start_notes
-from symkin.position.starts import (
-    is_singular,
-    off_singularity,
-    random_starts,
-    start_values,
-)
+from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
 
 Solver = Newton | LeastSquares
@@ -40,7 +42,6 @@ SOLVERS: dict[str, Solver] = {
     "ipopt": LeastSquares(),
 }
 RESTARTS = 20
-_MOVED = "the default start is singular and was moved: give a start, or a platform position or example that is not"
 
 
 def solve(
@@ -56,7 +57,8 @@ def solve(
 
     Values are in the mechanism's units: actuated joints in file order; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
-    reference. `solver` is "newton", "fast_newton", "ipopt" or a Newton or LeastSquares value.
+    reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
+    "fast_newton", "ipopt" or a Newton or LeastSquares value.
     Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit, and for
     a `start` where nothing is iterated.
     """
@@ -67,19 +69,18 @@ def solve(
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
         raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
+    begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        begin = start_values(problem, given, start)
+        z = start_values(problem, given, start)
         if start is None:
-            moved = off_singularity(problem, begin, given.values)
-            result = _from_default(problem, given, chosen, moved)
-            if moved is not begin:
-                result = replace(result, notes=(*result.notes, _MOVED))
+            result = _from_default(problem, given, chosen, z)
         else:
-            result = solve_problem(problem, given, chosen, begin)
+            result = solve_beside(problem, given, chosen, z, "start")
             if result.solution is not None:
                 result = replace(result, notes=(*result.notes, *start_notes(result.solution, given.kind, start)))
+    result = replace(result, elapsed_s=time.perf_counter() - begin)
     if check and result.solution is None:
-        raise SolveError("; ".join([result.message, *given.notes]), result)
+        raise SolveError("; ".join([result.message, *result.notes]), result)
     return result
 
 
@@ -118,20 +119,66 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
     )
 
 
-def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndarray) -> SolveResult:
-    """Where the default start leads nowhere, random starts are tried, and the result says so."""
-    result = solve_problem(problem, given, solver, begin)
-    if result.solution is not None or given.off_motion > 0.0 or problem.system.width == 0:
+def solve_beside(problem: Problem, given: Given, solver: Solver, start: np.ndarray, which: str) -> SolveResult:
+    """Iterate from a start; where it is singular, or nearly so and leads nowhere, from starts moved off it, and say so.
+
+    At a singular start Newton's step is rounding over rounding: what it leads to is not believed, unless the start nearly closes.
+    """
+    result = solve_problem(problem, given, solver, start)
+    if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0 or result.iterations == 0:
         return result
-    rng = np.random.default_rng(0)
-    for k, start in enumerate(random_starts(problem, problem.system, given, RESTARTS, rng)[1:], start=1):
+    rank = StartRank.at(problem, start, given.values)
+    chance = isinstance(solver, Newton) and rank.is_singular and not nearly_closes(problem, start, given.values)
+    if not rank.is_nearly_singular or (result.solution is not None and not chance):
+        return result
+    starts = moved_starts(problem, start, given.values)
+    found = _from_moved(problem, given, solver, starts)
+    if found is not None:
+        began, again = found
+        return replace(again, notes=(*again.notes, moved_note(problem, given, rank, began, which)))
+    if result.solution is not None:
+        return result
+    note = f"the {which} is {rank}, and {len(starts)} starts beside it led to no solution: give another start, or list all with modes"
+    beside = solve_problem(problem, given, solver, starts[0])
+    verdict = min((result, beside), key=lambda r: (r.status != "infeasible", r.smallest_residual or 0.0))
+    return replace(verdict, notes=(*verdict.notes, note))
+
+
+def _from_moved(problem: Problem, given: Given, solver: Solver, starts: np.ndarray) -> tuple[np.ndarray, SolveResult] | None:
+    """The start that has led to a solution, and the result: the first, then, where Levenberg-Marquardt finds the problem to have
+    one, the others and the ends of Levenberg-Marquardt."""
+    tries = starts[:1]
+    found = _first_that_closes(problem, given, solver, tries)
+    if found is None:
+        ends = levenberg_marquardt(problem.system, starts, given.values, max_iterations=300, patience=60)
+        tries = np.vstack([starts[1:], ends.points[ends.converged]])
+        found = _first_that_closes(problem, given, solver, tries) if ends.converged.any() else None
+    return None if found is None else (tries[found[0]], found[1])
+
+
+def _first_that_closes(problem: Problem, given: Given, solver: Solver, starts: np.ndarray) -> tuple[int, SolveResult] | None:
+    """The first of some starts that leads to a solution: its index, and the result."""
+    for k, start in enumerate(starts):
         path = solver.iterate(problem, start, given.values)
         if _judge_root(problem, path[-1], given.values):
-            again = solve_problem(problem, given, solver, start)
-            if again.solution is not None:
-                note = f"the default start led to no solution ({result.status}); random start {k} (seed 0) did"
-                return replace(again, notes=(*again.notes, note))
-    return result
+            result = solve_problem(problem, given, solver, start)
+            if result.solution is not None:
+                return k, result
+    return None
+
+
+def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndarray) -> SolveResult:
+    """Where the default start leads nowhere, random starts are tried, and the result says so."""
+    result = solve_beside(problem, given, solver, begin, "default start")
+    if result.solution is not None or given.off_motion > 0.0 or problem.system.width == 0:
+        return result
+    starts = random_starts(problem, problem.system, given, RESTARTS, np.random.default_rng(0))[1:]
+    found = _first_that_closes(problem, given, solver, starts)
+    if found is None:
+        return result
+    k, again = found
+    note = f"the default start led to no solution ({result.status}); random start {k + 1} (seed 0) did"
+    return replace(again, notes=(*again.notes, note))
 
 
 def _judge_root(problem: Problem, end: np.ndarray, known: np.ndarray) -> bool:

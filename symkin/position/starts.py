@@ -55,25 +55,6 @@ def _set(values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate]
         place += c.width
 
 
-def off_singularity(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """A default start that is singular (an arm stretched out, a platform in its base's plane) is moved by a fixed
-    small step; a start that the user gives is left alone."""
-    if problem.system.width == 0 or problem.is_explicit or not is_singular(problem, start, known):
-        return start
-    step = np.random.default_rng(0).normal(size=(1, problem.system.freedom))
-    moved = problem.system.move(start[None], 0.1 * problem.system.size * step / np.linalg.norm(step))
-    return np.asarray(moved[0])
-
-
-def is_singular(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
-    _, jacobian = problem.system.linearise_one(problem.system.unit(z), known)
-    if not np.all(np.isfinite(jacobian)):
-        return False
-    singular = np.linalg.svd(jacobian, compute_uv=False)
-    rank = problem.generic_rank
-    return bool(rank > 0 and singular[rank - 1] < 1e-10 * max(singular[0], 1e-300))
-
-
 def random_starts(problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator) -> np.ndarray:
     """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach, angles and rotations
     uniform, the first start at the reference; within `limits` where given."""
