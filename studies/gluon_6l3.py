@@ -1,282 +1,226 @@
-"""Gluon-6L3, a 6R arm with joints 2, 3, 4 parallel: forward, closed-form inverse, numeric inverse, Jacobian.
+"""Gluon-6L3, a 6R arm with joints 2, 3, 4 parallel: the tutorial page on its forward and inverse kinematics, line by line.
 
-Notation: standard DH, A_i = Rz(t_i) Tz(d_i) Tx(a_i) Rx(alpha_i), t_i = q_i + offset_i, T = A_1 ... A_6;
-c234 = cos(t2 + t3 + t4). With B = A_1^-1 T and elements [row, column] counted from 1 as on the page:
-
-    B[3,3] = c5,  B[3,4] = d4 + d6 c5    ->  q1 (two), q5 (two each)
-    B[3,1] = s5 c6,  B[3,2] = -s5 s6     ->  q6
-    B[1,3] = -c234 s5,  B[2,3] = -s234 s5 ->  q2 + q3 + q4
-    B (A_5 A_6)^-1 = A_2 A_3 A_4          ->  a planar two-link: q3 (two), q2, q4
+The page: DH model (of an earlier page), forward kinematics as a product of six matrices with the example of 15 degrees at each
+joint, the inverse by equations matched after inverting A_1, and a check by the Robotics Toolbox, whose inverse iterates with the
+Jacobian from zero joints. Its formulas were pictures, are missing in the copy at hand, and are derived anew here; its two
+listings are whole. Elements [row, column] count from 1; the page's q_i are DH angles t_i, here q_i are joint values,
+t_i = q_i + offset_i; c234 = cos(t2 + t3 + t4).
 
 Units: mm; joint values in degrees where printed, in radians inside. Random joints are uniform in a turn.
-Source: "Gluon-6L3 forward and inverse kinematics", tutorial page; its formulas were pictures and are derived anew here.
+Source: "Gluon-6L3 forward and inverse kinematics", tutorial page. Parts: `forward_transform` (sums of angles of parallel axes),
+`gluon_6l3_model`, `gluon_6l3_closed`, `gluon_6l3_numeric`, `gluon_6l3_solutions`, `gluon_6l3_pictures`.
 """
 
 from __future__ import annotations
 
-import time
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 
 import symkin
-from report import Report, new_figure, options_parser
-from symkin.spatial.screw import exponential, move_screw, revolute_screw
+from forward_transform import chain_of, forward_transform
+from gluon_6l3_closed import (
+    closed_form,
+    middle,
+    shoulders,
+    third_row_errors,
+    wrap,
+    wrist_near_axis,
+    wrists,
+)
+from gluon_6l3_model import (
+    EXAMPLE,
+    OFFSET,
+    A,
+    determinant,
+    difference_jacobian,
+    forward,
+    inverse_by_formula,
+    link,
+    pose_error,
+    printed_forward,
+    printed_links,
+    product_expression,
+    random_poses,
+    symbolic_jacobian,
+    symbolic_transform,
+    tool_expression,
+)
+from gluon_6l3_numeric import (
+    Equations,
+    Iteration,
+    continued,
+    equations,
+    given_numbers,
+    rootfinder_of_six,
+)
+from gluon_6l3_pictures import draw, draw_arm, draw_guesses
+from gluon_6l3_solutions import SEED, casadi_trials, report_enumeration, report_random, report_speed
+from guesses import attempt, least_squares
+from report import Report, options_parser
+from written import written
 
-D = (105.03, 0.0, 0.0, 75.66, 80.09, 44.36)
-A = (0.0, -174.42, -174.42, 0.0, 0.0, 0.0)
-ALPHA = np.radians([90.0, 0.0, 0.0, 90.0, -90.0, 0.0])
-OFFSET = np.radians([0.0, -90.0, 0.0, -90.0, 0.0, 0.0])
-EXAMPLE = np.radians(np.full(6, 15.0))
-SIZE = 400.0
-SEED = 6
-FIRST_STARTS, MORE_STARTS = 200, (2000, 10000)
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#222222")
+THETA = [15.0] * 6
+"""Joint values of the listings, degrees."""
 
 
-# --- forward -----------------------------------------------------------------------------------------------------
+# --- forward kinematics ------------------------------------------------------------------------------------------
 
 
-def link(i: int, t: float) -> np.ndarray:
-    """A_i at the DH angle t."""
-    c, s, ca_, sa = np.cos(t), np.sin(t), np.cos(ALPHA[i]), np.sin(ALPHA[i])
-    return np.array([[c, -s * ca_, s * sa, A[i] * c], [s, c * ca_, -c * sa, A[i] * s], [0, sa, ca_, D[i]], [0, 0, 0, 1]])
+def report_model(report: Report, arm: symkin.Mechanism) -> None:
+    rng = np.random.default_rng(SEED)
+    samples = rng.uniform(-np.pi, np.pi, (50, 6))
+    apart = max(np.abs(printed - link(i, q[i] + OFFSET[i])).max() for q in samples for i, printed in enumerate(printed_links(q)))
+    report.row(
+        "A1 ... A6 as printed less those of the table of links, 50 random joints", 0, float(apart), "mm", place="listings 1, 2",
+        run=(printed_links, link), tolerance=1e-12,
+    )  # fmt: skip
+    axes = np.array([joint.axis for _, joint in arm.joints])
+    turns = [float(np.linalg.norm(np.cross(a, b))) for a, b in pairwise(axes[1:4])]
+    report.row(
+        "joints 2, 3, 4 parallel: |z2 x z3|, |z3 x z4|", [0, 0], turns, place="inverse 2)", run=symkin.load, tolerance=1e-12
+    )
+    upright = float(forward(np.zeros(6))[2, 3] - (105.03 + 2 * 174.42 + 80.09))
+    report.row(
+        "'the initial posture is vertical': height at zero joints less d1 + |a2| + |a3| + d5", 0, upright, "mm", place="listing 2",
+        run=forward, tolerance=1e-9,
+    )  # fmt: skip
 
 
-def frames(q: np.ndarray) -> list[np.ndarray]:
-    """I, A_1, A_1 A_2, ..., T."""
-    chain = [np.eye(4)]
-    for i in range(6):
-        chain.append(chain[-1] @ link(i, q[i] + OFFSET[i]))
-    return chain
+def report_symbols(report: Report, arm: symkin.Mechanism) -> None:
+    """T in sums of angles, found from the axes."""
+    whole = symbolic_transform()
+    runs = [[k + 1 for k in run] for run in whole.runs]
+    report.row("runs of parallel axes, found from the DH table", [[1], [2, 3, 4], [5], [6]], runs, place="forward", run=whole)
+    names = [column + axis for axis in "xyz" for column in "noap"]
+    for k, name in enumerate(names):
+        i, j = divmod(k, 4)
+        report.row(f"T[{i + 1},{j + 1}] = {name}", None, written(whole.T[i, j]), place="forward", run=whole)
+    t, rng = ca.SX.sym("t", 6), np.random.default_rng(SEED)
+    q = rng.uniform(-np.pi, np.pi, (100, 6))
+    numeric = ca.Function("T", [t], [tool_expression(t)])
+    apart = max(np.abs(np.asarray(numeric(one)) - printed_forward(one)).max() for one in q)
+    report.row(
+        "the same less the listing's product, 100 random joints", 0, float(apart), "mm", place="forward",
+        run=(forward_transform, printed_forward), tolerance=1e-9,
+    )  # fmt: skip
+    counts = [ca.Function("T", [t], [make(t)], {"cse": True}).n_instructions() for make in (product_expression, tool_expression)]
+    report.row(
+        "instructions: product of six matrices; in s234, c234", None, counts, place="forward", run=(product_expression, whole)
+    )
+    own = forward_transform(chain_of(arm)).function()
+    poses = [(symkin.solve(arm, joints=np.degrees(one)), one) for one in q[:10]]
+    gap = max(np.abs(result.solution.pose.matrix - np.asarray(own(one))).max() for result, one in poses)
+    report.row(
+        "sums of angles found from the mechanism's axes less symkin's forward, 10 random joints", 0, float(gap), "mm", place="forward",
+        run=(chain_of, poses[0][0]), tolerance=1e-9,
+    )  # fmt: skip
 
 
-def forward(q: np.ndarray) -> np.ndarray:
-    return frames(q)[-1]
-
-
-def pose_error(q: np.ndarray, T: np.ndarray) -> float:
-    """Largest difference of a pose's entries, in mm; those of the rotation count times the arm's size."""
-    difference = forward(q) - T
-    return float(max(SIZE * np.abs(difference[:3, :3]).max(), np.abs(difference[:3, 3]).max()))
+def report_example(report: Report, arm: symkin.Mechanism) -> np.ndarray:
+    T = forward(EXAMPLE)
+    for i in range(3):
+        report.row(f"T1 at 15 degrees each, row {i + 1} (n, o, a, p)", None, T[i], "-, mm", place="listing 1", run=forward)
+    report.row(
+        "T1: listing 1 less the table of links", 0, float(np.abs(printed_forward(EXAMPLE) - T).max()), "mm", place="listing 1",
+        run=(printed_forward, forward), tolerance=1e-9,
+    )  # fmt: skip
+    own = symkin.solve(arm, joints=THETA)
+    report.row(
+        "T1: symkin less the table of links", 0, float(np.abs(own.solution.pose.matrix - T).max()), "mm", place="listing 1", run=own,
+        tolerance=1e-9,
+    )  # fmt: skip
+    found = symkin.modes(arm, joints=THETA)
+    report.row("'the model gives one pose only': poses", 1, found.poses, place="forward", run=found)
+    report.outside("the printed T1 and the formula pictures", "forward", "pictures, missing in the copy at hand")
+    return T
 
 
 # --- closed form -------------------------------------------------------------------------------------------------
 
 
-def wrap(angles: np.ndarray) -> np.ndarray:
-    return (np.asarray(angles) + np.pi) % (2 * np.pi) - np.pi
+def report_equations(report: Report, arm: symkin.Mechanism, system: Equations, T: np.ndarray) -> None:
+    """Twelve equations, six unknowns, and the matched elements of A1^-1 T = A2 ... A6."""
+    slope = ca.Function("slope", [system.twelve.X, system.twelve.u], [ca.jacobian(system.twelve.F, system.twelve.X)])
+    rank = int(np.linalg.matrix_rank(np.asarray(slope(EXAMPLE, given_numbers(T))), tol=1e-6))
+    report.row("equations and unknowns of T(q) = T", [12, 6], list(slope.size_out(0)), place="inverse", run=equations)
+    report.row("rank of the twelve at the example", None, rank, place="inverse", run=equations)
+    gap = np.abs(inverse_by_formula(T) - np.linalg.inv(T)).max()
+    report.row("(R^T, -R^T p) less the inverse of T", 0, float(gap), place="inverse", run=inverse_by_formula, tolerance=1e-12)
+    right = symbolic_transform(2, 6)
+    for i, j in ((3, 3), (3, 4), (3, 1), (3, 2), (2, 3), (1, 3)):
+        text = f"B[{i},{j}], B = A1^-1 T = A2 ... A6"
+        report.row(text, None, written(right.T[i - 1, j - 1]), place="inverse 1)", run=right)
+    report.row("B[3,3], B[3,4]: values of q1", 2, len(shoulders(T)), place="inverse 1)", run=shoulders)
+    pairs = wrists(T)
+    report.row("pairs (q1, q5), and (q1, q5, q6) of [3,1] over [3,2]", [4, 4], [len({p[:2] for p in pairs}), len(pairs)],
+               place="inverse 1)", run=wrists)  # fmt: skip
+    outside = wrist_near_axis(50.0)
+    found = continued(arm, outside)
+    report.row(
+        "solutions with the wrist 50 mm from axis 1, a sine of 75.66/50 (discarded): closed form, continuation", [0, 0],
+        [len(closed_form(outside)), len(found)], place="inverse 1)", run=(closed_form, found),
+    )  # fmt: skip
 
 
-def shoulders(T: np.ndarray) -> list[float]:
-    """q1 from s1 wx - c1 wy = d4, w = p - d6 a the wrist's centre: two values, none where w is within d4 of the axis."""
-    wx, wy = T[:2, 3] - D[5] * T[:2, 2]
-    ratio = D[3] / np.hypot(wx, wy)
-    if ratio > 1.0:
-        return []
-    return [np.arctan2(wy, wx) + np.arcsin(ratio), np.arctan2(wy, wx) + np.pi - np.arcsin(ratio)]
-
-
-def wrists(T: np.ndarray) -> list[tuple[float, float, float]]:
-    """(q1, q5, q6), up to four."""
-    found = []
-    for q1 in shoulders(T):
-        B = np.linalg.inv(link(0, q1)) @ T
-        for q5 in np.arccos(np.clip(B[2, 2], -1, 1)) * np.array([1, -1]):
-            sign = np.sign(q5) or 1.0
-            found.append((q1, float(q5), float(np.arctan2(-sign * B[2, 1], sign * B[2, 0]))))
-    return found
-
-
-def two_link(M: np.ndarray, t234: float) -> list[tuple[float, float, float]]:
-    """(q2, q3, q4) with A_2 A_3 A_4 = M: elbow up and down, none out of reach."""
-    x, y = M[0, 3], M[1, 3]
-    c3 = (x * x + y * y - A[1] ** 2 - A[2] ** 2) / (2 * A[1] * A[2])
-    if abs(c3) > 1.0:
-        return []
-    found = []
-    for t3 in (np.arccos(c3), -np.arccos(c3)):
-        t2 = np.arctan2(y, x) - np.arctan2(A[2] * np.sin(t3), A[1] + A[2] * c3)
-        found.append((t2 - OFFSET[1], t3 - OFFSET[2], t234 - t2 - t3 - OFFSET[3]))
-    return found
-
-
-def closed_form(T: np.ndarray) -> list[np.ndarray]:
-    """All real q with forward(q) = T, up to eight; each is put back and verified against the whole pose."""
-    found = []
-    for q1, q5, q6 in wrists(T):
-        B = np.linalg.inv(link(0, q1)) @ T
-        sign = np.sign(q5) or 1.0
-        M = B @ np.linalg.inv(link(4, q5) @ link(5, q6))
-        for q2, q3, q4 in two_link(M, np.arctan2(-sign * B[1, 2], -sign * B[0, 2])):
-            q = wrap(np.array([q1, q2, q3, q4, q5, q6]))
-            if pose_error(q, T) < 1e-7:
-                found.append(q)
-    return found
-
-
-# --- Jacobian ----------------------------------------------------------------------------------------------------
-
-
-def symbolic_jacobian(arm: symkin.Mechanism) -> tuple[ca.Function, ca.SX]:
-    """J(q), 6 x 6, (angular velocity; velocity of the tool point): column i is joint i's screw carried by the joints
-    before it in the product of exponentials, and moved to the tool point."""
-    q, moved = ca.SX.sym("q", 6), symkin.Pose(ca.SX([0, 0, 0]), ca.SX([1, 0, 0, 0]))
-    columns = []
-    for k, (_, joint) in enumerate(arm.joints):
-        screw = revolute_screw(ca.SX(ca.DM(joint.point)), ca.SX(ca.DM(joint.axis)))
-        columns.append(move_screw(moved, screw))
-        moved = moved @ exponential(screw, q[k])
-    tool = moved.apply(ca.SX(ca.DM(arm.platform_position)))
-    J = ca.horzcat(*(ca.vertcat(s[:3], s[3:] + ca.cross(s[:3], tool)) for s in columns))
-    return ca.Function("jacobian", [q], [J], ["q"], ["J"]), J
-
-
-def difference_jacobian(q: np.ndarray, step: float = 1e-5) -> np.ndarray:
-    """The same by central differences of the DH product."""
-    columns, R = [], forward(q)[:3, :3]
-    for k in range(6):
-        e = step * np.eye(6)[k]
-        dT = (forward(q + e) - forward(q - e)) / (2 * step)
-        W = dT[:3, :3] @ R.T
-        columns.append([W[2, 1], W[0, 2], W[1, 0], *dT[:3, 3]])
-    return np.array(columns).T
-
-
-def determinant(q: np.ndarray) -> float:
-    """det J = -a2 a3 s3 s5 (a2 c2 + a3 c23 + d5 s234): zero for the elbow stretched, the wrist aligned (axis 6 parallel to axes
-    2 to 4), and the meeting point of axes 5 and 6 in the plane of axis 1 that is parallel to axis 2."""
-    t = q + OFFSET
-    reach = A[1] * np.cos(t[1]) + A[2] * np.cos(t[1] + t[2]) + D[4] * np.sin(t[1] + t[2] + t[3])
-    return float(-A[1] * A[2] * np.sin(t[2]) * np.sin(t[4]) * reach)
-
-
-# --- closed form against multistart ------------------------------------------------------------------------------
-
-
-def numeric(arm: symkin.Mechanism, T: np.ndarray, starts: int) -> list[tuple[np.ndarray, float]]:
-    """(q, condition) of every solution that multistart finds."""
-    found = symkin.modes(arm, pose=symkin.Pose.from_matrix(T), starts=starts, seed=SEED)
-    return [(np.radians(s.actuated), s.condition) for s in found]
-
-
-def covered(one: list[np.ndarray], other: list[np.ndarray], tolerances: list[float]) -> bool:
-    return all(any(np.abs(wrap(a - b)).max() <= tol for b in other) for a, tol in zip(one, tolerances, strict=True))
-
-
-def has_twin(q: np.ndarray, solutions: list[np.ndarray]) -> bool:
-    """Whether another of the solutions lies within 1e-3 rad of the one nearest to q: a double root is near."""
-    gaps = [np.abs(wrap(q - other)).max() for other in solutions]
-    nearest = solutions[int(np.argmin(gaps))] if solutions else q
-    return any(other is not nearest and np.abs(wrap(nearest - other)).max() < 1e-3 for other in solutions)
-
-
-def agree(exact: list[np.ndarray], sampled: list[tuple[np.ndarray, float]], T: np.ndarray) -> bool:
-    """Both lists are the same set modulo turns, within 1e-10 rad times the condition. Where two closed-form solutions
-    lie within 1e-3 rad, the numeric ones there need only be within 1e-2 rad; all are judged by their residual."""
-    found = [q for q, _ in sampled]
-    condition = [max((c for q, c in sampled if np.abs(wrap(a - q)).max() < 1e-2), default=1.0) for a in exact]
-    forth = [1e-2 if has_twin(a, exact) else 1e-10 * c for a, c in zip(exact, condition, strict=True)]
-    back = [1e-2 if has_twin(q, exact) else 1e-10 * c for q, c in sampled]
-    counted = len(found) == len(exact) or any(has_twin(a, exact) for a in exact)
-    closed = all(pose_error(q, T) < 1e-6 for q in found)
-    return counted and closed and covered(exact, found, forth) and covered(found, exact, back)
-
-
-def compare(arm: symkin.Mechanism, poses: list[np.ndarray]) -> tuple[int, int]:
-    """(poses where the two agree, poses that needed more than the first number of starts)."""
-    equal = again = 0
-    for T in poses:
-        exact = closed_form(T)
-        same = agree(exact, numeric(arm, T, FIRST_STARTS), T)
-        again += not same
-        equal += same or any(agree(exact, numeric(arm, T, n), T) for n in MORE_STARTS)
-    return equal, again
-
-
-def random_poses(count: int) -> list[np.ndarray]:
-    rng = np.random.default_rng(SEED)
-    return [forward(q) for q in rng.uniform(-np.pi, np.pi, (count, 6))]
-
-
-# --- picture -----------------------------------------------------------------------------------------------------
-
-
-def draw_arms(axes, T: np.ndarray, title: str) -> None:
-    paths = [np.array([F[:3, 3] for F in frames(q)]) for q in closed_form(T)]
-    for path, colour in zip(paths, COLOURS, strict=False):
-        axes.plot(*path.T, "-o", color=colour, lw=2.4, ms=3.5, solid_capstyle="round")
-    tool, points = T[:3, 3], np.vstack(paths)
-    for direction, colour in zip(T[:3, :3].T, ("#d62728", "#2ca02c", "#1f77b4"), strict=True):
-        axes.quiver(*tool, *(60 * direction), color=colour, lw=1.4)
-    axes.plot(*tool, "k*", ms=10)
-    axes.plot([0, 0], [0, 0], [-25, 5], color="0.4", lw=10, solid_capstyle="butt")
-    middle, half = (points.max(0) + points.min(0)) / 2, 0.55 * np.ptp(points, axis=0).max()
-    low, high = middle - half, middle + half
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), box_aspect=(1, 1, 1))
-    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=title)
-    axes.zaxis.set_rotate_label(False)
-    axes.set_zlabel("z [mm]", labelpad=8, rotation=90)
-    axes.locator_params(nbins=5)
-    axes.view_init(18, -115)
-
-
-def draw(counts: np.ndarray):
-    figure = new_figure(16, 5.6)
-    figure.suptitle("Gluon-6L3: the inverse problem in closed form", fontsize=14)
-    grid = figure.add_gridspec(1, 3, width_ratios=(1.15, 1.15, 1))
-    eight = next(T for T in random_poses(50) if len(closed_form(T)) == 8)
-    draw_arms(figure.add_subplot(grid[0], projection="3d"), forward(EXAMPLE), "15° at every joint: 2 solutions")
-    draw_arms(figure.add_subplot(grid[1], projection="3d"), eight, "a random pose: 8 solutions")
-    axes = figure.add_subplot(grid[2])
-    share = [100 * np.mean(counts == n) for n in (2, 4, 6, 8)]
-    bars = axes.bar(["2", "4", "6", "8"], share, color=COLOURS[0], width=0.6)
-    axes.bar_label(bars, fmt="%.1f %%", padding=3)
-    axes.set(xlabel="number of real solutions", ylabel="share of poses [%]", ylim=(0, 1.12 * max(share)))
-    axes.set_title(f"{len(counts)} poses of random joint angles")
-    axes.spines[["top", "right"]].set_visible(False)
-    return figure
-
-
-# --- study -------------------------------------------------------------------------------------------------------
-
-
-def report_example(report: Report, arm: symkin.Mechanism) -> None:
-    T = forward(EXAMPLE)
-    own = symkin.solve(arm, joints=[15.0] * 6).solution
-    report.row("tool position at 15 degrees each", None, T[:3, 3], "mm")
-    report.row("symkin's forward less the DH product", None, float(np.abs(own.pose.matrix - T).max()), "mm")
-    for k, q in enumerate(closed_form(T), start=1):
-        report.row(f"inverse, closed form, solution {k}", [15.0] * 6 if k == 1 else None, np.degrees(q), "deg")
-    for solver, start in (("newton", [10.0, 10.0, 20.0, 10.0, 20.0, 10.0]), ("ipopt", [0.0, 20.0, 0.0, 20.0, 0.0, 0.0])):
-        result = symkin.solve(arm, pose=own.pose, solver=solver, start=start)
-        report.row(f"inverse, {solver}, {result.iterations} steps from {start}", None, result.solution.actuated, "deg")
-    report.row("inverse by multistart, 2000 starts: solutions", None, len(numeric(arm, T, 2000)))
-
-
-def third_row_errors(T: np.ndarray, *, principal: bool) -> list[float]:
-    """How far each (q1, q5, q6) misses [3,1] and [3,2] of A_1^-1 T; `principal`: q6 by arctan of the quotient."""
-    errors = []
-    for q1, q5, q6 in wrists(T):
-        B = np.linalg.inv(link(0, q1)) @ T
-        angle = np.arctan(np.tan(q6)) if principal else q6
-        errors.append(float(np.hypot(B[2, 0] - np.sin(q5) * np.cos(angle), B[2, 1] + np.sin(q5) * np.sin(angle))))
-    return errors
-
-
-def report_wrist_check(report: Report) -> None:
+def report_wrist_check(report: Report, T: np.ndarray) -> None:
     """The page: 'check with [3,1] and [3,2]; here three of the four q1, q5, q6 are excluded'."""
-    T = forward(EXAMPLE)
     full, principal = third_row_errors(T, principal=False), third_row_errors(T, principal=True)
     left = sum(e < 1e-9 for e in full), sum(e < 1e-9 for e in principal)
     reach = len({round(q[0], 6) + 1j * round(q[4], 6) for q in closed_form(T)})
-    report.row("(q1, q5, q6) left by the check of [3,1], [3,2]", 1, left[0])
-    report.row("(q1, q5, q6) left by the reach of the two-link", None, reach)
+    place = "inverse 1)"
+    report.row("(q1, q5, q6) left by the check of [3,1], [3,2]", 1, left[0], place=place, run=third_row_errors, verdict="refuted")
+    report.row("the same with q6 by arctan of the quotient", 1, left[1], place=place, run=third_row_errors, verdict="refuted")
+    report.row("(q1, q5, q6) left by the reach of the two-link", None, reach, place=place, run=closed_form)
     text = (
         f"the check of elements [3,1] and [3,2] does not exclude three of the four (q1, q5, q6): {left[0]} pass it with q6 by atan2 "
         f"({left[1]} with q6 by arctan); that {reach} remains follows from the reach of links 2 and 3 alone."
     )
     report.erratum(text, shown=left == (4, 2) and reach == 1)
+
+
+def report_two_link(report: Report, T: np.ndarray) -> None:
+    """What the page leaves to the reader: A2 A3 A4, a planar two-link."""
+    right, further = symbolic_transform(2, 6), symbolic_transform(3, 6)
+    same = all(
+        written(a) == written(b) for a, b in zip(ca.vertsplit(right.T[2, :].T), ca.vertsplit(further.T[2, :].T), strict=True)
+    )
+    report.row(
+        "'inverting A2, A3 yields nothing useful': third rows of A2 ... A6 and A3 ... A6 are the same", True, same, place="inverse 2)",
+        run=(right, further),
+    )  # fmt: skip
+    plane = symbolic_transform(2, 4)
+    for i, j in ((1, 4), (2, 4), (1, 1), (2, 1)):
+        report.row(
+            f"M[{i},{j}], M = B (A5 A6)^-1 = A2 A3 A4", None, written(plane.T[i - 1, j - 1]), place="inverse 2)", run=plane
+        )
+    M, t234 = middle(T, next(w for w in wrists(T) if np.abs(np.array(w) - EXAMPLE[[0, 4, 5]]).max() < 1e-6))
+    c3 = (M[0, 3] ** 2 + M[1, 3] ** 2 - A[1] ** 2 - A[2] ** 2) / (2 * A[1] * A[2])
+    report.row(
+        "c3 = (M[1,4]^2 + M[2,4]^2 - a2^2 - a3^2) / (2 a2 a3) at the example", None, float(c3), place="inverse 2)", run=middle
+    )
+    first, second = closed_form(T)
+    for k, q in enumerate((first, second), start=1):
+        values = np.degrees([q[2], wrap(np.array([t234 - q[1] - OFFSET[1]]))[0], q[3], q[1]])
+        paper = [15.0, -60.0, 15.0, 15.0] if k == 1 else None
+        report.row(
+            f"q3, t3 + t4, q4, q2, solution {k}", paper, values, "deg", place="inverse 2)", run=closed_form, tolerance=1e-9
+        )
+
+
+def report_closed_form(report: Report, T: np.ndarray) -> None:
+    solutions = closed_form(T)
+    for k, q in enumerate(solutions, start=1):
+        report.row(
+            f"inverse, closed form, solution {k}", THETA if k == 1 else None, np.degrees(q), "deg", place="inverse", run=closed_form,
+            tolerance=1e-9,
+        )  # fmt: skip
+    worst = max(pose_error(q, T) for q in solutions)
+    report.row("T of each solution less T (rotations times 400 mm)", 0, worst, "mm", place="inverse", run=forward, tolerance=1e-9)
+
+
+# --- numeric inverse ---------------------------------------------------------------------------------------------
 
 
 def report_jacobian(report: Report, arm: symkin.Mechanism) -> None:
@@ -285,39 +229,85 @@ def report_jacobian(report: Report, arm: symkin.Mechanism) -> None:
     samples = rng.uniform(-np.pi, np.pi, (200, 6))
     away = max(np.abs(np.asarray(jacobian(q)) - difference_jacobian(q)).max() for q in samples)
     ratios = [np.linalg.det(np.asarray(jacobian(q))) / determinant(q) for q in samples]
-    report.row("symbolic Jacobian: shape, operations", None, [*J.shape, jacobian.n_instructions()])
-    report.row("symbolic Jacobian less central differences, 200 poses", None, float(away), "mm")
-    report.row("det J / (-a2 a3 s3 s5 (a2 c2 + a3 c23 + d5 s234)): least, most", None, [min(ratios), max(ratios)])
-    stretched = np.asarray(jacobian(np.array([0.3, 0.4, 0.0, 0.5, 0.6, 0.7])))
-    report.row("rank of J with q3 = 0 (elbow stretched)", None, int(np.linalg.matrix_rank(stretched, tol=1e-9)))
-
-
-def report_random(report: Report, arm: symkin.Mechanism, count: int) -> np.ndarray:
-    begin = time.perf_counter()
-    equal, again = compare(arm, random_poses(count))
-    report.row(f"random poses where closed form = multistart, of {count}", None, equal)
-    report.row(f"poses that needed more than {FIRST_STARTS} starts ({', '.join(map(str, MORE_STARTS))})", None, again)
-    twins = sum(any(has_twin(q, solutions) for q in solutions) for solutions in map(closed_form, random_poses(count)))
-    report.row("poses with two solutions within 1e-3 rad, where residuals decide", None, twins)
-    report.row("time of the comparison", None, round(time.perf_counter() - begin, 1), "s")
-    counts = np.array([len(closed_form(T)) for T in random_poses(2 * count)])
+    place, run = "end", symbolic_jacobian
+    report.row("symbolic Jacobian: shape, operations", None, [*J.shape, jacobian.n_instructions()], place=place, run=run)
     report.row(
-        f"2, 4, 6, 8 real solutions, {2 * count} poses", None, [100 * float(np.mean(counts == n)) for n in (2, 4, 6, 8)], "%"
+        "symbolic Jacobian less central differences, 200 poses",
+        None,
+        float(away),
+        "mm",
+        place=place,
+        run=(run, difference_jacobian),
     )
-    return counts
+    report.row(
+        "det J / (-a2 a3 s3 s5 (a2 c2 + a3 c23 + d5 s234)): least, most", None, [min(ratios), max(ratios)], place=place,
+        run=(run, determinant),
+    )  # fmt: skip
+    for name, q in (("q3 = 0 (elbow stretched)", (0.3, 0.4, 0.0, 0.5, 0.6, 0.7)), ("zero joints", (0.0,) * 6)):
+        rank = int(np.linalg.matrix_rank(np.asarray(jacobian(np.array(q))), tol=1e-9))
+        report.row(f"rank of J with {name}", None, rank, place=place, run=run)
+
+
+def report_from_zero(report: Report, arm: symkin.Mechanism, system: Equations, T: np.ndarray) -> None:
+    """The page's ikine begins from zero joints, where the Jacobian has rank 3."""
+    zero, place = np.zeros(6), "listing 2"
+    for damping in (0.0, 0.1):
+        iteration = Iteration(arm, damping)
+        q, steps = iteration.solve(T, zero)
+        name = f"damping {damping}" if damping else "pseudo-inverse"
+        report.row(
+            f"ikine, the Jacobian's iteration by {name}, from zero joints", THETA, np.degrees(q), "deg", place=place, run=iteration,
+            tolerance=1e-6,
+        )  # fmt: skip
+        report.row(f"ikine by {name}: steps", None, steps, place=place, run=iteration)
+    modes = closed_form(T)
+    for search in (rootfinder_of_six(system.twelve, system.tangents), least_squares(system.twelve)):
+        trial = attempt(search, zero[None], given_numbers(T), modes)
+        ended = "no solution" if trial.found[0] is None else f"solution {trial.found[0] + 1}"
+        report.row(f"{search.name} from zero joints ends at", None, ended, place=place, run=trial)
+    for solver in ("newton", "ipopt"):
+        result = symkin.solve(arm, pose=symkin.Pose.from_matrix(T), start=zero, solver=solver)
+        report.row(f"symkin.solve, {solver}, from zero joints", None, result.solution.actuated, "deg", place=place, run=result)
+        noted = next((n for n in result.notes if "singular" in n), "-")
+        report.row(f"symkin.solve, {solver}, what it says of the start", None, noted, place=place, run=result)
+    for solver, start in (("newton", [10.0, 10.0, 20.0, 10.0, 20.0, 10.0]), ("ipopt", [0.0, 20.0, 0.0, 20.0, 0.0, 0.0])):
+        result = symkin.solve(arm, pose=symkin.Pose.from_matrix(T), solver=solver, start=start)
+        report.row(f"symkin.solve, {solver}, from {start}", None, result.solution.actuated, "deg", place=place, run=result)
+    report.outside("the printed result of ikine", "listing 2", "a picture, missing in the copy at hand")
+
+
+def report_outside(report: Report) -> None:
+    report.outside("what forward and inverse kinematics are used for", "introduction", "applications, no figures")
+    report.outside(
+        "algebraic against geometric derivation", "inverse", "a distinction of words; the algebraic one is computed here"
+    )
+    report.outside("'numeric iteration may be more convenient'", "end", "an opinion on effort, not on kinematics")
 
 
 def main() -> None:
     parser = options_parser(__doc__.splitlines()[0])
-    parser.add_argument("--poses", type=int, default=1000, help="random poses compared (default: 1000)")
+    parser.add_argument("--poses", type=int, default=200, help="random poses compared (default: 200)")
+    parser.add_argument("--points", type=int, default=25, help="guesses along each side of the picture (default: 25)")
     options = parser.parse_args()
-    arm = symkin.load("gluon_6l3")
-    report = Report("gluon_6l3", "Gluon-6L3: forward and inverse kinematics, Jacobian", SEED)
-    report_example(report, arm)
-    report_wrist_check(report)
+    arm, system = symkin.load("gluon_6l3"), equations()
+    report = Report("gluon_6l3", "Gluon-6L3 (tutorial page): forward and inverse kinematics of a 6R arm", SEED)
+    report_model(report, arm)
+    report_symbols(report, arm)
+    T = report_example(report, arm)
+    trials = casadi_trials(system, T, SEED)
+    report_speed(report, arm, system, T, trials[0])
+    report_equations(report, arm, system, T)
+    report_wrist_check(report, T)
+    report_two_link(report, T)
+    report_closed_form(report, T)
     report_jacobian(report, arm)
+    report_from_zero(report, arm, system, T)
+    report_enumeration(report, arm, T, "example", trials)
+    eight = next(P for P in random_poses(50, SEED) if len(closed_form(P)) == 8)
+    report_enumeration(report, arm, eight, "random pose", casadi_trials(system, eight, SEED))
     counts = report_random(report, arm, options.poses)
-    report.finish(draw(counts), options.output)
+    report_outside(report)
+    report.finish(draw(counts, eight), options.output, arm=draw_arm(), guesses=draw_guesses(system, eight, options.points))
 
 
 if __name__ == "__main__":

@@ -13,9 +13,9 @@ treat singularities: the column `paper` holds the closed form.
 from __future__ import annotations
 
 import numpy as np
-from gluon_6l3 import OFFSET, A, D, determinant, symbolic_jacobian
 
 import symkin
+from gluon_6l3_model import OFFSET, A, D, determinant, symbolic_jacobian
 from report import Report, new_figure, options_parser
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.locus import picture_distance

@@ -122,25 +122,26 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
 def solve_beside(problem: Problem, given: Given, solver: Solver, start: np.ndarray, which: str) -> SolveResult:
     """Iterate from a start; where it is singular, or nearly so and leads nowhere, from starts moved off it, and say so.
 
-    At a singular start Newton's step is rounding over rounding: what it leads to is not believed, unless the start nearly closes.
+    At a singular start Newton's step is rounding over rounding, and least squares do not slope along what is lost: what it leads to
+    is left to chance, unless the start nearly closes.
     """
-    result = solve_problem(problem, given, solver, start)
-    if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0 or result.iterations == 0:
-        return result
+    if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
+        return solve_problem(problem, given, solver, start)
     rank = StartRank.at(problem, start, given.values)
-    chance = isinstance(solver, Newton) and rank.is_singular and not nearly_closes(problem, start, given.values)
-    if not rank.is_nearly_singular or (result.solution is not None and not chance):
-        return result
+    if not rank.is_singular or nearly_closes(problem, start, given.values):
+        result = solve_problem(problem, given, solver, start)
+        if result.solution is not None or not rank.is_nearly_singular:
+            return result
     starts = moved_starts(problem, start, given.values)
     found = _from_moved(problem, given, solver, starts)
     if found is not None:
         began, again = found
         return replace(again, notes=(*again.notes, moved_note(problem, given, rank, began, which)))
-    if result.solution is not None:
-        return result
+    tried = [solve_problem(problem, given, solver, z) for z in (start, starts[0])]
+    verdict = min(tried, key=lambda r: (r.solution is None, r.status != "infeasible", r.smallest_residual or 0.0))
+    if verdict.solution is not None:
+        return verdict
     note = f"the {which} is {rank}, and {len(starts)} starts beside it led to no solution: give another start, or list all with modes"
-    beside = solve_problem(problem, given, solver, starts[0])
-    verdict = min((result, beside), key=lambda r: (r.status != "infeasible", r.smallest_residual or 0.0))
     return replace(verdict, notes=(*verdict.notes, note))
 
 
