@@ -28,8 +28,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import parallel_arm
-from tracker import Hexapod
-
 import symkin
 from inclinometer import (
     BASE_LIMBS,
@@ -50,6 +48,7 @@ from symkin.calibration.outliers import screen
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.statistics import covariance
 from symkin.model.file import parse
+from tracker import Hexapod
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

@@ -7,10 +7,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import test_firmware_joints as joint_types
 
 import samples
 import symkin
+import test_firmware_joints as joint_types
 from symkin import Mechanism
 from symkin.model.closure import Closure, build_closure
 from symkin.position.mobility import closed_configurations, whole_system

@@ -8,7 +8,6 @@ import casadi as ca
 import numpy as np
 import pytest
 from flint import arb
-from test_certificate import DIETMAIER, case, complex_roots, dietmaier
 
 import symkin
 from samples import five_bar, unit
@@ -21,6 +20,7 @@ from symkin.position.problem import build_problem
 from symkin.proof.bounds import bound_of, proves, univariate_degree
 from symkin.proof.certificate import certify
 from symkin.proof.exact import exact_known
+from test_certificate import DIETMAIER, case, complex_roots, dietmaier
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

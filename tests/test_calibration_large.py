@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracker import NOISE, Hexapod
 
 import symkin.calibration.problem as problems
 from inclinometer import geometry, measured, random_geometry
 from symkin import load
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.measurements import Measurements
+from tracker import NOISE, Hexapod
 
 HEXAPOD = Hexapod.nominal()
 PLATFORM = load("ren2008")

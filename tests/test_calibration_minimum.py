@@ -6,9 +6,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import parallel_arm
 import pytest
 
+import parallel_arm
 import symkin
 from symkin.calibration import written
 from symkin.calibration.calibrate import METHODS, calibrate

@@ -6,10 +6,10 @@ import json
 import re
 from dataclasses import replace
 
-import hexapod_log
 import numpy as np
 import pytest
 
+import hexapod_log
 from symkin.calibration import removal
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.estimator import estimate

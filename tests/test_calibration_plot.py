@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tracker import NOISE, WORLD_POSITION, Hexapod
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.measurements import Measurements
@@ -12,6 +11,7 @@ from symkin.calibration.parameters import FRAMES
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.problem import default_parameters
 from symkin.view.calibration_plot import parameter_figure, png, pose_sigma_figure
+from tracker import NOISE, WORLD_POSITION, Hexapod
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import hexapods
 import numpy as np
 import pytest
 
+import hexapods
 import symkin
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.closing import home_pose

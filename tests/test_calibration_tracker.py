@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
 
 import symkin
 from symkin.cli import main
+from tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
 
 POSTURES = 70
 TRACKER = "all,world.*,target.position.*"

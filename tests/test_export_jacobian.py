@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from latex_reader import evaluated
 
 import jacobian_cases as cases
 import samples
 import symkin
+from latex_reader import evaluated
 from symkin import InputError
 from symkin.cli import main
 from symkin.export.jacobian_file import FORMATS, jacobian_text, write_jacobian

@@ -6,10 +6,10 @@ import importlib.util
 import json
 from pathlib import Path
 
-import firmware_tools as tools
 import numpy as np
 import pytest
 
+import firmware_tools as tools
 import samples
 from symkin import load
 from symkin.errors import InputError

@@ -5,8 +5,9 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-import firmware_tools as tools
 import pytest
+
+import firmware_tools as tools
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 TARGETS = CODEGEN / "targets"

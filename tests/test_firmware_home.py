@@ -7,10 +7,10 @@ import math
 import re
 import subprocess
 
-import firmware_tools as tools
 import numpy as np
 import pytest
 
+import firmware_tools as tools
 from symkin import Mechanism, RodLimb, load, solve
 from symkin.cli import main
 from symkin.errors import InputError

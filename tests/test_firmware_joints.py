@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import firmware_tools as tools
 import numpy as np
 import pytest
 
+import firmware_tools as tools
 from symkin import Joint, Limb, Mechanism, Rod, RodLimb
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options

@@ -6,9 +6,9 @@ import os
 import re
 from pathlib import Path
 
-import firmware_tools as tools
 import pytest
 
+import firmware_tools as tools
 from symkin import load
 from symkin.firmware.options import Options
 

@@ -6,12 +6,12 @@ import ctypes
 import subprocess
 
 import casadi as ca
-import firmware_tools as tools
 import numpy as np
 import pytest
-import test_firmware_joints as joint_types
 
+import firmware_tools as tools
 import samples
+import test_firmware_joints as joint_types
 from symkin import load
 from symkin.firmware.folder import write_folder
 from symkin.firmware.geometry import Geometry

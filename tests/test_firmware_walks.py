@@ -6,17 +6,17 @@ import ctypes
 import math
 import subprocess
 
-import firmware_tools as tools
 import numpy as np
 import pytest
-import test_firmware_joints as joint_types
-from test_follow import bars
 
+import firmware_tools as tools
 import samples
 import symkin
+import test_firmware_joints as joint_types
 from symkin import Joint, Limb, Mechanism
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
+from test_follow import bars
 
 MECHANISMS = {
     "five-bar": (lambda: samples.readme_five_bar("planar"), 0.9, 60.0),

@@ -15,12 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from firmware_tools import STRICT, built, compiler, passed
 from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 import symkin
+from firmware_tools import STRICT, built, compiler, passed
 from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
 from symkin.cli import main
 from symkin.export.jacobian_file import jacobian_text

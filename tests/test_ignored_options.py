@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from test_cli import run
 
 import symkin
 from samples import Z, parallel_rrr
@@ -12,6 +11,7 @@ from symkin.calibration.simulate import Noise
 from symkin.calibration.workspace import Workspace
 from symkin.ignored_options import refuse_ignored
 from symkin.position.solve import SOLVERS
+from test_cli import run
 
 ARM_JOINTS = "0,0,0,0,0,0"
 ARM_POSE = "0,0,400,1,0,0,0"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_dependent_poses import tied_platform
 
 import symkin
+from test_dependent_poses import tied_platform
 
 
 def test_modes_of_redundant_rows_say_what_is_proved_of_them():

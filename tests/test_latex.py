@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from latex_reader import evaluated
 
 import symkin
+from latex_reader import evaluated
 from samples import delta, five_bar, pieper, three_rps, three_rrr
 from symkin.export.latex import distinct, document, equations, letter_of_values, symbol_name, write
 from symkin.export.tidying import tidied

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_loci import tilted_rps
 
 import symkin
 from laws import act, joint_displacement
@@ -31,6 +30,7 @@ from symkin.position.solution import Solution, make_solution
 from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.singularity import TOLERANCE, Singularity, classify, singularity
 from symkin.spatial.screw import reciprocal_product
+from test_loci import tilted_rps
 
 Z = (0.0, 0.0, 1.0)
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from test_cli import run
 
 import symkin
 from samples import Z, delta, readme_five_bar, three_rrr
@@ -18,6 +17,7 @@ from symkin.view.labels import Box, Label, Page
 from symkin.view.plot import write_picture
 from symkin.view.sketch import draw_sketch, figure_of_sketch
 from symkin.view.sketch_layout import apart, make_layout
+from test_cli import run
 
 SYMBOLS = {"R", "P", "H", "C", "U", "S"}
 

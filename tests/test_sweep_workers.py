@@ -11,12 +11,12 @@ import time
 
 import numpy as np
 import pytest
-from test_sweep_store import same_files
 
 import symkin
 from symkin import InputError
 from symkin.sweeps.executors import Crew, Here, local_crew
 from symkin.sweeps.run import sweep
+from test_sweep_store import same_files
 
 pytest.importorskip("zarr")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -7,8 +7,6 @@ import math
 from pathlib import Path
 
 import pytest
-from test_cli import run, run_json
-from test_follow import bars
 
 import symkin
 from laws import closes
@@ -16,6 +14,8 @@ from symkin import InputError
 from symkin.csv_table import read_table
 from symkin.tracking.track import track
 from symkin.tracking.track_csv import read_trajectory, write_track
+from test_cli import run, run_json
+from test_follow import bars
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"

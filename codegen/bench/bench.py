@@ -10,12 +10,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from bench_cases import HOME
 from footprint import footprint_table
 from harness import Harness, harness_of
 from processors import HOST, measure
 from readme import written
-
-from bench_cases import HOME
 from symkin.firmware.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"))

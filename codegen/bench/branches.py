@@ -23,10 +23,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from continuation import Walker
-from readme import written
 
 from bench_cases import HOME
+from continuation import Walker
+from readme import written
 from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options

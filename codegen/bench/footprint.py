@@ -8,9 +8,8 @@ import tempfile
 from collections import defaultdict
 from pathlib import Path
 
-from processors import BOARDS, COMMON
-
 from bench_cases import HOME
+from processors import BOARDS, COMMON
 from symkin.firmware.folder import write_folder
 from symkin.firmware.options import Options
 from symkin.model.file import load

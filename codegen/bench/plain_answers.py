@@ -11,10 +11,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from branches import WIDE_JOINTS, WIDE_POSES, goals_about
-from plain_casadi import PlainCasadi
 
 from bench_cases import cases_of, vectors_of
+from branches import WIDE_JOINTS, WIDE_POSES, goals_about
+from plain_casadi import PlainCasadi
 from symkin.firmware.folder import write_folder
 from symkin.firmware.rods import RodPlatform
 from symkin.position.solution import pose_of

@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Iterator
 
 import numpy as np
+
 from plain_answers import STATUSES, Both, tally
 from plain_casadi import SYSTEMS, PlainCasadi, RealName
 from plain_harness import matrix_harnesses, newton_harnesses

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-from harness import Harness, filled, harness_of, table
-from plain_casadi import PlainCasadi
 
 from bench_cases import cases_of
+from harness import Harness, filled, harness_of, table
+from plain_casadi import PlainCasadi
 from symkin.firmware.emit import Real
 from symkin.firmware.folder import write_folder
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from harness import Harness
 
 TARGETS = Path(__file__).parent.parent / "targets"
