@@ -39,7 +39,7 @@ def solve(m: PlainMechanism, x: np.ndarray, columns: np.ndarray, steps: int = ST
         gradient = np.einsum("nri,nr->ni", a, r)
         normal[:, np.arange(columns.size), np.arange(columns.size)] += damping[:, None] + 1e-15
         step = np.zeros((len(x), m.freedom))
-        step[:, columns] = -np.linalg.solve(normal, gradient[:, :, None])[:, :, 0]
+        step[:, columns] = -_solved(normal, gradient)
         far = np.linalg.norm(step, axis=1, keepdims=True)
         step *= np.minimum(1.0, m.size / np.maximum(far, 1e-300))
         trial = m.move(x, step)
@@ -49,6 +49,14 @@ def solve(m: PlainMechanism, x: np.ndarray, columns: np.ndarray, steps: int = ST
         r, j = np.where(better[:, None], r_trial, r), np.where(better[:, None, None], j_trial, j)
         damping = np.clip(np.where(better, damping / 5, damping * 4), 1e-13, 1e3)
     return x
+
+
+def _solved(normal: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """Solutions of symmetric systems, least ones where a matrix is singular to rounding."""
+    try:
+        return np.asarray(np.linalg.solve(normal, gradient[:, :, None])[:, :, 0])
+    except np.linalg.LinAlgError:
+        return np.asarray((np.linalg.pinv(normal, hermitian=True) @ gradient[:, :, None])[:, :, 0])
 
 
 def random_configurations(m: PlainMechanism, x: np.ndarray, free: Sequence[int], rng: np.random.Generator) -> np.ndarray:

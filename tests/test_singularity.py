@@ -25,6 +25,9 @@ from samples import (
     three_rrr,
 )
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb, SolveError
+from symkin.model.closure import build_closure
+from symkin.motion.velocity import variables_of
+from symkin.position.mobility import whole_system
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution, make_solution
 from symkin.singularities.motion_ranks import generic_ranks
@@ -485,3 +488,31 @@ def test_bad_tolerance_is_refused() -> None:
     """A tolerance outside (0, 0.01) is named with its value."""
     with pytest.raises(InputError, match=r"tolerance = 0\.5"):
         singularity(hexagons(), tolerance=0.5)
+
+
+def test_an_assembly_whose_limbs_constrain_less_is_not_singular_for_that() -> None:
+    """A limb U R S that is locked into one plane near the reference, and not here: the rows of the closure are as independent as
+    they are there, so that the platform has not gained a freedom."""
+    limb = Limb(
+        "limb",
+        [
+            Joint("u", "U", (50, 0, 100), (1, 0, 0), (0, 1, 0)),
+            Joint("r", "R", (100, -50, 0), (0, 1, 0)),
+            Joint("s", "S", (50, -50, 100)),
+        ],
+    )
+    centre = Limb(
+        "centre",
+        [
+            Joint("a", "R", (50, 100, -50), (1, 0, 0), actuated=True),
+            Joint("b", "P", (-50, 50, 0), (0, 0, 1), actuated=True),
+            Joint("c", "R", (-100, -100, 100), (0, 1, 0), actuated=True),
+        ],
+    )
+    mechanism = Mechanism("m", [limb, centre], (-50, -100, -100), angle_unit="deg")
+    found = symkin.singularity(mechanism, joints=[-0.0003193318838098015, 47.870721155946576, 19.238547928492995])
+    system = whole_system(build_closure(mechanism))
+    _, jacobian = system.linearise_one(variables_of(build_closure(mechanism), found.solution), np.zeros(0))
+    assert np.linalg.svd(jacobian, compute_uv=False)[-1] > 1e-4
+    assert "constraint" not in found.kinds
+    assert found.distances.get("constraint", 1.0) > 0.01

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,14 @@ class Ranks:
             len(motions), rank_of(motions[:, r:], tolerance), rank_of(motions[:, :r], tolerance), equations.idle,
             rank_of(equations.twist, tolerance), rank_of(equations.rates, tolerance), rank_of(equations.constraints, tolerance),
         )  # fmt: skip
+
+    def at_other_assembly(self, here: Ranks) -> Ranks:
+        """Generic ranks for a configuration whose limbs constrain less than at the reference although it moves no more freely in
+        all: its rows are as independent as they ever are, so that no constraint is lost there; the limbs lie in another assembly,
+        with fewer freedoms of their own."""
+        if here.constraints < self.constraints and here.motions + here.idle <= self.motions + self.idle:
+            return replace(self, constraints=here.constraints)
+        return self
 
 
 @lru_cache(maxsize=128)

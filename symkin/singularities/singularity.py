@@ -190,7 +190,8 @@ def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | 
     whole = limbwise_equations(closure, values, tolerance)
     reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
     equations = whole if reduced is None else reduced.equations
-    ranks, generic = Ranks.of(equations, tolerance), generic_ranks(solution.mechanism, output)
+    ranks = Ranks.of(equations, tolerance)
+    generic = generic_ranks(solution.mechanism, output).at_other_assembly(ranks)
     conditions = _conditions(ranks, generic)
     kinds = _kinds(closure, ranks, generic, conditions)
     return Singularity(
