@@ -180,7 +180,7 @@ def report_random(report: Report, arm: symkin.Mechanism) -> None:
     poses, total = [symkin_pose(A, R) for A, R in goals], sum(len(e) for e in exact)
     sizes = [len(e) for e in exact]
     row("random poses with 4, with 8 solutions", None, [sizes.count(4), sizes.count(8)], run=inverse)
-    found = [symkin.modes(arm, pose=pose, seed=SEED) for pose in poses]
+    found = [symkin.modes(arm, pose=pose) for pose in poses]
     row(
         f"random poses, of {SETS}: continuation = return of the axes",
         None,

@@ -295,7 +295,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=31, help="guesses along each side of the picture (default: 31)")
     options = parser.parse_args()
     platform, system = symkin.load("zhang2009"), equations()
-    found = symkin.modes(platform, joints=TABLE_1, seed=SEED)
+    found = symkin.modes(platform, joints=TABLE_1)
     poses = [mode.pose for mode in found]
     report = Report("zhang2009", "Gough-Stewart platform (Zhang 2009): direct kinematics by Newton's method", SEED)
     report_introduction(report, platform, found)

@@ -102,12 +102,10 @@ def build_closure(mechanism: Mechanism) -> Closure:
     return _assemble(builder)
 
 
-@lru_cache(maxsize=128)
-def numbered_rows(mechanism: Mechanism) -> ca.SX:
-    """The rows of the closure over its variables, its geometry as numbers: joints that the geometry places to rounding (a point at
+def numbered_rows(closure: Closure) -> ca.SX:
+    """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point at
     1e-14, an axis off by 1e-17) are where they are meant to be."""
-    closure = build_closure(mechanism)
-    builder = RowBuilder(mechanism, bound=True)
+    builder = RowBuilder(closure.mechanism, bound=True)
     builder.build_rows()
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
     kept = _nonzero_rows(builder, closure.coordinates, variables, ca.SX(0, 1), np.zeros(0))
