@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,9 +30,11 @@ import symkin
 from enumerated import statement
 from guesses import attempt, least_squares, report_trials, rootfinder
 from report import Report, options_parser
+from symkin.model.limb import Limb
 from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import euler_from_quaternion
 from symkin.spatial.screw import reciprocal_system
+from symkin.view.sketch import figure_of_sketch
 from written import written
 from zhao2000_model import (
     BASE,
@@ -52,6 +55,9 @@ from zhao2000_model import (
 )
 from zhao2000_pictures import draw, draw_guesses
 from zhao2000_screws import couple, freedoms_left, input_choices, limb_twists, limbs_of, on_base, rank, work
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SEED = 4
 ROUNDING = np.array([0.05, 0.05, 0.05, 0.05])
@@ -94,6 +100,18 @@ def report_screws(report: Report) -> None:
         run=couple,
         tolerance=1e-9,
     )
+
+
+def report_figure_1(report: Report) -> Figure:
+    """Figure 1: the mechanism with its real limbs, T joints as two hinges each."""
+    mechanism = symkin.load(LINKS_NAME)
+    joints = [limb.joints for limb in mechanism.limbs if isinstance(limb, Limb)]
+    crossed = [math.degrees(math.acos(abs(np.dot(a.axis, b.axis)))) for chain in joints for a, b in (chain[:2], chain[-2:])]
+    report.row(
+        "figure 1 drawn: limbs of hinges, hinges of each, and least angle of the two axes of a T [deg]", [3, 5, 90],
+        [len(joints), min(map(len, joints)), min(crossed)], place="1, figure 1", run=figure_of_sketch, tolerance=1e-9,
+    )  # fmt: skip
+    return figure_of_sketch(mechanism)
 
 
 def report_mobility(report: Report) -> None:
@@ -385,6 +403,7 @@ def main() -> None:
     options = parser.parse_args()
     platform = symkin.load(PLATFORM_NAME)
     report = Report("zhao2000", "3-TRT + SPS platform (Zhao 2000): mobility, inverse and direct problem", SEED)
+    figure_1 = report_figure_1(report)
     report_screws(report)
     report_mobility(report)
     report_inputs(report)
@@ -397,7 +416,8 @@ def main() -> None:
     report_verdict(report, poses)
     report_upside_down(report)
     report_outside(report)
-    report.finish(draw(poses), options.output, guesses=draw_guesses(closure(), poses, options.points))
+    guesses = draw_guesses(closure(), poses, options.points)
+    report.finish(draw(poses), options.output, figure1=figure_1, guesses=guesses)
 
 
 if __name__ == "__main__":

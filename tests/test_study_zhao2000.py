@@ -44,6 +44,12 @@ def test_zhao_inverse_gives_table_1(zhao):
         assert np.abs(row["difference"]).max() < 0.06
 
 
+def test_zhao_figure_1_is_drawn(zhao):
+    """Three limbs T R T: five hinges, the two of a T at a right angle (paper, section 1)."""
+    assert zhao.number("figure 1 drawn") == pytest.approx([3, 5, 90])
+    assert (zhao.folder / "zhao2000_figure1.png").read_bytes()[:4] == b"\x89PNG"
+
+
 def test_zhao_mobility(zhao):
     """Section 2 of the paper: 4 freedoms, one couple a limb, rank 2, no common constraint."""
     assert zhao.number("M = 6 (n - g - 1)") == 4
