@@ -100,8 +100,17 @@ class Limb:
 
 def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:
     """Whether a joint leaves a point at rest that lies on its axes."""
-    away = np.subtract(joint.point, centre)
-    scale = float(np.max(np.abs([joint.point, centre]))) or 1.0
     if joint.type == "R":
-        away = np.cross(away, np.array(joint.axis))
-    return joint.type in "RUS" and float(np.linalg.norm(away)) <= _SAME_POINT * scale
+        away = np.cross(np.subtract(joint.point, centre), np.array(joint.axis))
+        return float(np.linalg.norm(away)) <= _same_point(joint.point, centre)
+    return joint.type in "US" and coincide(joint.point, centre)
+
+
+def coincide(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Whether two points are one to rounding."""
+    return float(np.linalg.norm(np.subtract(a, b))) <= _same_point(a, b)
+
+
+def _same_point(a: Sequence[float], b: Sequence[float]) -> float:
+    """Distance within which two points are one."""
+    return _SAME_POINT * (float(np.max(np.abs([a, b]))) or 1.0)

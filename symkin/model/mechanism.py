@@ -15,7 +15,7 @@ from symkin.caching import cached_property
 from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
@@ -224,7 +224,7 @@ def _check_rods(mechanism: Mechanism) -> None:
     for limb in mechanism.limbs:
         for k, rod in enumerate(() if isinstance(limb, RodLimb) else limb.rods, start=1):
             end = mechanism.reference_pose.apply(np.array(rod.platform))
-            if rod.length is None and np.linalg.norm(end - rod.start) <= 1e-9 * np.max(np.abs([end, rod.start]), initial=1e-300):
+            if rod.length is None and coincide(end.tolist(), rod.start):
                 raise MechanismError(
                     f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a rod has a length"
                 )

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.branches import labels_of, uncovered
+from symkin.paths.branches import uncovered
 from symkin.paths.monodromy import Fibre
 from symkin.paths.seeds import Points, carried, regular, seed_roots
 from symkin.paths.values import algebraic_point, known_values
@@ -29,13 +29,13 @@ _REAL_STARTS = 96
 def roots_elsewhere(
     problem: Problem, system: AlgebraicSystem, block: System, points: Points, rank: int, start: Fibre, seed: int
 ) -> np.ndarray:
-    """Roots (width, n) at the start's base that it lacks and points anywhere on the closure lead to."""
+    """Roots (width, n) at the start's base that it lacks and points anywhere on the closure lead to, some more than once: a
+    search from them unites equal ones."""
     rng = np.random.default_rng([seed, 1])
     drawn = seed_roots(system, points, rng, rank, COMPLEX_POINTS), _real_roots(problem, system, block, rng)
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     ends = carried(system, z, k, start.k)
-    fresh = ends[:, uncovered(system, start.z, ends) < 0] if ends.shape[1] else ends
-    return fresh[:, np.unique(labels_of(system.all_features(fresh)), return_index=True)[1]] if fresh.shape[1] else fresh
+    return ends[:, uncovered(system, start.z, ends) < 0]
 
 
 def _real_roots(
