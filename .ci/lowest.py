@@ -19,7 +19,7 @@ def bounds() -> list[str]:
 
 def run(arguments: list[str], expected: int = 0) -> None:
     """One command in this process; its exit status must be the expected one, and an error one line."""
-    from symkin.cli import main
+    from symkin.cli.app import main
 
     said, complained = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):

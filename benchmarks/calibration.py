@@ -338,7 +338,7 @@ def write_poses(path: Path, rows: int, seed: int) -> None:
 
 FIT_AND_MEASURE = """
 import resource, sys, time
-from symkin.cli import main
+from symkin.cli.app import main
 try:
     main(sys.argv[1:])
 except SystemExit as ended:

@@ -117,8 +117,8 @@ class Measured:
 
 
 def run_engine(options: argparse.Namespace) -> None:
-    from symkin.enumeration import continuation
-    from symkin.proof import certificate
+    from symkin.assembly import continuation
+    from symkin.certificate import certificate
 
     paths, proofs, rng = Clock(), Clock(), np.random.default_rng(options.seed)
     paths.wrap(continuation, "instance")
@@ -168,7 +168,7 @@ class ReferenceKernel:
 def engine_of(instance_arguments: tuple[Any, ...]) -> str:
     """What tracks the system that `instance` was last called with."""
     try:
-        from symkin.paths.engine import engine_of
+        from symkin.homotopy.engine import engine_of
 
         return engine_of(instance_arguments[0])[1]
     except (ImportError, IndexError):

@@ -504,7 +504,7 @@ def _short(text: str) -> str:
 
 def command_line(arguments: list[str], command: str) -> Run:
     """Run `symkin` in this process, with both streams captured as the system sees them."""
-    from symkin.cli import main
+    from symkin.cli.app import main
 
     with _captured() as streams:
         try:

@@ -17,8 +17,8 @@ import casadi as ca
 import numpy as np
 
 import symkin
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.given import given_from
-from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.multistart import distinct
 from symkin.position.newton import flat_rows
 from symkin.position.problem import build_problem

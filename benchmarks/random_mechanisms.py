@@ -85,10 +85,10 @@ def prepare(folder: Path) -> None:
         os.environ.setdefault(name, "1")
     os.environ["SYMKIN_CACHE"] = str(folder / "cache")
     import mechanism_checks  # noqa: F401
-    import symkin.cli
-    import symkin.enumeration.continuation
-    import symkin.proof.certificate
-    import symkin.tracking.track  # noqa: F401
+    import symkin.assembly.continuation
+    import symkin.certificate.certificate
+    import symkin.cli.app
+    import symkin.following.track  # noqa: F401
 
 
 def kept_results(folder: Path, seed: int) -> dict[int, dict[str, Any]]:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 from symkin.model.file import load, shipped_names
 
 HERE = Path(__file__).parent

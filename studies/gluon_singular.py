@@ -17,11 +17,11 @@ import numpy as np
 import symkin
 from gluon_6l3_model import OFFSET, A, D, determinant, symbolic_jacobian
 from report import Report, new_figure, options_parser
+from symkin.plots.loci_plot import draw_curves
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.locus import picture_distance
 from symkin.singularities.singularity import Singularity, classify, singularity
 from symkin.spatial.screw import exponential, move_screw, reciprocal_product, revolute_screw
-from symkin.view.loci_plot import draw_curves
 
 SEED = 6
 SLICE = (15.0, 15.0, 40.0, 30.0, 50.0, 20.0)

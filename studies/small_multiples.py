@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from report import new_figure
-from symkin.view.box import COLOURS, View, drawing
-from symkin.view.panel import FRAME_COLOURS, draw_skeleton
-from symkin.view.skeleton import Skeleton, skeleton
+from symkin.plots.box import COLOURS, View, drawing
+from symkin.plots.panel import FRAME_COLOURS, draw_skeleton
+from symkin.plots.skeleton import Skeleton, skeleton
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -22,9 +22,9 @@ import numpy as np
 
 import symkin
 from report import Report
-from symkin.motion.jacobian import Jacobian
+from symkin.following.track_result import Track
 from symkin.position.solution import Solution
-from symkin.tracking.track_result import Track
+from symkin.velocity.jacobian import Jacobian
 from yao2020_inverse import axis5_origin
 from yao2020_model import A1, A2, D1, STROKE, TIP, goal_rotation, symkin_pose
 

@@ -12,7 +12,7 @@ import numpy as np
 import symkin
 from guesses import draw_basins, least_squares, rootfinder
 from report import equal_axes, new_figure
-from symkin.tracking.track_result import Track
+from symkin.following.track_result import Track
 from yao2020_holes import FACE, FEED, SPACING, holes, worst_of_equal_errors
 from yao2020_inverse import (
     axis5_origin,

@@ -23,8 +23,8 @@ import numpy as np
 
 import symkin
 from guesses import Closure
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 from zhang2009_model import BASE_RADIUS, START, TABLE_1, euler_pose, quaternion_pose, scaled, six_unknowns
 from zhang2009_newton import CLOSED_SCALED, MOST, PaperNewton
 from zhang2009_unknowns import quadratic_unknowns, unknowns_of

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from symkin._version import __version__
-from symkin.enumeration.modes import modes
+from symkin.assembly.modes import modes
 from symkin.errors import InputError, MechanismError, SolveError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import load, shipped_names
@@ -24,10 +24,10 @@ from symkin.spatial.pose import Pose
 if TYPE_CHECKING:
     from symkin.calibration.calibrate import calibrate
     from symkin.calibration.measurements import Measurements
-    from symkin.motion.jacobian import jacobian
+    from symkin.following.track import track
     from symkin.singularities.singularity import singularity
     from symkin.sweeps.run import sweep
-    from symkin.tracking.track import track
+    from symkin.velocity.jacobian import jacobian
 
 __all__ = [
     "DHRow",
@@ -62,10 +62,10 @@ __all__ = [
 _LATER = {
     "Measurements": "symkin.calibration.measurements",
     "calibrate": "symkin.calibration.calibrate",
-    "jacobian": "symkin.motion.jacobian",
+    "jacobian": "symkin.velocity.jacobian",
     "singularity": "symkin.singularities.singularity",
     "sweep": "symkin.sweeps.run",
-    "track": "symkin.tracking.track",
+    "track": "symkin.following.track",
 }
 """Names whose modules are imported at their first use, since most runs do not need them."""
 

@@ -1,5 +1,5 @@
 """`python -m symkin` is the command `symkin`."""
 
-from symkin.cli import main
+from symkin.cli.app import main
 
 main()

@@ -38,4 +38,4 @@ def heard_interrupts():
 @pytest.fixture(autouse=True)
 def no_lines_on_slow_machines(monkeypatch):
     """Commands say what they do after some seconds, which tests that want an empty stderr need not wait for."""
-    monkeypatch.setattr("symkin.commands.progress._FIRST", 600.0)
+    monkeypatch.setattr("symkin.cli.progress._FIRST", 600.0)

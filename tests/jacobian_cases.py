@@ -12,7 +12,7 @@ import samples
 import symkin
 import test_firmware_joints as joint_types
 from symkin import Mechanism
-from symkin.model.closure import Closure, build_closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.problem import build_problem
 from symkin.position.solution import pose_of

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symkin import InputError, MechanismError
-from symkin.commands.options import whole_number
+from symkin.cli.options import whole_number
 from symkin.model.arithmetic import evaluate
 from symkin.model.written_number import written_number
 

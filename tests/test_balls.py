@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from samples import seeds
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.proof.ball_system import BallSystem
-from symkin.proof.balls import COMPLEX, REAL, BallFunction, precision, upper
+from symkin.certificate.ball_system import BallSystem
+from symkin.certificate.balls import COMPLEX, REAL, BallFunction, precision, upper
+from symkin.homotopy.algebraic import AlgebraicSystem
 
 
 def exact(function: ca.Function, *inputs: list[Fraction]) -> list[Fraction]:

@@ -5,13 +5,13 @@ from functools import lru_cache
 import numpy as np
 
 import symkin
-from symkin.paths.best_start import bases_beside, best_start
-from symkin.paths.monodromy import Fibre
-from symkin.paths.quadratic import quadratic_form, track
-from symkin.paths.six_distances import universal_system
-from symkin.paths.start_store import start_of
-from symkin.paths.tracker import Tracked
-from symkin.paths.values import known_values
+from symkin.homotopy.best_start import bases_beside, best_start
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.quadratic import quadratic_form, track
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.tracker import Tracked
+from symkin.homotopy.values import known_values
 from symkin.position.problem import build_problem
 
 

@@ -12,14 +12,14 @@ from flint import arb
 import symkin
 from samples import five_bar, unit
 from symkin import Joint, Limb, Mechanism
+from symkin.certificate.bounds import bound_of, proves, univariate_degree
+from symkin.certificate.certificate import certify
+from symkin.certificate.exact import exact_known
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.values import algebraic_point, known_values
 from symkin.model.joint import Coordinate
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.systems import algebraic_systems
-from symkin.paths.values import algebraic_point, known_values
 from symkin.position.problem import build_problem
-from symkin.proof.bounds import bound_of, proves, univariate_degree
-from symkin.proof.certificate import certify
-from symkin.proof.exact import exact_known
 from test_certificate import DIETMAIER, case, complex_roots, dietmaier
 
 pytestmark = pytest.mark.usefixtures("kept_starts")

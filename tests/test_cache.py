@@ -12,9 +12,10 @@ import pytest
 import symkin
 from samples import five_bar
 from symkin.errors import InputError
-from symkin.paths import cache, start_store
-from symkin.paths.cache import keep, read_kept
-from symkin.paths.systems import algebraic_systems
+from symkin.homotopy import start_store
+from symkin.homotopy.systems import algebraic_systems
+from symkin.numeric import cache
+from symkin.numeric.cache import keep, read_kept
 from symkin.position.problem import build_problem
 
 
@@ -97,9 +98,7 @@ def test_a_fifo_or_a_device_does_not_block(folder):
     place.unlink()
     os.mkfifo(place)
     (folder / "key-0123456789abcdef.npz").symlink_to("/dev/zero")
-    code = (
-        "import sys, pathlib; from symkin.paths.cache import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
-    )
+    code = "import sys, pathlib; from symkin.numeric.cache import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
     code += "; print(keep(f, 'key', '.npz', b'content').read_bytes())"
     done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split() == ["[]", "b'content'"]
@@ -174,8 +173,8 @@ def test_a_size_that_is_none_is_refused(monkeypatch, text):
 WRITE = """
 import sys
 from pathlib import Path
-from symkin.paths.cache import keep, read_kept
-from symkin.paths.systems import algebraic_systems
+from symkin.numeric.cache import keep, read_kept
+from symkin.homotopy.systems import algebraic_systems
 from symkin.position.problem import build_problem
 for k in range(200):
     keep(Path(sys.argv[1]), f"key{k % 7}", ".npz", bytes([k % 7]) * 100_000)

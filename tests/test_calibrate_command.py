@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.cli import main
+from symkin.cli.app import main
 
 FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml", "manifest.json"}
 

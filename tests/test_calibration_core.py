@@ -29,7 +29,7 @@ from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import build_calibration, default_parameters
 from symkin.calibration.residuals import FORMS
 from symkin.calibration.state import evaluate
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
 from symkin.model.file import parse
 
 NOMINAL = symkin.load("ren2008")

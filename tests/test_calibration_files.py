@@ -221,7 +221,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     report = fit_file(wrong, data, any_machine=True)
     assert report.believable, report.verdict
     assert report.fit.rank == 42
-    closure = symkin.model.closure.build_closure(true)
+    closure = symkin.closure.closure.build_closure(true)
     truth = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
     for p in report.fit.parameters:
         assert abs(p.value - truth[p.name]) < 5 * p.sigma, p.name

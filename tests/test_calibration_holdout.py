@@ -10,7 +10,7 @@ import pytest
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.holdout import draw, held_out_count, predict
 from symkin.calibration.measurements import Measurements
-from symkin.cli import main
+from symkin.cli.app import main
 from symkin.errors import InputError
 from tracker import NOISE, Hexapod
 

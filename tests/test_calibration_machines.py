@@ -12,7 +12,7 @@ import symkin
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.files import read_measurements
 from symkin.calibration.run import fit_file
-from symkin.cli import main
+from symkin.cli.app import main
 
 
 def described(folder, base, platform):

@@ -14,7 +14,7 @@ from symkin.calibration import written
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.files import write_measurements
 from symkin.calibration.measurements import Measurements
-from symkin.cli import main
+from symkin.cli.app import main
 from symkin.model.file import load, parse
 
 

@@ -15,7 +15,7 @@ from symkin.calibration.calibrate import calibrate
 from symkin.calibration.estimator import estimate
 from symkin.calibration.files import write_measurements
 from symkin.calibration.outcome import Fitted
-from symkin.cli import main
+from symkin.cli.app import main
 
 
 @pytest.fixture(scope="module")

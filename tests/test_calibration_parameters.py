@@ -18,8 +18,8 @@ from symkin.calibration.run import fit_file, matching
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
 from symkin.calibration.suspicions import misfit
 from symkin.calibration.workspace import Workspace
-from symkin.cli import main
-from symkin.model.closure import build_closure
+from symkin.cli.app import main
+from symkin.closure.closure import build_closure
 
 Z = (0.0, 0.0, 1.0)
 

@@ -10,7 +10,7 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.problem import default_parameters
-from symkin.view.calibration_plot import parameter_figure, png, pose_sigma_figure
+from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure
 from tracker import NOISE, WORLD_POSITION, Hexapod
 
 

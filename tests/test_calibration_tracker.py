@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.cli import main
+from symkin.cli.app import main
 from tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
 
 POSTURES = 70

@@ -22,7 +22,7 @@ from symkin.calibration.residuals import deviations, group_basis, linearise
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
 from symkin.calibration.state import evaluate_readings, slopes
 from symkin.calibration.workspace import Workspace
-from symkin.cli import main
+from symkin.cli.app import main
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

@@ -16,8 +16,8 @@ from symkin.calibration.files import read_measurements, write_measurements
 from symkin.calibration.run import NotFittedError, fit_file
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
 from symkin.calibration.workspace import Workspace
-from symkin.cli import main
-from symkin.view.calibration_plot import residual_figure
+from symkin.cli.app import main
+from symkin.plots.calibration_plot import residual_figure
 
 NOMINAL, RODS, RODS_TRUE = symkin.load("zhang2009"), symkin.load("ren2008"), symkin.load("ren2008_true")
 NOISE = Noise(lengths=0.005, position=0.02, orientation=np.radians(0.002))

@@ -17,18 +17,18 @@ from hypothesis import strategies as st
 import symkin
 from samples import delta, five_bar, hexapod, three_rrr
 from symkin import Mechanism, RodLimb
+from symkin.certificate.balls import precision
+from symkin.certificate.certificate import Certificates, certify
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.instance import instance
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.systems import algebraic_systems, system_of
+from symkin.homotopy.universal_start import universal_start
+from symkin.homotopy.values import algebraic_point, known_values, real_values
 from symkin.model.joint import Coordinate
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.instance import instance
-from symkin.paths.six_distances import universal_system
-from symkin.paths.start_store import start_of
-from symkin.paths.systems import algebraic_systems, system_of
-from symkin.paths.universal_start import universal_start
-from symkin.paths.values import algebraic_point, known_values, real_values
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import merge
-from symkin.proof.balls import precision
-from symkin.proof.certificate import Certificates, certify
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

@@ -22,7 +22,7 @@ from samples import (
     unit,
 )
 from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
-from symkin.model.closure import build_closure, random_values
+from symkin.closure.closure import build_closure, random_values
 from symkin.model.file import parse
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply

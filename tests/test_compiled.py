@@ -12,13 +12,13 @@ import pytest
 
 import symkin
 from samples import five_bar
+from symkin.homotopy import compiled, tracker
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.tracker import TrackSettings
 from symkin.model.joint import Coordinate
-from symkin.paths import compiled, tracker
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.c_library import CompilerError, find_compilers
-from symkin.paths.start_store import start_of
-from symkin.paths.systems import algebraic_systems
-from symkin.paths.tracker import TrackSettings
+from symkin.numeric.c_library import CompilerError, find_compilers
 from symkin.position.problem import build_problem
 
 
@@ -305,8 +305,8 @@ def test_a_cache_that_cannot_be_written_only_costs_time(monkeypatch, tmp_path):
 
 BUILD = """
 import casadi as ca, numpy as np
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.compiled import load
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.compiled import load
 z, k = ca.SX.sym("z"), ca.SX.sym("k")
 found, reason = load(AlgebraicSystem(1.0, (), z, k, z**2 - k, ()))
 print(complex(found.track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0 + 1j)).z[0, 0] ** 2))

@@ -13,14 +13,14 @@ import pytest
 import symkin
 from samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
-from symkin.model.closure import build_algebraic_closure, build_closure, random_values
-from symkin.paths import start_store
-from symkin.paths.instance import instance
-from symkin.paths.six_distances import universal_system
-from symkin.paths.systems import algebraic_systems
-from symkin.paths.universal_start import BOUND, universal_start
-from symkin.paths.values import algebraic_point, known_values, real_values
-from symkin.paths.walk import vectorise
+from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
+from symkin.closure.walk import vectorise
+from symkin.homotopy import start_store
+from symkin.homotopy.instance import instance
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.universal_start import BOUND, universal_start
+from symkin.homotopy.values import algebraic_point, known_values, real_values
 from symkin.position.problem import build_problem
 
 DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symkin.csv_table import read_table, write_table
 from symkin.errors import InputError
-from symkin.outputs import write_output
+from symkin.files.csv_table import read_table, write_table
+from symkin.files.outputs import write_output
 
 
 def table(tmp_path, text):

@@ -14,18 +14,18 @@ import pytest
 import symkin
 from samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
 from symkin import Mechanism, Pose
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.circles import distances
+from symkin.homotopy.endgame import are_regular, finish
+from symkin.homotopy.ends import Ends
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.systems import system_of
+from symkin.homotopy.tracker import Tracked, TrackSettings, track
+from symkin.homotopy.universal_start import universal_start
+from symkin.homotopy.values import known_values, real_values
 from symkin.model.joint import Coordinate
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.circles import distances
-from symkin.paths.endgame import are_regular, finish
-from symkin.paths.ends import Ends
-from symkin.paths.monodromy import Fibre
-from symkin.paths.six_distances import universal_system
-from symkin.paths.start_store import start_of
-from symkin.paths.systems import system_of
-from symkin.paths.tracker import Tracked, TrackSettings, track
-from symkin.paths.universal_start import universal_start
-from symkin.paths.values import known_values, real_values
 from symkin.position.given import given_from
 from symkin.position.problem import Problem, build_problem
 

@@ -18,11 +18,11 @@ import samples
 import symkin
 from latex_reader import evaluated
 from symkin import InputError
-from symkin.cli import main
-from symkin.export.jacobian_file import FORMATS, jacobian_text, write_jacobian
-from symkin.export.jacobian_latex import symbol_of
-from symkin.export.latex import distinct
-from symkin.motion.jacobian import jacobian
+from symkin.cli.app import main
+from symkin.codegen.jacobian_file import FORMATS, jacobian_text, write_jacobian
+from symkin.codegen.jacobian_latex import symbol_of
+from symkin.codegen.latex import distinct
+from symkin.velocity.jacobian import jacobian
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
 CASES = [
@@ -190,8 +190,8 @@ def test_heads_say_what_the_file_is(language):
 _HASHES = """
 import hashlib
 import symkin
-from symkin.export.jacobian_file import FORMATS, jacobian_text
-from symkin.motion.jacobian import jacobian
+from symkin.codegen.jacobian_file import FORMATS, jacobian_text
+from symkin.velocity.jacobian import jacobian
 for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
     for language in FORMATS:
         print(hashlib.sha256(jacobian_text(jacobian(symkin.load(name), kind), language).encode()).hexdigest())

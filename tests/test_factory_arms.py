@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from laws import chain
-from symkin.paths.six_revolute import universal_arm, universal_start
+from symkin.homotopy.six_revolute import universal_arm, universal_start
 from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import quaternion_from_matrix
 
@@ -93,7 +93,7 @@ def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
     def searched_again(*_arguments, **_named):
         raise AssertionError("the generic roots were searched again")
 
-    monkeypatch.setattr("symkin.paths.start_store.compute_start", searched_again)
+    monkeypatch.setattr("symkin.homotopy.start_store.compute_start", searched_again)
     second = symkin.modes(arm, pose=poses[1])
     assert first.complex_count == second.complex_count == 16
 

@@ -12,11 +12,11 @@ import pytest
 import firmware_tools as tools
 import samples
 from symkin import load
+from symkin.closure.snapping import snap
+from symkin.codegen.emit import Real
+from symkin.codegen.folder import folder_files, write_folder
+from symkin.codegen.options import Options
 from symkin.errors import InputError
-from symkin.firmware.emit import Real
-from symkin.firmware.folder import folder_files, write_folder
-from symkin.firmware.options import Options
-from symkin.model.snapping import snap
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 

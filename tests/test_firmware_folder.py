@@ -7,9 +7,9 @@ from typer.testing import CliRunner
 
 import symkin
 from symkin import InputError
-from symkin.cli import app
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.cli.app import app
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 
 PLATFORM = symkin.load("ren2008")
 

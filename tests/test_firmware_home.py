@@ -12,13 +12,13 @@ import pytest
 
 import firmware_tools as tools
 from symkin import Mechanism, RodLimb, load, solve
-from symkin.cli import main
+from symkin.cli.app import main
+from symkin.codegen.folder import write_folder
+from symkin.codegen.home import home_pose
+from symkin.codegen.options import Options
+from symkin.codegen.program import build_program
+from symkin.codegen.vectors import build_vectors
 from symkin.errors import InputError
-from symkin.firmware.folder import write_folder
-from symkin.firmware.home import home_pose
-from symkin.firmware.options import Options
-from symkin.firmware.program import build_program
-from symkin.firmware.vectors import build_vectors
 from symkin.model.mechanism import Example
 from symkin.model.writer import mechanism_to_toml
 

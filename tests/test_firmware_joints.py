@@ -9,8 +9,8 @@ import pytest
 
 import firmware_tools as tools
 from symkin import Joint, Limb, Mechanism, Rod, RodLimb
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

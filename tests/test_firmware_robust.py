@@ -10,7 +10,7 @@ import pytest
 
 import firmware_tools as tools
 from symkin import load
-from symkin.firmware.options import Options
+from symkin.codegen.options import Options
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 

@@ -13,14 +13,14 @@ import firmware_tools as tools
 import samples
 import test_firmware_joints as joint_types
 from symkin import load
-from symkin.firmware.folder import write_folder
-from symkin.firmware.geometry import Geometry
-from symkin.firmware.options import Options
-from symkin.firmware.samples import configurations
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
+from symkin.codegen.folder import write_folder
+from symkin.codegen.geometry import Geometry
+from symkin.codegen.options import Options
+from symkin.codegen.samples import configurations
+from symkin.numeric.system import System
 from symkin.position.problem import build_problem
 from symkin.position.solution import pose_of
-from symkin.position.system import System
 
 STRUCT = Options("double", geometry="struct")
 

@@ -14,8 +14,8 @@ import samples
 import symkin
 import test_firmware_joints as joint_types
 from symkin import Joint, Limb, Mechanism
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 from test_follow import bars
 
 MECHANISMS = {

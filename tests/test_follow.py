@@ -13,13 +13,13 @@ import symkin
 from laws import closes, frame, same_angle, same_pose
 from samples import Z, circles, delta, five_bar, parallel_rrr, pieper, readme_five_bar, three_rps, three_rrr, turning
 from symkin import InputError, Joint, Limb, Mechanism
+from symkin.following.cubic import Curve
+from symkin.following.last_tube import on_plane
+from symkin.following.path_system import coefficients, path_systems
+from symkin.following.step_certificate import Interval
+from symkin.following.track import track
+from symkin.following.trajectory import great_circle, make_trajectory
 from symkin.position.problem import build_problem
-from symkin.tracking.cubic import Curve
-from symkin.tracking.last_tube import on_plane
-from symkin.tracking.path_system import coefficients, path_systems
-from symkin.tracking.step_certificate import Interval
-from symkin.tracking.track import track
-from symkin.tracking.trajectory import great_circle, make_trajectory
 
 GROUND, CRANK, COUPLER, ROCKER = 100.0, 70.0, 60.0, 50.0
 TOGGLE = math.acos((GROUND**2 + CRANK**2 - (COUPLER + ROCKER) ** 2) / (2 * GROUND * CRANK))

@@ -26,7 +26,7 @@ from symkin.calibration.motions import named_motions
 from symkin.calibration.parameters import nominal_parameters
 from symkin.calibration.problem import build_calibration, default_parameters
 from symkin.calibration.state import evaluate
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
 from symkin.position.problem import build_problem
 
 NOMINAL = symkin.load("ren2008")

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from samples import seeds
+from symkin.certificate.ball_system import BallSystem
+from symkin.certificate.balls import COMPLEX, REAL
+from symkin.certificate.krawczyk import Box, chart_of, enclose
+from symkin.certificate.separation import distinct_boxes, is_pose
+from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.model.joint import Coordinate
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.proof.ball_system import BallSystem
-from symkin.proof.balls import COMPLEX, REAL
-from symkin.proof.krawczyk import Box, chart_of, enclose
-from symkin.proof.separation import distinct_boxes, is_pose
 
 
 def single(row) -> BallSystem:

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 import symkin
 from latex_reader import evaluated
 from samples import delta, five_bar, pieper, three_rps, three_rrr
-from symkin.export.latex import distinct, document, equations, letter_of_values, symbol_name, write
-from symkin.export.tidying import tidied
-from symkin.model.closure import build_closure, random_values
-from symkin.model.snapping import snap, snapped_expression
+from symkin.closure.closure import build_closure, random_values
+from symkin.closure.snapping import snap, snapped_expression
+from symkin.codegen.latex import distinct, document, equations, letter_of_values, symbol_name, write
+from symkin.codegen.tidying import tidied
 
 OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
 EVERY = [*symkin.shipped_names(), *OWN]

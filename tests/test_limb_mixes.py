@@ -9,9 +9,9 @@ import pytest
 
 import symkin
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.paths.quadratic_form import quadratic_form
-from symkin.paths.start_store import redundant_rows
-from symkin.paths.systems import system_of
+from symkin.homotopy.quadratic_form import quadratic_form
+from symkin.homotopy.start_store import redundant_rows
+from symkin.homotopy.systems import system_of
 from symkin.position.problem import build_problem
 from symkin.position.solution import Modes, Solution
 
@@ -145,8 +145,8 @@ def test_firmware_is_refused_where_a_pose_leaves_a_limb_free(tmp_path):
         Limb("b", [Joint(f"q{k}", "R", (0, 0, 0), axis, actuated=True) for k, axis in enumerate((Z, X, Y))]),
     ]
     machine = Mechanism("loose", limbs, motion="spherical")
-    from symkin.firmware.folder import write_folder
-    from symkin.firmware.options import Options
+    from symkin.codegen.folder import write_folder
+    from symkin.codegen.options import Options
 
     with pytest.raises(InputError, match=r"pose does not fix joints of one limb \(free\)"):
         write_folder(machine, tmp_path / "out", Options())

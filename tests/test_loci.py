@@ -12,14 +12,14 @@ import pytest
 import symkin
 from samples import RRR_BASE, RRR_LINKS, RRR_PLATFORM, five_bar, four_bar, hexapod, pieper, random_mechanism, three_rrr
 from symkin import InputError, Joint, Limb
-from symkin.cli import main
+from symkin.cli.app import main
+from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
 from symkin.singularities.loci import Loci, singular_loci
 from symkin.singularities.locus_system import locus_systems, plane_of
 from symkin.singularities.self_motion import has_self_motion
 from symkin.singularities.singularity import classify
-from symkin.view.loci_plot import draw_loci, figure_of_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:

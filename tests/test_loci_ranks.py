@@ -12,10 +12,10 @@ import pytest
 from laws import act, joint_displacement
 from samples import DELTA, delta, delta_directions
 from symkin import Joint, Limb, Mechanism
+from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.singularities.configuration import configuration
 from symkin.singularities.loci import EVERYWHERE, NONE_MET, Loci, singular_loci
 from symkin.singularities.locus import Locus, merged
-from symkin.view.loci_plot import draw_loci, figure_of_loci
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

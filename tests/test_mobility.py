@@ -10,10 +10,10 @@ import symkin
 from samples import three_rrr
 from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
+from symkin.numeric.rank import Rank
+from symkin.position.describe import describe
 from symkin.position.mobility import analyse_mobility, fewer_rows
-from symkin.position.rank import Rank
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, reciprocal_system, revolute_screw
-from symkin.view.describe import describe
 
 
 def four_bar(x: float = 4.0, z: float = 0.0) -> Mechanism:

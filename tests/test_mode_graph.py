@@ -11,11 +11,11 @@ import pytest
 from laws import same_pose
 from samples import five_bar, pieper
 from symkin import InputError, Joint, Limb, Mechanism
+from symkin.following.mode_graph import Axis, ModeGraph, mode_graph
+from symkin.following.track import track
+from symkin.plots.mode_graph_plot import draw_mode_graph
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
-from symkin.tracking.mode_graph import Axis, ModeGraph, mode_graph
-from symkin.tracking.track import track
-from symkin.view.mode_graph_plot import draw_mode_graph
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

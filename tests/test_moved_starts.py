@@ -17,7 +17,7 @@ import symkin
 from laws import closes, same_pose
 from samples import pieper
 from symkin import Joint, Limb, Mechanism
-from symkin.cli import main
+from symkin.cli.app import main
 from symkin.position.given import given_from
 from symkin.position.moved_starts import moved_starts
 from symkin.position.problem import build_problem

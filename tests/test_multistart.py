@@ -31,7 +31,7 @@ from samples import (
     three_rrr,
 )
 from symkin import InputError, Joint, Limb, Mechanism, Pose
-from symkin.model.closure import build_closure, random_values
+from symkin.closure.closure import build_closure, random_values
 from symkin.model.file import parse
 from symkin.position.given import given_from
 from symkin.position.problem import build_problem

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import symkin
-from symkin.outputs import write_output
+from symkin.files.outputs import write_output
 
 ARGUMENTS = {
     "jacobian": ["jacobian", "gluon_6l3", "--format", "numpy", "-o"],

@@ -17,8 +17,8 @@ from symkin.calibration.planning import plan_measurements
 from symkin.calibration.sensitivity import pose_slopes, reading_slopes
 from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
 from symkin.calibration.workspace import Workspace
-from symkin.model.closure import build_closure
-from symkin.position.system import System
+from symkin.closure.closure import build_closure
+from symkin.numeric.system import System
 from symkin.spatial.pose import Pose
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
@@ -84,7 +84,7 @@ def test_drawn_postures_close_within_limits_at_their_inclination(mechanism, held
     system = System(
         closure.coordinates,
         closure.variables,
-        symkin.model.closure.ca.SX(0, 1),
+        symkin.closure.closure.ca.SX(0, 1),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.size,

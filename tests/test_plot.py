@@ -15,11 +15,11 @@ import pytest
 
 import symkin
 from symkin import InputError, Joint, Limb, Mechanism, Pose, Rod
+from symkin.plots.box import View
+from symkin.plots.links import joint_displacement, link_displacements
+from symkin.plots.plot import check_picture_path, draw_modes, figure_of_modes
+from symkin.plots.skeleton import Skeleton, outline, reference_skeleton, skeleton
 from symkin.position.solution import Modes
-from symkin.view.box import View
-from symkin.view.links import joint_displacement, link_displacements
-from symkin.view.plot import check_picture_path, draw_modes, figure_of_modes
-from symkin.view.skeleton import Skeleton, outline, reference_skeleton, skeleton
 
 AROUND = [2 * math.pi * k / 3 for k in range(3)]
 
@@ -359,7 +359,7 @@ def test_a_write_that_fails_is_an_input_error(tmp_path, monkeypatch):
 def test_symkin_does_not_import_matplotlib():
     """Nor does the plotting module before it draws; pyplot is never imported."""
     code = (
-        "import sys, symkin, symkin.view.plot as plot; assert 'matplotlib' not in sys.modules;"
+        "import sys, symkin, symkin.plots.plot as plot; assert 'matplotlib' not in sys.modules;"
         "plot.figure_of_modes(symkin.modes(symkin.load('gluon_6l3'))); assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

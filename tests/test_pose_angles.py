@@ -92,7 +92,7 @@ def test_gamma_and_rz_of_a_planar_platform_differ_by_the_orientation_held() -> N
 
 def test_what_angles_mean_is_said() -> None:
     """In the JSON, in the text and on the axes of the picture."""
-    from symkin.view.loci_plot import figure_of_loci
+    from symkin.plots.loci_plot import figure_of_loci
 
     loci = loci_of([20.0, 10.0, 150.0, 1, 0, 0, 0], ("rx", "z"), (60, 60), 1)
     assert "one rotation vector in the base frame" in loci.to_json()["angles"]

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from symkin.commands import progress
+from symkin.cli import progress
 
 
 def _lines(capsys, monkeypatch, work):
@@ -29,7 +29,7 @@ def test_long_work_says_what_is_done_and_how_much_of_it(capsys, monkeypatch):
     """What symkin logs, with the share that is done and the time; nothing on stdout."""
 
     def work(show):
-        logging.getLogger("symkin.paths").info("generic solutions are searched")
+        logging.getLogger("symkin.homotopy").info("generic solutions are searched")
         show(3, 10)
         time.sleep(0.5)
 
@@ -47,12 +47,12 @@ def test_the_log_is_left_as_it_was(capsys, monkeypatch):
 
 CODE = """
 import sys, time
-from symkin.commands import progress
-from symkin.enumeration import modes
+from symkin.cli import progress
+from symkin.assembly import modes
 progress._FIRST = 0.05
 search = modes._result
 modes._result = lambda *a: (time.sleep(0.4), search(*a))[1]
-from symkin.cli import main
+from symkin.cli.app import main
 main(["modes", "zhang2009", "--json"])
 """
 

@@ -10,14 +10,14 @@ from hypothesis import given
 
 import symkin
 from samples import delta, hexapod, seeds
-from symkin.paths import quadratic, tracker
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.quadratic import quadratic_form, track
-from symkin.paths.quadratic_form import QuadraticForm, line_of
-from symkin.paths.six_distances import distance_data, universal_system
-from symkin.paths.systems import algebraic_systems
-from symkin.paths.universal_start import universal_start
-from symkin.paths.values import known_values
+from symkin.homotopy import quadratic, tracker
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.quadratic import quadratic_form, track
+from symkin.homotopy.quadratic_form import QuadraticForm, line_of
+from symkin.homotopy.six_distances import distance_data, universal_system
+from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.universal_start import universal_start
+from symkin.homotopy.values import known_values
 from symkin.position.problem import build_problem
 
 

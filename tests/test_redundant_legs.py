@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import symkin
+from symkin.codegen.folder import folder_files
+from symkin.codegen.options import Options
 from symkin.errors import InputError
-from symkin.firmware.folder import folder_files
-from symkin.firmware.options import Options
 
 
 def _rotation(q):

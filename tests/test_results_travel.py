@@ -25,13 +25,13 @@ from symkin.calibration.planning import Plan, plan_measurements
 from symkin.calibration.run import NotFittedError, fit_file
 from symkin.calibration.simulate import Noise
 from symkin.calibration.workspace import Workspace
-from symkin.model.closure import build_closure
-from symkin.motion.velocity import velocity_equations
+from symkin.closure.closure import build_closure
+from symkin.following.mode_graph import mode_graph
 from symkin.position.mobility import analyse_mobility
 from symkin.position.problem import build_problem
 from symkin.singularities.loci import singular_loci
 from symkin.spatial.pose import Pose
-from symkin.tracking.mode_graph import mode_graph
+from symkin.velocity.velocity import velocity_equations
 
 BARS = five_bar()
 

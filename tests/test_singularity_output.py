@@ -11,7 +11,7 @@ import pytest
 import symkin
 from samples import Z, hexapod, readme_five_bar
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.cli import main
+from symkin.cli.app import main
 from symkin.position.solution import Solution
 
 TIP = ("x", "y")

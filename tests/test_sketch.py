@@ -12,11 +12,11 @@ from matplotlib.colors import to_rgb
 import symkin
 from samples import Z, delta, readme_five_bar, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb
-from symkin.view.box import COLOURS
-from symkin.view.labels import Box, Label, Page
-from symkin.view.plot import write_picture
-from symkin.view.sketch import draw_sketch, figure_of_sketch
-from symkin.view.sketch_layout import apart, make_layout
+from symkin.plots.box import COLOURS
+from symkin.plots.labels import Box, Label, Page
+from symkin.plots.plot import write_picture
+from symkin.plots.sketch import draw_sketch, figure_of_sketch
+from symkin.plots.sketch_layout import apart, make_layout
 from test_cli import run
 
 SYMBOLS = {"R", "P", "H", "C", "U", "S"}

@@ -11,9 +11,9 @@ import pytest
 import symkin
 from samples import Z, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.cli import main
+from symkin.cli.app import main
+from symkin.plots.sweep_plot import draw_sweep, figure_of_sweep
 from symkin.sweeps.run import sweep
-from symkin.view.sweep_plot import draw_sweep, figure_of_sweep
 
 xarray = pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -10,7 +10,7 @@ import pytest
 
 import symkin
 from symkin import InputError
-from symkin.cli import main
+from symkin.cli.app import main
 from symkin.sweeps.run import Swept, sweep
 
 pytest.importorskip("xarray")

@@ -8,7 +8,7 @@ import pytest
 import symkin
 from samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
-from symkin.enumeration.modes import modes_at_need
+from symkin.assembly.modes import modes_at_need
 from symkin.model.file import parse
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply

@@ -10,16 +10,16 @@ from hypothesis import given
 import symkin
 from samples import hexapod, pieper, seeds, three_rrr
 from symkin import RodLimb
+from symkin.homotopy import tracker
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.coplanar import distance_frames, plane_frame, reflection
+from symkin.homotopy.quadratic import quadratic_form, track
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.symmetry import Symmetries, find_symmetries, nullspace, orbits
+from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.values import algebraic_point, known_values
 from symkin.model.mechanism import Mechanism
-from symkin.paths import tracker
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.coplanar import distance_frames, plane_frame, reflection
-from symkin.paths.quadratic import quadratic_form, track
-from symkin.paths.six_distances import universal_system
-from symkin.paths.start_store import start_of
-from symkin.paths.symmetry import Symmetries, find_symmetries, nullspace, orbits
-from symkin.paths.systems import algebraic_systems
-from symkin.paths.values import algebraic_point, known_values
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import matrix_from_quaternion
 

@@ -11,9 +11,9 @@ import pytest
 import symkin
 from laws import closes
 from symkin import InputError
-from symkin.csv_table import read_table
-from symkin.tracking.track import track
-from symkin.tracking.track_csv import read_trajectory, write_track
+from symkin.files.csv_table import read_table
+from symkin.following.track import track
+from symkin.following.track_csv import read_trajectory, write_track
 from test_cli import run, run_json
 from test_follow import bars
 
@@ -198,7 +198,7 @@ def test_no_start_has_status_3(capsys):
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
     """The picture of a track has a panel for each quantity and one for the smallest singular value; a stop is marked in all."""
-    from symkin.view.track_plot import draw_track, figure_of_track
+    from symkin.plots.track_plot import draw_track, figure_of_track
 
     mechanism = symkin.load("zhang2009")
     if problem == "direct":

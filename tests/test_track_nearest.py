@@ -11,7 +11,7 @@ import pytest
 import symkin
 from samples import four_bar, three_rrr, turning
 from symkin import Joint, Limb, Mechanism
-from symkin.tracking.track import track
+from symkin.following.track import track
 
 Z = (0.0, 0.0, 1.0)
 

@@ -11,8 +11,8 @@ import jacobian_cases as cases
 import samples
 import symkin
 from symkin import InputError, SolveError
-from symkin.motion.velocity import velocity_equations
 from symkin.position.mobility import whole_system
+from symkin.velocity.velocity import velocity_equations
 
 
 def _scaled(equations, direct):

@@ -18,14 +18,14 @@ import numpy as np
 
 import symkin
 from symkin.calibration.measurements import Measurements
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
+from symkin.plots.calibration_plot import png, residual_figure
+from symkin.plots.loci_plot import draw_loci
+from symkin.plots.plot import draw_modes
+from symkin.plots.track_plot import draw_track
+from symkin.position.describe import describe
 from symkin.singularities.loci import singular_loci
-from symkin.view.calibration_plot import png, residual_figure
-from symkin.view.describe import describe
-from symkin.view.loci_plot import draw_loci
-from symkin.view.plot import draw_modes
-from symkin.view.track_plot import draw_track
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8

@@ -15,7 +15,7 @@ from footprint import footprint_table
 from harness import Harness, harness_of
 from processors import HOST, measure
 from readme import written
-from symkin.firmware.options import Options
+from symkin.codegen.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"))
 SERIAL = ("gluon_6l3", "yao2020")

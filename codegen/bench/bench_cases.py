@@ -6,10 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from symkin.firmware.program import Kind
-from symkin.firmware.rods import RodPlatform, sample_poses
-from symkin.firmware.serial import SerialArm
-from symkin.firmware.vectors import build_vectors, rounded_to
+from symkin.codegen.program import Kind
+from symkin.codegen.rods import RodPlatform, sample_poses
+from symkin.codegen.serial import SerialArm
+from symkin.codegen.vectors import build_vectors, rounded_to
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply
 

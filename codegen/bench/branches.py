@@ -27,12 +27,12 @@ import numpy as np
 from bench_cases import HOME
 from continuation import Walker
 from readme import written
-from symkin.firmware.emit import Real
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
-from symkin.firmware.program import Kind, build_program
-from symkin.firmware.rods import RodPlatform
-from symkin.firmware.vectors import home_values
+from symkin.codegen.emit import Real
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
+from symkin.codegen.program import Kind, build_program
+from symkin.codegen.rods import RodPlatform
+from symkin.codegen.vectors import home_values
 from symkin.model.file import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import build_problem

@@ -8,8 +8,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from symkin.numeric.system import System
 from symkin.position.problem import Problem
-from symkin.position.system import System
 
 _LANES = 256
 """Most lines that one mapped CasADi call evaluates."""

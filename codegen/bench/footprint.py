@@ -10,8 +10,8 @@ from pathlib import Path
 
 from bench_cases import HOME
 from processors import BOARDS, COMMON
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 from symkin.model.file import load
 
 

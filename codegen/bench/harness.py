@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from bench_cases import cases_of
-from symkin.firmware.emit import Real
-from symkin.firmware.folder import write_folder
-from symkin.firmware.options import Options
-from symkin.firmware.program import Program, build_program
+from symkin.codegen.emit import Real
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
+from symkin.codegen.program import Program, build_program
 from symkin.model.file import load
 
 MAIN = """

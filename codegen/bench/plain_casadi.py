@@ -25,8 +25,8 @@ import numpy as np
 
 import symkin
 from bench_cases import HOME
-from symkin.firmware.options import Options
-from symkin.firmware.program import Program, build_program
+from symkin.codegen.options import Options
+from symkin.codegen.program import Program, build_program
 from symkin.model.file import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.newton import flat_rows

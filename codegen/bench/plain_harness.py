@@ -11,8 +11,8 @@ import numpy as np
 from bench_cases import cases_of
 from harness import Harness, filled, harness_of, table
 from plain_casadi import PlainCasadi
-from symkin.firmware.emit import Real
-from symkin.firmware.folder import write_folder
+from symkin.codegen.emit import Real
+from symkin.codegen.folder import write_folder
 
 EXACT = Real("double")
 POSES = 12

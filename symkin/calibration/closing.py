@@ -13,11 +13,11 @@ from symkin.caching import cached_property
 from symkin.calibration.direct import signs, solved_steps
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel, build_model
-from symkin.model.closure import Closure, build_closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import System
 from symkin.position.given import pose_coordinates, pose_from
-from symkin.position.system import System
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_euler
 

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 
 from symkin.calibration.measurements import NO_GROUP
-from symkin.csv_dialect import listed
-from symkin.csv_table import UNITS, Table
 from symkin.errors import InputError
+from symkin.files.csv_dialect import listed
+from symkin.files.csv_table import UNITS, Table
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
 from symkin.model.dh import DHTable
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb

@@ -16,7 +16,7 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Form
 from symkin.calibration.state import State, ideal_design, merit, restored, stepped
 from symkin.calibration.steps import admitted, null_directions, spectrum
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 REMAINING = 1e-6
 """A state is a minimum when one more linear step would lower chi-square by less than this."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.system import System
 from symkin.position.given import pose_coordinates, pose_from
-from symkin.position.levenberg import levenberg_marquardt
-from symkin.position.system import System
 
 CLOSED = 1e-10
 """A posture is solved when its largest closure row, over the size, is below this."""

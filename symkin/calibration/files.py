@@ -41,10 +41,10 @@ from symkin.calibration.columns import (
 )
 from symkin.calibration.measurements import NO_GROUP, Distance, Measurements
 from symkin.calibration.planning import Accuracy, Plan
-from symkin.csv_table import read_table
 from symkin.errors import InputError
+from symkin.files.csv_table import read_table
+from symkin.files.outputs import write_output
 from symkin.model.mechanism import Mechanism
-from symkin.outputs import write_output
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 
 DistancePoints = tuple[Sequence[float], Sequence[float]]

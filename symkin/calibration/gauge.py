@@ -15,7 +15,7 @@ from symkin.calibration.steps import null_directions
 from symkin.errors import InputError
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 _ROUNDS = 40
 """Most corrections of the frames; each shrinks the departure by the curvature of the unobservable set."""

@@ -18,7 +18,7 @@ from symkin.calibration.state import State, ideal_state
 from symkin.calibration.steps import design, spectrum
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.rank import CLEAR_GAP
+from symkin.numeric.rank import CLEAR_GAP
 
 _LIES_IN = 1e-5
 """A unit direction belongs to the null space when less than this of it sticks out."""

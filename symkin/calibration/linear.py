@@ -19,7 +19,7 @@ from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import Readings, deviations, group_basis, group_sum, whitening
 from symkin.calibration.state import State, evaluate_at, evaluate_readings, ideal_design, joint_covariance_at, slopes
 from symkin.calibration.steps import spectrum
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 _BLOCK = 20_000
 """Rows that are multiplied at once where there are many."""

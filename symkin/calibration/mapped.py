@@ -17,9 +17,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property, computing
-from symkin.paths.c_library import CompilerError, find_compilers, load_library
-from symkin.paths.cache import cache_folder
-from symkin.paths.compiled import OFF
+from symkin.homotopy.compiled import OFF
+from symkin.numeric.c_library import CompilerError, find_compilers, load_library
+from symkin.numeric.cache import cache_folder
 
 _PAYS = 30000
 """A library is compiled when each of its instructions has been interpreted this often: about as long as compiling it."""

@@ -17,8 +17,8 @@ from symkin.calibration.model import build_model
 from symkin.calibration.motions import written_freedoms
 from symkin.calibration.parameters import bound_by_motion
 from symkin.calibration.workspace import Workspace
+from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 
 _POSTURES = 24

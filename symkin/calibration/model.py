@@ -17,10 +17,10 @@ from symkin.caching import cached_property, lru_cache
 from symkin.calibration.mapped import Mapped, build_mapped
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.parameters import FRAMES, ParameterKind, nominal_parameters
+from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
-from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
-from symkin.position.system import System
+from symkin.numeric.system import System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector

@@ -45,7 +45,7 @@ def all_values(model: PostureModel, p: np.ndarray) -> Velocity:
 
 
 def _nominal(model: PostureModel) -> Velocity:
-    from symkin.model.closure import build_closure
+    from symkin.closure.closure import build_closure
 
     closure = build_closure(model.mechanism)
     table = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))

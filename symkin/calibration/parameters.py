@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.model.closure import build_closure, random_values
-from symkin.model.closure_rows import RowBuilder
+from symkin.closure.closure import build_closure, random_values
+from symkin.closure.rows import RowBuilder
 from symkin.model.mechanism import Mechanism
 
 ParameterKind = Literal["length", "angle", "number"]

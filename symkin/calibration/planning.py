@@ -21,7 +21,7 @@ from symkin.calibration.workspace import Workspace
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 _EACH, _MOST = 150, 3000
 """Candidates for each wedge, and in all."""

@@ -16,8 +16,8 @@ from symkin.calibration.model import build_model
 from symkin.calibration.sensitivity import lever, pose_slopes, without_frames
 from symkin.calibration.starting import has_home
 from symkin.calibration.workspace import Workspace
+from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 

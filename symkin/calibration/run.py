@@ -24,9 +24,9 @@ from symkin.calibration.problem import default_parameters
 from symkin.calibration.report import FitReport
 from symkin.calibration.sequence import described, find_sequence
 from symkin.calibration.suspicions import misfit, suspicions
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.text import printable
 

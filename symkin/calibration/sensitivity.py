@@ -20,8 +20,8 @@ from symkin.calibration.parameters import FRAMES
 from symkin.calibration.residuals import build_readings, whitening
 from symkin.calibration.simulate import Noise, read
 from symkin.calibration.workspace import platform_points
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symkin.assembly.modes import modes_at_need
 from symkin.calibration.closing import home_pose, says_reference
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.direct import ROUGH, Postures, known_poses, newton_postures, solve_postures
@@ -20,7 +21,6 @@ from symkin.calibration.measurements import Measurements
 from symkin.calibration.model import PostureModel
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import ANGULAR, linearise
-from symkin.enumeration.modes import modes_at_need
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler

@@ -8,7 +8,7 @@ from symkin.calibration.linear import admissible
 from symkin.calibration.problem import CalibrationProblem
 from symkin.calibration.residuals import neighbours
 from symkin.calibration.state import State, evaluate, joint_covariance
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 _DOUBLE = 53
 """Bits of tail probabilities."""
@@ -20,7 +20,7 @@ def chi_square_tail(value: float, degrees: int) -> float:
     """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
     from flint import arb
 
-    from symkin.proof.balls import precision
+    from symkin.certificate.balls import precision
 
     if degrees <= 0 or value <= 0.0:
         return 1.0
@@ -32,7 +32,7 @@ def f_tail(value: float, first: int, second: int) -> float:
     """Probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first value)."""
     from flint import arb
 
-    from symkin.proof.balls import precision
+    from symkin.certificate.balls import precision
 
     if first <= 0 or second <= 0 or value <= 0.0:
         return 1.0

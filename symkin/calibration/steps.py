@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 
 if TYPE_CHECKING:
     from symkin.calibration.state import State

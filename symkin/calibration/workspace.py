@@ -18,8 +18,8 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.calibration.closing import Closing, Configurations, home_pose, placed
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism

@@ -11,11 +11,11 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.model.mechanism import Mechanism
-from symkin.position.levenberg import levenberg_marquardt
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System
 from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem, build_problem
-from symkin.position.rank import Rank
-from symkin.position.system import System
 
 PROJECTED = 1e-4
 """Distance over the size below which a pose is one of few digits: tables print three of a length, five of a quaternion."""

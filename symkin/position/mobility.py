@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.model.closure import Closure, build_closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
-from symkin.position.levenberg import levenberg_marquardt
-from symkin.position.rank import RANK_TOLERANCE, Rank
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.rank import RANK_TOLERANCE, Rank
+from symkin.numeric.system import System
 from symkin.position.solution import pose_of
-from symkin.position.system import System
 from symkin.spatial.screw import null_space, reciprocal_system, tidy_rows
 
 

@@ -12,15 +12,15 @@ import logging
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.numeric.levenberg import Progress, levenberg_marquardt
+from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.least_squares import LeastSquares
-from symkin.position.levenberg import Progress, levenberg_marquardt
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
-from symkin.position.system import System
 
 DEFAULT_STARTS = 2000
 

@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
+from symkin.numeric.system import System
 from symkin.pool import Pool
 from symkin.position.problem import Problem
-from symkin.position.system import System
 
 Path = list[np.ndarray]
 

@@ -8,11 +8,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.levenberg import levenberg_marquardt
-from symkin.position.system import System, split_blocks
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.system import System, split_blocks
 
 _STARTS = 23
 """Further starts, with random angles, of a limb that the values given do not lead to a closed loop."""

@@ -11,13 +11,13 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.model.closure import Closure, build_closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.system import System
 from symkin.position.given import pose_coordinates
-from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.mobility import analyse_mobility, fewer_rows
-from symkin.position.system import System
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 

@@ -13,11 +13,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property, lru_cache
-from symkin.model.closure import Closure, build_closure, random_values
+from symkin.closure.closure import Closure, build_closure, random_values
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.rank import Rank
-from symkin.position.system import System, constant_rows, split_blocks
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System, constant_rows, split_blocks
 
 Kind = Literal["direct", "inverse"]
 KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}

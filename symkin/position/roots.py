@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.numeric.system import System
 from symkin.position.solution import ACCEPTED
-from symkin.position.system import System
 
 if TYPE_CHECKING:
-    from symkin.proof.independent_rows import PartialProof
+    from symkin.certificate.independent_rows import PartialProof
 
 MOST_MODES = 20_000
 SINGULAR_ROOT = 1e6

@@ -11,14 +11,14 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.model.closure import Closure
+from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
-    from symkin.proof.independent_rows import PartialProof
+    from symkin.certificate.independent_rows import PartialProof
 
 Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
 Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
@@ -242,7 +242,7 @@ class Modes:
         }
 
     def __str__(self) -> str:
-        from symkin.view.table import modes_text
+        from symkin.position.table import modes_text
 
         return modes_text(self)
 
@@ -333,7 +333,7 @@ def _inside(c: Coordinate, value: float, size: float) -> bool:
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    from symkin.model.closure import build_closure
+    from symkin.closure.closure import build_closure
 
     return build_closure(mechanism).coordinates
 

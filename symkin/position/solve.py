@@ -11,9 +11,9 @@ import numpy as np
 from symkin.errors import InputError, SolveError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.given import Given, given_from
 from symkin.position.least_squares import LeastSquares
-from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.moved_starts import (
     StartRank,
     is_singular,

@@ -9,10 +9,10 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import System
 from symkin.position.given import Given, joint_values, pose_coordinates, pose_from
 from symkin.position.passive import fit_passive
 from symkin.position.problem import Problem
-from symkin.position.system import System
 from symkin.spatial.pose import Pose
 
 

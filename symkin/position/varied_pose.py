@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.model.closure import Closure
+from symkin.closure.closure import Closure
 from symkin.model.mechanism import Mechanism, Motion
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector

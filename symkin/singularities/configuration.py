@@ -9,8 +9,8 @@ import numpy as np
 
 from symkin.errors import SolveError
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.given import Given, given_from
-from symkin.position.levenberg import levenberg_marquardt
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import ACCEPTED, Solution, make_solution

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.position.system import System
+from symkin.numeric.system import System
 
 CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""

@@ -22,11 +22,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.model.closure import Closure
-from symkin.motion.differential import motion_columns
+from symkin.closure.closure import Closure
+from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.system import System
 from symkin.position.mobility import whole_system
-from symkin.position.rank import RANK_TOLERANCE
-from symkin.position.system import System
+from symkin.velocity.differential import motion_columns
 
 _SHORTEST_ROW = 1e-4
 """Rows of the closure have derivatives of about 1; a limb whose rows are all below this times the rank tolerance has none."""

@@ -95,7 +95,7 @@ class Loci:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        from symkin.view.loci_text import loci_text
+        from symkin.singularities.loci_text import loci_text
 
         return loci_text(self)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.position.levenberg import levenberg_marquardt
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.singularities.curve import correct
 from symkin.singularities.locus_system import LocusSystem
 

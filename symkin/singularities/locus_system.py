@@ -20,13 +20,13 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
-from symkin.model.closure import Closure, build_closure
 from symkin.model.joint import Coordinate, Kind
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import System
 from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.solution import Solution
-from symkin.position.system import System
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 

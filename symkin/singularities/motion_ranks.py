@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.model.closure import Closure, build_closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import RANK_TOLERANCE
 from symkin.position.mobility import closed_configurations
-from symkin.position.rank import RANK_TOLERANCE
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
 from symkin.singularities.output import Output, output_equations
 

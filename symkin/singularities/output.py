@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.model.closure import Closure
 from symkin.position.solution import pose_of
 from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated, small_null_space
 

@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.position.rank import Rank
+from symkin.numeric.rank import Rank
 
 _LOST = 1e-6
 """A singular value of J below this times the largest at a generic configuration is lost: double roots are known to about 1e-8."""

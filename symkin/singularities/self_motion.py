@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.position.system import System
+from symkin.numeric.system import System
 from symkin.singularities.curve import CORRECTED, distance
 from symkin.singularities.locus_system import LocusSystem
 

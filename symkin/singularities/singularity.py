@@ -22,11 +22,10 @@ from typing import Any
 
 import numpy as np
 
+from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
-from symkin.model.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
-from symkin.motion.velocity import variables_of
-from symkin.position.rank import RANK_TOLERANCE
+from symkin.numeric.rank import RANK_TOLERANCE
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
@@ -37,6 +36,7 @@ from symkin.singularities.output import Output, OutputEquations, make_output, ou
 from symkin.singularities.standing import everywhere, notes_on
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
+from symkin.velocity.velocity import variables_of
 
 TOLERANCE = 1e-6
 """A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
@@ -136,12 +136,12 @@ class Singularity:
 
     def to_json(self) -> dict[str, Any]:
         """One object; infinite numbers are null."""
-        from symkin.view.singularity_text import singularity_json
+        from symkin.singularities.singularity_text import singularity_json
 
         return singularity_json(self)
 
     def __str__(self) -> str:
-        from symkin.view.singularity_text import singularity_text
+        from symkin.singularities.singularity_text import singularity_text
 
         return singularity_text(self)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symkin.model.closure import Closure
+from symkin.closure.closure import Closure
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.output import Output
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.position.system import NO_MOTION, System
+from symkin.numeric.system import NO_MOTION, System
 
 _LANES = 64
 """Points that one mapped call evaluates."""

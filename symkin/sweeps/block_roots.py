@@ -10,16 +10,16 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.errors import TooManyModesError
-from symkin.paths.algebraic import AlgebraicSystem, imaginary_part
-from symkin.paths.branches import real_candidates
-from symkin.paths.dyads import with_dyads
-from symkin.paths.monodromy import Fibre
-from symkin.paths.six_distances import distance_data, is_universal
-from symkin.paths.values import coordinate_scale, real_values
+from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
+from symkin.homotopy.branches import real_candidates
+from symkin.homotopy.dyads import with_dyads
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.six_distances import distance_data, is_universal
+from symkin.homotopy.values import coordinate_scale, real_values
+from symkin.numeric.system import System
 from symkin.position.problem import Problem
 from symkin.position.roots import SINGULAR_ROOT, features, merge
 from symkin.position.solution import ACCEPTED
-from symkin.position.system import System
 from symkin.sweeps.batch import BatchedSystem
 from symkin.sweeps.many_paths import plain_roots
 

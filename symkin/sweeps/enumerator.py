@@ -16,24 +16,24 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.continuation import unsuitable
+from symkin.assembly.modes import modes_at_need
 from symkin.caching import cached_property
-from symkin.enumeration.continuation import unsuitable
-from symkin.enumeration.modes import modes_at_need
 from symkin.errors import InputError, TooManyModesError
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.branches import complex_count
+from symkin.homotopy.dyads import dyads_of
+from symkin.homotopy.engine import engine_of
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.systems import system_of
 from symkin.model.mechanism import Mechanism
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.branches import complex_count
-from symkin.paths.dyads import dyads_of
-from symkin.paths.engine import engine_of
-from symkin.paths.monodromy import Fibre
-from symkin.paths.start_store import start_of
-from symkin.paths.systems import system_of
+from symkin.numeric.levenberg import Progress
+from symkin.numeric.system import System
 from symkin.position.given import Given, given_from
-from symkin.position.levenberg import Progress
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution import ACCEPTED
-from symkin.position.system import System
 from symkin.sweeps.block_roots import BlockRoots
 from symkin.sweeps.finish import Finisher
 from symkin.sweeps.found import Found, from_modes, joined, nothing

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.model.closure import Closure
-from symkin.motion.velocity import variables_of
+from symkin.closure.closure import Closure
 from symkin.position.solution import Modes, Solution
+from symkin.velocity.velocity import variables_of
 
 COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
 """What the numbers of the array `completeness` mean: their place here."""

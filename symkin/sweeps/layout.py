@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.model.closure import build_closure
+from symkin.closure.closure import build_closure
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
 from symkin.sweeps.found import joint_labels

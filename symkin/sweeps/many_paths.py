@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.paths.algebraic import AlgebraicSystem
-from symkin.paths.circles import gaps, separations
-from symkin.paths.engine import aligned, newton, track
-from symkin.paths.local import is_no_pose
-from symkin.paths.monodromy import Fibre
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.circles import gaps, separations
+from symkin.homotopy.engine import aligned, newton, track
+from symkin.homotopy.local import is_no_pose
+from symkin.homotopy.monodromy import Fibre
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""

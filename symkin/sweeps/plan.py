@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from symkin._version import __version__
+from symkin.assembly.search import MOST_STARTS
 from symkin.caching import cached_property
-from symkin.enumeration.search import MOST_STARTS
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Kind

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import given_from
 from symkin.position.pose_conditions import condition_sentence, poses_vary

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.closure import build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks

@@ -86,7 +86,7 @@ def sweep(
     Raises InputError for what does not fit, options that would be ignored, another sweep in the folder, and a folder that
     cannot be written.
     """
-    from symkin.enumeration.search import DEFAULT_SEED
+    from symkin.assembly.search import DEFAULT_SEED
     from symkin.position.multistart import DEFAULT_STARTS
     from symkin.sweeps.arguments import check_types, refuse_unread, whole
     from symkin.sweeps.plan import make_plan

@@ -1,0 +1,86 @@
+"""What is proved of a block's modes: each one by a certificate, and their number where a theorem bounds it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.systems import whole_system
+from symkin.homotopy.values import algebraic_point
+from symkin.numeric.system import System
+from symkin.position.given import Given
+from symkin.position.problem import Problem
+from symkin.position.roots import Proofs
+
+if TYPE_CHECKING:
+    from symkin.certificate.bounds import Bound
+    from symkin.certificate.certificate import Certificates
+    from symkin.certificate.independent_rows import PartialProof
+
+
+@dataclass(frozen=True, eq=False)
+class Prover:
+    """Certificates of a block's complex roots, where the paths' system holds all its coordinates, and of its modes."""
+
+    problem: Problem
+    block: System
+    given: Given
+    whole: AlgebraicSystem
+    bound: Bound | None
+    ends: Certificates | None
+
+    @staticmethod
+    def of(problem: Problem, system: AlgebraicSystem, block: System, ends: np.ndarray, given: Given) -> Prover:
+        """`ends` (width, n) are regular complex roots of `system`."""
+        from symkin.certificate.bounds import bound_of
+        from symkin.certificate.certificate import certify
+        from symkin.certificate.exact import exact_known
+
+        whole, bound = whole_system(problem, block), bound_of(problem, system)
+        found = None
+        if bound is not None:
+            found = certify(bound.system, ends, bound.known(given.values), problem.closure.size)
+        elif whole is system and not system.limbs:
+            found = certify(whole, ends, exact_known(problem, given.values), problem.closure.size)
+        return Prover(problem, block, given, whole, bound, found)
+
+    def not_real(self, count: int) -> np.ndarray:
+        """Which of the `count` roots are proved not to be real, however near to it."""
+        return np.zeros(count, dtype=bool) if self.ends is None else self.ends.real == "not real"
+
+    def proofs(self, points: np.ndarray) -> Proofs:
+        """What is proved of real roots `points` (m, width) of the block."""
+        from symkin.certificate.bounds import proves
+        from symkin.certificate.certificate import certify
+        from symkin.certificate.exact import exact_known
+
+        named = [{c.name: z[s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)} for z in points]
+        real = [algebraic_point(self.problem, self.whole, values) for values in named]
+        found = self.ends
+        if found is None:
+            columns = np.array(real).T.reshape(self.whole.width, len(real))
+            found = certify(self.whole, columns, exact_known(self.problem, self.given.values), self.problem.closure.size)
+        pairs = [found.find(z) for z in real]
+        theorem = None
+        if self.bound is not None and proves(found, self.bound) and len(points) == int(np.sum(found.real == "real")):
+            t = self.bound.theorem
+            theorem = f"{t.count}: {t.about} ({t.reference})"
+        return Proofs(
+            np.array([pair is not None for pair in pairs], dtype=bool),
+            np.array([np.nan if pair is None else pair[1] for pair in pairs]),
+            theorem,
+            found.distinct,
+            next((reason for reason in found.reasons if reason), None) if None in pairs else None,
+            tuple(self._partial(z) if pair is None else None for z, pair in zip(real, pairs, strict=True)),
+        )
+
+    def _partial(self, z: np.ndarray) -> PartialProof | None:
+        """What is proved of a root that has no certificate."""
+        from symkin.certificate.exact import exact_known
+        from symkin.certificate.independent_rows import prove_independent_rows
+
+        known = exact_known(self.problem, self.given.values)
+        return prove_independent_rows(self.whole, z, known, self.problem.closure.size)

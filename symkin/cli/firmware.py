@@ -1,0 +1,48 @@
+"""`symkin firmware`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.cli.options import MechArgument, numbers_from
+
+
+class RealType(StrEnum):
+    float = "float"
+    double = "double"
+
+
+class GeometryChoice(StrEnum):
+    fixed = "fixed"
+    struct = "struct"
+
+
+def firmware(
+    mech: MechArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
+    real: Annotated[RealType, typer.Option(help="The C type of numbers.")] = RealType.double,
+    home_relative: Annotated[
+        bool, typer.Option("--home-relative", help="Joint values and positions as changes from home (platforms on six rods).")
+    ] = False,
+    geometry: Annotated[
+        GeometryChoice, typer.Option(help="Numbers in the code, or a struct given with each call.")
+    ] = GeometryChoice.fixed,
+    home: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="Pose about which pivots are chosen (platforms on six rods)."),
+    ] = None,
+) -> None:
+    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
+    from symkin.codegen.folder import write_folder
+    from symkin.codegen.options import Options
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    pose = numbers_from(home, "home", mechanism.angle_unit)
+    options = Options(real.value, home_relative, geometry.value, None if pose is None else tuple(pose))
+    for path in write_folder(mechanism, output, options):
+        print(path)

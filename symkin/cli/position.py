@@ -1,0 +1,97 @@
+"""`symkin modes` and `symkin solve`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.cli.options import (
+    JointsOption,
+    JsonOption,
+    MechArgument,
+    PoseOption,
+    SearchSeedOption,
+    StartOption,
+    numbers_from,
+    print_result,
+    whole_number,
+)
+from symkin.cli.progress import progress_bar
+
+
+class Method(StrEnum):
+    continuation = "continuation"
+    multistart = "multistart"
+
+
+class SolverName(StrEnum):
+    newton = "newton"
+    ipopt = "ipopt"
+
+
+def modes(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    method: Annotated[
+        Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
+    ] = Method.continuation,
+    starts: Annotated[
+        int | None,
+        typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
+    ] = None,
+    seed: SearchSeedOption = None,
+    as_json: JsonOption = False,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
+) -> None:
+    """Find every solution: assembly modes of given joints, working modes of a given pose."""
+    from symkin.assembly.modes import modes as find_modes
+    from symkin.model.file import load
+
+    mechanism = load(mech)
+    if plot is not None:
+        from symkin.plots.plot import check_picture_path
+
+        check_picture_path(plot)
+    with progress_bar("solutions") as progress:
+        found = find_modes(
+            mechanism,
+            joints=numbers_from(joints, "joints", mechanism.angle_unit),
+            pose=numbers_from(pose, "pose", mechanism.angle_unit),
+            method=method.value,
+            starts=starts,
+            seed=seed,
+            progress=progress,
+        )
+    if plot is not None:
+        from symkin.plots.plot import draw_modes
+
+        draw_modes(found, plot)
+    print_result(as_json, found.to_json, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
+    raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
+
+
+def solve(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    start: StartOption = None,
+    solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
+    as_json: JsonOption = False,
+) -> None:
+    """Find one solution near a start."""
+    from symkin.model.file import load
+    from symkin.position.solve import solve as solve_one
+    from symkin.position.table import solve_text
+
+    mechanism = load(mech)
+    unit = mechanism.angle_unit
+    result = solve_one(
+        mechanism, joints=numbers_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
+        start=numbers_from(start, "start", unit), solver=solver.value, check=False,
+    )  # fmt: skip
+    print_result(as_json, result.to_json, lambda: solve_text(result))
+    raise typer.Exit(0 if result.solution is not None else 3)

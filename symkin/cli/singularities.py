@@ -1,0 +1,122 @@
+"""`symkin singularities`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.cli.options import (
+    JointsOption,
+    JsonOption,
+    MechArgument,
+    PoseOption,
+    SearchSeedOption,
+    StartOption,
+    numbers_from,
+    print_result,
+    whole_number,
+)
+from symkin.cli.progress import progress_bar
+from symkin.cli.streams import say
+from symkin.errors import InputError, SolveError
+from symkin.ignored_options import refuse_ignored
+from symkin.model.written_number import written_number
+
+
+def singularities(
+    mech: MechArgument,
+    joints: JointsOption = None,
+    pose: PoseOption = None,
+    start: StartOption = None,
+    plane: Annotated[
+        str | None,
+        typer.Option(
+            metavar="U,V",
+            help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
+            "configuration's orientation) or two actuated joints, others held.",
+        ),
+    ] = None,
+    window: Annotated[
+        str | None,
+        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
+    starts: Annotated[
+        int | None, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.")
+    ] = None,
+    seed: SearchSeedOption = None,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame), in place of position and "
+            "orientation together.",
+        ),
+    ] = None,
+    point: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="The output's point in the platform's frame; without --output x,y,z of it."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Name the singularity of one configuration, or draw the loci over a plane through it."""
+    from symkin.model.file import load
+    from symkin.position.solution import SolveResult
+    from symkin.singularities.configuration import configuration
+
+    if plane is None:
+        loci_only = {"--range": window, "--plot": plot, "--starts": starts, "--seed": seed}
+        refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
+    if plane is not None and (output is not None or point is not None):
+        raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
+    mechanism = load(mech)
+    if plot is not None:
+        from symkin.plots.plot import check_picture_path
+
+        check_picture_path(plot)
+    unit = mechanism.angle_unit
+    sides = _window(window, unit)
+    given = numbers_from(joints, "joints", unit), numbers_from(pose, "pose", unit), numbers_from(start, "start", unit)
+    try:
+        solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
+    except SolveError as error:
+        if as_json and isinstance(error.result, SolveResult):
+            print(json.dumps(error.result.to_json(), allow_nan=False))
+        say(error)
+        raise typer.Exit(3) from None
+    if plane is None:
+        from symkin.singularities.output import make_output
+        from symkin.singularities.singularity import classify
+
+        names = None if output is None else [name.strip() for name in output.split(",")]
+        found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
+        print_result(as_json, found.to_json, lambda: str(found))
+        return
+    from symkin.singularities.loci import DEFAULT_STARTS, singular_loci
+
+    names = [name.strip() for name in plane.split(",")]
+    with progress_bar("singularity loci"):
+        count = DEFAULT_STARTS if starts is None else starts
+        loci = singular_loci(solution, names, ranges=sides, starts=count, seed=0 if seed is None else seed)
+    if plot is not None:
+        from symkin.plots.loci_plot import draw_loci
+
+        draw_loci(loci, plot)
+    print_result(as_json, loci.to_json, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
+
+
+def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
+    """Two pairs low:high."""
+    if text is None:
+        return None
+    pairs = []
+    for part in text.split(","):
+        try:
+            low, high = part.split(":")
+            pairs.append((written_number(low, angle_unit), written_number(high, angle_unit)))
+        except (ValueError, InputError):
+            raise InputError(f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as -100:100,-50:50") from None
+    return pairs

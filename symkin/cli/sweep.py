@@ -1,0 +1,128 @@
+"""`symkin sweep`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from symkin.cli.options import Interrupted, MechArgument, SearchSeedOption, numbers_from, whole_number
+from symkin.cli.progress import progress_bar
+from symkin.errors import InputError
+
+
+class Quantity(StrEnum):
+    modes = "modes"
+    conditioning = "conditioning"
+    reach = "reach"
+
+
+def _count(name: str, text: str) -> Any:
+    return typer.Option(name, metavar="N", parser=whole_number, help=text)
+
+
+def sweep(
+    mech: MechArgument,
+    grid: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT,...", help="What is swept; NAME=LOW:HIGH with --random, NAME=VALUE for one value."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
+    ],
+    poses: Annotated[
+        bool,
+        typer.Option(
+            "--poses",
+            help="Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the orientation of --at; those of the motion.",
+        ),
+    ] = False,
+    at: Annotated[
+        str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")
+    ] = None,
+    random: Annotated[int | None, _count("--random", "Random points in place of a grid.")] = None,
+    seed: SearchSeedOption = None,
+    quantity: Annotated[Quantity, typer.Option(help="What is stored.")] = Quantity.modes,
+    certify: Annotated[bool, typer.Option("--certify", help="Prove every mode; takes many times as long.")] = False,
+    starts: Annotated[int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")] = None,
+    workers: Annotated[int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")] = None,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.")
+    ] = None,
+    chunk: Annotated[int | None, _count("--chunk", "Points that are computed and written at a time.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.")] = None,
+    slices: Annotated[
+        str | None,
+        typer.Option("--slice", metavar="NAME=VALUE,...", help="Where the map cuts a grid of more than two dimensions."),
+    ] = None,
+) -> None:
+    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
+    from symkin.model.file import load
+    from symkin.sweeps.ranges import check_map_is_left, check_slices, read_ranges, read_values
+    from symkin.sweeps.run import sweep as run
+
+    mechanism = load(mech)
+    unit = mechanism.angle_unit
+    ranges = read_ranges(grid, sampled=random is not None, angle_unit=unit)
+    cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
+    check_slices(cuts, ranges, sampled=random is not None)
+    check_map_is_left(cuts, ranges)
+    if slices is not None and plot is None:
+        raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
+    if plot is not None:
+        from symkin.plots.plot import check_picture_path
+
+        check_picture_path(plot)
+    with _kept_when_interrupted(output), _progress() as progress:
+        swept = run(
+            mechanism, ranges, output, poses=poses, at=numbers_from(at, "at", unit), random=random, seed=seed, quantity=quantity.value,
+            certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
+        )  # fmt: skip
+    print(swept)
+    if plot is not None:
+        from symkin.plots.sweep_plot import draw_sweep
+
+        draw_sweep(output, plot, slices=cuts)
+        print(f"picture: {plot}")
+
+
+@contextmanager
+def _kept_when_interrupted(folder: Path) -> Iterator[None]:
+    """Ctrl-C says what is not lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = f"finished chunks are kept in {folder}, and the same command goes on from there"
+        raise Interrupted(kept if (folder / "zarr.json").exists() else "nothing was begun") from None
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and then."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        with progress_bar("points") as lines:
+            yield lines
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("points"), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("points", total=None, rate="")
+
+        def show(done: int, total: int) -> None:
+            if bar.tasks[0].total is None:
+                bar.reset(task, total=total, completed=done, rate="")
+                return
+            bar.update(task, completed=done)
+            speed = bar.tasks[0].speed
+            bar.update(task, rate="" if speed is None else f"{speed:.3g}/s")
+
+        yield show

@@ -1,0 +1,209 @@
+"""The loop closure F(q, x, X, p) = 0 of a mechanism, built once and symbolically (rows: see `closure_rows`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property, lru_cache
+from symkin.closure.rows import Dyad, PoseForm, Row, RowBuilder
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+
+_ZERO_ROW = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """Rows F and their full check over the variables (q, x, X) and the geometry p.
+
+    `variables` stacks the coordinates in the order actuated, passive, pose; a quaternion takes four numbers, and its
+    norm is not among the rows. `errors` restates every constraint without squares and with whole rotation matrices:
+    distances for the distance rows, axis and frame vectors times the size for the others (length unit). `pose` is the
+    platform's pose as an expression of the pose coordinates; `forward` that of the joints, where a limb has no passive
+    joint (a serial arm); `idle` names the freedoms that the closure does not hold.
+    """
+
+    mechanism: Mechanism
+    coordinates: tuple[Coordinate, ...]
+    variables: ca.SX
+    parameters: ca.SX
+    parameter_names: tuple[str, ...]
+    parameter_values: np.ndarray
+    rows: ca.SX
+    row_sources: tuple[Row, ...]
+    errors: ca.SX
+    pose: Pose
+    forward: Pose | None
+    idle: tuple[str, ...]
+
+    @property
+    def size(self) -> float:
+        return self.mechanism.size
+
+    @cached_property
+    def slices(self) -> dict[str, slice]:
+        """Where each coordinate stands in `variables`."""
+        places, start = {}, 0
+        for coordinate in self.coordinates:
+            places[coordinate.name] = slice(start, start + coordinate.width)
+            start += coordinate.width
+        return places
+
+    @cached_property
+    def reference(self) -> np.ndarray:
+        """Values of `variables` at the reference configuration."""
+        return np.concatenate([np.array(c.reference) for c in self.coordinates])
+
+    def bound(self, expression: ca.SX) -> ca.SX:
+        """The expression with the nominal geometry in place of p; constants fold."""
+        return ca.substitute(expression, self.parameters, ca.SX(ca.DM(self.parameter_values)))
+
+    def role(self, *roles: str) -> tuple[Coordinate, ...]:
+        return tuple(c for c in self.coordinates if c.role in roles)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism: symbols and functions stay in their process and are built anew from it."""
+        return build_closure, (self.mechanism,)
+
+
+@dataclass(frozen=True, eq=False)
+class AlgebraicClosure:
+    """The closure's rows, geometry bound, over joints and a pose whose quaternion has any length.
+
+    `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a quaternion it is the closure's
+    own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
+    point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
+    point of each row (7 numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated` gives the
+    values of actuated joints that were cut by the others, `dyads` stand for universal joints that distances replace.
+    """
+
+    closure: Closure
+    joints: ca.SX
+    pose: ca.SX
+    rows: ca.SX
+    form: PoseForm | None
+    distances: ca.SX | None
+    coordinates: tuple[Coordinate, ...]
+    eliminated: tuple[tuple[Coordinate, ca.SX], ...]
+    dyads: tuple[Dyad, ...]
+
+
+@lru_cache(maxsize=128)
+def build_closure(mechanism: Mechanism) -> Closure:
+    """The closure of a mechanism; mechanisms are frozen, so that it is built once for each."""
+    builder = RowBuilder(mechanism)
+    builder.build_rows()
+    return _assemble(builder)
+
+
+def numbered_rows(closure: Closure) -> ca.SX:
+    """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point at
+    1e-14, an axis off by 1e-17) are where they are meant to be."""
+    builder = RowBuilder(closure.mechanism, bound=True)
+    builder.build_rows()
+    variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
+    kept = _nonzero_rows(builder, closure.coordinates, variables, ca.SX(0, 1), np.zeros(0))
+    return ca.substitute(ca.vertcat(*(builder.rows[k] for k in kept)), variables, closure.variables)
+
+
+@lru_cache(maxsize=128)
+def build_algebraic_closure(
+    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, dyads: bool = True
+) -> AlgebraicClosure:
+    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
+    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `dyads`, universal
+    joints before spherical ones are left out where the pose is unknown."""
+    builder = RowBuilder(mechanism, form, eliminate=eliminate, dyads=dyads)
+    builder.build_rows()
+    return _assemble_algebraic(builder, build_closure(mechanism))
+
+
+def _assemble(builder: RowBuilder) -> Closure:
+    order = {"actuated": 0, "passive": 1, "pose": 2}
+    pairs = sorted(builder.coordinates.values(), key=lambda pair: order[pair[0].role])
+    actuated = {c.name: k for k, c in enumerate(builder.mechanism.actuated)}
+    in_file_order = sorted((p for p in pairs if p[0].role == "actuated"), key=lambda p: actuated[p[0].name])
+    pairs = in_file_order + [p for p in pairs if p[0].role != "actuated"]
+    coordinates = tuple(pair[0] for pair in pairs)
+    variables = ca.vertcat(*(pair[1] for pair in pairs))
+    symbols, names, values = _used_parameters(builder)
+    kept = _nonzero_rows(builder, coordinates, variables, symbols, values)
+    rows, sources = ca.vertcat(*(builder.rows[k] for k in kept)), tuple(builder.sources[k] for k in kept)
+    return Closure(
+        builder.mechanism, coordinates, variables, symbols, names, values, rows, sources,
+        _without_unused(builder, names), builder.pose, builder.forward, tuple(text for text in builder.idle if text),
+    )  # fmt: skip
+
+
+def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.ndarray]:
+    """Only parameters on which the closure or the tool pose depends."""
+    table = builder.table
+    everything = ca.vertcat(*table.symbols)
+    depends = ca.which_depends(ca.vertcat(*builder.rows, builder.pose.position, builder.pose.quaternion), everything, 1, False)
+    used = [k for k, flag in enumerate(depends) if flag]
+    symbols = ca.vertcat(*(table.symbols[k] for k in used)) if used else ca.SX(0, 1)
+    return symbols, tuple(table.names[k] for k in used), np.array([table.values[k] for k in used])
+
+
+def _without_unused(builder: RowBuilder, names: Sequence[str]) -> ca.SX:
+    """The checks with the nominal values of parameters that the rows do not depend on: axes that cancel in them, say."""
+    table, kept = builder.table, set(names)
+    unused = [k for k, name in enumerate(table.names) if name not in kept]
+    errors = ca.vertcat(*builder.errors)
+    symbols, values = [table.symbols[k] for k in unused], [table.values[k] for k in unused]
+    return ca.substitute(errors, ca.vertcat(*symbols), ca.SX(ca.DM(values))) if unused else errors
+
+
+def _nonzero_rows(
+    builder: RowBuilder, coordinates: Sequence[Coordinate], variables: ca.SX, symbols: ca.SX, values: np.ndarray
+) -> tuple[int, ...]:
+    """Numbers of the rows that a restricted motion leaves: those that vanish identically at the nominal geometry are dropped."""
+    rows = ca.vertcat(*builder.rows)
+    if builder.mechanism.motion == "spatial":
+        return tuple(range(rows.shape[0]))
+    evaluate = ca.Function("rows", [variables, symbols], [rows])
+    rng = np.random.default_rng(0)
+    largest = np.zeros(rows.shape[0])
+    for _ in range(3):
+        sample = random_values(coordinates, builder.mechanism.size, rng)
+        largest = np.maximum(largest, np.abs(np.asarray(evaluate(sample, values))).ravel())
+    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.size))
+
+
+def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosure:
+    coordinates = tuple(c for c in closure.role("actuated", "passive") if c.name in builder.coordinates)
+    joints = ca.vertcat(*(builder.coordinates[c.name][1] for c in coordinates))
+    if builder.form is None:
+        pose = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.role("pose")))
+    else:
+        pose = builder.pose_symbols
+    nothing = ca.SX(0, 1)
+    variables = ca.vertcat(joints, pose)
+    kept = _nonzero_rows(builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0))
+    rows = ca.vertcat(*(builder.rows[k] for k in kept))
+    all_distances = len(builder.distances) == len(builder.rows) and not any(c.role == "passive" for c in coordinates)
+    distances = ca.vertcat(*builder.distances) if all_distances else None
+    return AlgebraicClosure(
+        closure, joints, pose, rows, builder.form, distances, coordinates, tuple(builder.eliminated), tuple(builder.dyads)
+    )
+
+
+def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:
+    """Random coordinate values about the reference: lengths by the size, angles and rotations anywhere."""
+    parts = []
+    for c in coordinates:
+        match c.kind:
+            case "length":
+                parts.append(np.array(c.reference) + size * rng.uniform(-1, 1, 1))
+            case "quaternion":
+                q = rng.normal(size=4)
+                parts.append(q / np.linalg.norm(q))
+            case _:
+                parts.append(np.array(c.reference) + rng.uniform(-np.pi, np.pi, 1))
+    return np.concatenate(parts)

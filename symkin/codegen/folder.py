@@ -1,0 +1,197 @@
+"""The folder of one mechanism: sources, test, build files, derivation and manifest; the same model gives the same bytes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from symkin._version import __version__
+from symkin.codegen.derivation import readme
+from symkin.codegen.emit import Real, indent
+from symkin.codegen.options import Options
+from symkin.codegen.program import Program, build_program
+from symkin.codegen.serial import SerialArm
+from symkin.codegen.source import fill
+from symkin.codegen.vectors import Vectors, build_vectors
+from symkin.errors import InputError
+from symkin.files.outputs import write_output
+from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
+from symkin.model.mechanism import Mechanism
+
+_KEY = "model_sha256"
+"""What the manifest of a folder of firmware has, and others have not."""
+
+
+def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
+    """Writes the folder (made where it is missing) and returns its files. Raises InputError where that would replace a file
+    that is not symkin's, is another mechanism's, or was edited."""
+    check_folder(mechanism, folder)
+    files = folder_files(mechanism, options)
+    try:
+        _check_files(folder, files)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            write_output(folder / name, text)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
+    return [folder / name for name in files]
+
+
+def check_folder(mechanism: Mechanism, folder: Path) -> None:
+    """Raises InputError where the folder holds the code of another mechanism."""
+    written = read_manifest(folder, _KEY)
+    if written.get("mechanism", mechanism.name) != mechanism.name:
+        raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
+
+
+def _check_files(folder: Path, files: dict[str, str]) -> None:
+    """Raises InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
+    be, as after a run that was cut short."""
+    written = read_manifest(folder, _KEY)
+    digests = {name: (written.get("files", {}).get(name), digest(text.encode())) for name, text in files.items()}
+    names = [name for name in files if name != MANIFEST or not written]
+    remedy = "move them away, or give another folder with -o"
+    refuse_foreign(folder, foreign_files(folder, names, digests), written.get("files", {}), remedy)
+
+
+def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
+    """Text of each file by its name."""
+    program = build_program(mechanism, options)
+    vectors = build_vectors(program.kind)
+    name = mechanism.name
+    values = program.values | _test_values(program)
+    serial = mechanism.serial
+    files = {
+        f"{name}.h": program.header,
+        f"{name}.c": program.source,
+        f"{name}_test.c": fill("serial_test.c" if serial else "parallel_test.c", values),
+        f"{name}_vectors.h": vectors_text(program, vectors),
+        "example_main.c": fill("serial_example.c" if serial else "parallel_example.c", values),
+        "CMakeLists.txt": fill("CMakeLists.txt", values),
+        "Makefile": fill("Makefile", values),
+        "README.md": readme(program),
+    }
+    files[MANIFEST] = manifest(program, files)
+    return files
+
+
+def manifest(program: Program, files: dict[str, str]) -> str:
+    """Versions, options, model and file digests: what decides the bytes."""
+    options = program.options
+    content = {
+        "mechanism": program.mechanism.name,
+        "model_sha256": program.mechanism.digest,
+        "symkin": __version__,
+        "casadi": ca.__version__,
+        "options": {
+            "real": options.real,
+            "home_relative": options.home_relative,
+            "geometry": options.geometry,
+            "home": options.home,
+        },
+        "operations_per_iteration": program.main.operations,
+        "files": {name: digest(text.encode()) for name, text in sorted(files.items())},
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _test_values(program: Program) -> dict[str, object]:
+    real, mechanism = program.real, program.mechanism
+    struct = program.options.geometry == "struct"
+    name = mechanism.name
+    nominal = (
+        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n    const {name}_geometry *const geometry = &nominal;"
+        if struct
+        else ""
+    )
+    return _redundant_values(program) | {
+        "far": real.literal(1e4 * max(mechanism.size, 1.0)),
+        "angle_bound": _angle_bound(program),
+        "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
+        "nominal": nominal,
+        "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
+    }  # fmt: skip
+
+
+def _angle_bound(program: Program) -> str:
+    """What makes the allowed error of lengths one of joint values, some of which are angles."""
+    angular = any(c.is_angular for c in program.mechanism.actuated)
+    return f" * {max(1.0, 2.0 / program.mechanism.size)!r}" if angular else ""
+
+
+def _redundant_values(program: Program) -> dict[str, object]:
+    """How answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
+    finely followed path, and exactly by the tool's pose."""
+    kind, name = program.kind, program.mechanism.name
+    if not isinstance(kind, SerialArm) or not kind.is_redundant:
+        return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
+    slides = " || ".join(f"(i == {i})" for i, c in enumerate(kind.actuated) if not c.is_angular)
+    bound = f"(({slides}) ? {0.01 * program.mechanism.size!r} : 0.01)" if slides else "0.01"
+    first = "geometry, " if program.options.geometry == "struct" else ""
+    again = [
+        f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the answer", k);',
+        "for (int i = 0; i < 3; ++i) {",
+        f'    expect(fabs((double)pose.position[i] - (double){name}_vector_poses[k][i]) <= bound, "the answer\'s position", k);',
+        "}",
+        "for (int i = 0; i < 4; ++i) {",
+        f"    const double off = fabs((double)pose.quaternion[i] - (double){name}_vector_poses[k][3 + i]);",
+        f'    expect((double){name.upper()}_SIZE * off <= bound, "the answer\'s quaternion", k);',
+        "}",
+    ]
+    return {"joint_bound": bound, "again": indent(again, 2)}
+
+
+def vectors_text(program: Program, vectors: Vectors) -> str:
+    """NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
+    name, real = program.mechanism.name, program.real
+    serial = program.mechanism.serial
+    kind = f"{name}_real"
+    far = _far(vectors)
+    tables = [
+        ("guesses", vectors.guesses),
+        ("joints", vectors.joints),
+        ("poses", vectors.poses),
+        ("inverse", vectors.inverse),
+        ("jacobians", vectors.jacobians),
+    ]
+    lines = [
+        f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
+        " * SPDX-License-Identifier: MIT */",
+        f"#ifndef {name.upper()}_VECTORS_H", f"#define {name.upper()}_VECTORS_H", "", f'#include "{name}.h"', "",
+        f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
+        f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
+        f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
+        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.size)}", "",
+    ]  # fmt: skip
+    for label, table in tables:
+        lines += _table(f"{kind} {name}_vector_{label}", table, real)
+    if len(vectors.singular):
+        lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
+    if not serial:
+        for label, row in (("home", vectors.home), ("far", far)):
+            lines.append(
+                f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+            )
+    bounds = ", ".join(f"{float(v):.2g}" for v in vectors.bounds)
+    lines += [
+        "",
+        "/* Error allowed, as a length. */",
+        f"static const double {name}_vector_bounds[{len(vectors.bounds)}] = {{ {bounds} }};",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
+    rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
+    return [f"static const {head}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+
+
+def _far(vectors: Vectors) -> np.ndarray:
+    """The pose farthest from the first vector's: too long a step for tracking."""
+    return np.asarray(vectors.poses[int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))])

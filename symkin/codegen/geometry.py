@@ -1,0 +1,68 @@
+"""Where generated code takes its geometry from: numbers folded into it, or the members of a struct given at run time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.closure import Closure
+from symkin.codegen.emit import Real
+from symkin.model.names import identifiers
+from symkin.numeric.system import System
+from symkin.position.problem import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """The parameters p of a closure: none of them symbols where `at_run_time` is false."""
+
+    closure: Closure
+    at_run_time: bool
+
+    @property
+    def symbols(self) -> ca.SX:
+        return self.closure.parameters if self.at_run_time else ca.SX(0, 1)
+
+    @property
+    def values(self) -> np.ndarray:
+        """Nominal numbers in the order of the symbols."""
+        return self.closure.parameter_values if self.at_run_time else np.zeros(0)
+
+    @cached_property
+    def members(self) -> list[str]:
+        """Members of the struct: key paths with C's letters, `leg1.base.x` as `leg1_base_x`."""
+        return identifiers(self.closure.parameter_names) if self.at_run_time else []
+
+    @property
+    def names(self) -> list[str]:
+        """C text of each symbol."""
+        return [f"geometry->{member}" for member in self.members]
+
+    def of(self, expression: ca.SX) -> ca.SX:
+        """An expression of the closure with numbers in place of p, unless p comes at run time."""
+        return expression if self.at_run_time else self.closure.bound(expression)
+
+    def system(self, problem: Problem) -> System:
+        """The problem's system over p."""
+        bound, closure = problem.system, self.closure
+        return System(bound.unknowns, bound.unknown, bound.known, self.of(closure.rows), self.of(closure.errors), bound.size)
+
+    def declaration(self, name: str, real: Real) -> str:
+        """The struct and its nominal values, for the header."""
+        prefix = name.upper()
+        members = [f"    {name}_real {member};" for member in self.members]
+        last = len(self.members) - 1
+        numbers = [
+            f"        {real.literal(float(v))}{',' if k < last else ''} /* {member} */ \\"
+            for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
+        ]
+        return "\n".join([
+            "/* Geometry by the model's key paths: lengths, angles in radians, directions and quaternions of any length. Branches",
+            " * and pivots were chosen for the nominal values: give what a calibration finds, not another machine. Where constraints",
+            " * depend on one another, values that contradict them leave no pose, and no call is OK. */",
+            "typedef struct {", *members, f"}} {name}_geometry;", "",
+            "/* Nominal geometry, as an initialiser. */", f"#define {prefix}_NOMINAL \\", "    { \\", *numbers, "    }", "",
+        ])  # fmt: skip

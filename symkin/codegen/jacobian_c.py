@@ -1,0 +1,41 @@
+"""Jacobians as one C function, printed by the firmware's emitter."""
+
+from __future__ import annotations
+
+import textwrap
+
+import casadi as ca
+
+from symkin.codegen.emit import Emitter, Real, indent, indexed
+from symkin.codegen.jacobian_header import header
+from symkin.text import c_comment
+from symkin.velocity.jacobian import Jacobian
+
+
+def c_source(jacobian: Jacobian) -> str:
+    """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major. It takes plain doubles, so that it
+    compiles beside the firmware of the same mechanism, of either type."""
+    name, real = jacobian.mechanism.name, Real("double", "double")
+    sizes = {"variables": len(jacobian.inputs), "geometry": len(jacobian.parameters)}
+    function = ca.Function("f", [jacobian.symbols], [ca.densify(jacobian.expression)], {"cse": True})
+    inputs = [text for array, count in sizes.items() for text in indexed(array, count)]
+    emitter = Emitter(function, [inputs], real)
+    rows, columns = jacobian.shape
+    entries = [emitter.value(0, i + rows * j) for i in range(rows) for j in range(columns)]
+    arrays = [f"const {real.type} {array}[{count}]" for array, count in sizes.items() if count]
+    head = f"void {name}_{jacobian.kind}_jacobian({', '.join([*arrays, f'{real.type} jacobian[{rows * columns}]'])})"
+    body = [*emitter.lines, *(f"jacobian[{k}] = {text};" for k, text in enumerate(entries))]
+    unread = [array for array, count in sizes.items() if count and not any(f"{array}[" in line for line in body)]
+    body = [*(f"(void){array};" for array in unread), *body]
+    return "\n".join([
+        "/*", *(f" * {line}".rstrip() for line in _comment(jacobian)), " */", "#include <math.h>", "",
+        f"{head};", "", head, "{", indent(body), "}", "",
+    ])  # fmt: skip
+
+
+def _comment(jacobian: Jacobian) -> list[str]:
+    names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
+    order = (
+        "variables[k] are the inputs, " + ("geometry[k] the geometry, " if jacobian.parameters else "") + "jacobian is row-major."
+    )
+    return [c_comment(line) for line in [*header(jacobian, names), *textwrap.wrap(order, 110)]]

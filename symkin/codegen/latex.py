@@ -1,0 +1,204 @@
+"""Expressions and closure equations as LaTeX."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from symkin.closure.closure import Closure, build_closure, numbered_rows
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
+from symkin.codegen.expression import write as write_in
+from symkin.codegen.tidying import tidied
+from symkin.model.mechanism import Mechanism
+from symkin.text import ascii_letters, latex_text
+
+_FUNCTIONS = {
+    ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
+    ca.OP_ATAN: r"\arctan", ca.OP_EXP: r"\exp", ca.OP_LOG: r"\ln",
+}  # fmt: skip
+_GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omega")
+
+
+def equations(mechanism: Mechanism) -> str:
+    """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
+    closure = build_closure(mechanism)
+    rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables]), [closure.variables])
+    parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    names = distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
+    definitions, results = write(rows, closure.variables, names)
+    norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
+    lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
+    if definitions:
+        lines += [r"\begin{align*}", *(rf"{name} &= {text} \\" for name, text in definitions), r"\end{align*}"]
+    lines.append(r"\begin{align*}")
+    for row, text in zip(closure.row_sources, results, strict=True):
+        lines.append(rf"0 &= {text} && \text{{{latex_text(row.limb)}: {row.relation}}} \\")
+    for place in norms:
+        lines.append("0 &= " + " + ".join(f"{name}^2" for name in names[place]) + r" - 1 && \text{unit quaternion} \\")
+    return "\n".join([*lines, r"\end{align*}"])
+
+
+def document(body: str) -> str:
+    """A document that compiles on its own around a fragment."""
+    return "\n".join(
+        [
+            r"\documentclass{article}",
+            r"\usepackage{amsmath}",
+            r"\usepackage[a4paper, margin=15mm]{geometry}",
+            r"\begin{document}",
+            r"\allowdisplaybreaks",
+            body,
+            r"\end{document}",
+        ]
+    )
+
+
+def symbol_name(name: str, component: int | None = None) -> str:
+    """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion has e_0..e_3."""
+    short = name.removeprefix("pose.")
+    if component is not None:
+        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{_upright(short)}}}}}_{component}"
+    match = re.fullmatch(r"([A-Za-z]+?)_?([0-9]+)", short)
+    stem, index = match.groups() if match else (short, "")
+    head = rf"\{stem}" if stem in _GREEK else stem if re.fullmatch("[A-Za-z]", stem) else rf"\mathrm{{{_upright(stem)}}}"
+    return f"{head}_{{{index}}}" if index else head
+
+
+def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
+    """The symbols, but upright the `full` name of one that looks like one before it: `theta1` and `theta_1` have one symbol."""
+    found: dict[str, str] = {}
+    for symbol, name in zip(symbols, full, strict=True):
+        while _look(symbol) in found:
+            symbol = rf"\mathrm{{{_upright(name)}}}"
+            name += "_"
+        found[_look(symbol)] = symbol
+    return list(found.values())
+
+
+def _upright(name: str) -> str:
+    """A name in a symbol, where signs and spaces would be mathematics."""
+    return latex_text(re.sub(r"[^A-Za-z0-9_.]", "_", ascii_letters(name)))
+
+
+def _look(symbol: str) -> str:
+    """What tells symbols apart on paper: braces are not seen."""
+    return re.sub(r"[{}]", "", symbol)
+
+
+def letter_of_values(symbols: Sequence[str]) -> str:
+    """The letter of numbered intermediate values, one that no symbol with an index has."""
+    return r"\nu" if any(symbol.startswith("v_") for symbol in symbols) else "v"
+
+
+def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
+    """Named intermediate values, in order, and the text of each entry of a dense column of `variables`."""
+    function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
+    return write_in(function, names, Latex(letter=letter_of_values(names)))
+
+
+def _in_user_scale(closure: Closure) -> ca.SX:
+    """Rows as a reader expects them: distances as d.d - l^2, orientation without the factor of the size."""
+    factor = {"distance": 2 * closure.size, "point": 1.0, "line": 1.0}
+    scaled = [factor.get(row.relation, 1 / closure.size) for row in closure.row_sources]
+    for k, row in enumerate(closure.row_sources):
+        if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
+            scaled[k] = 1.0
+    rows = numbered_rows(closure)
+    return ca.vertcat(*(f * rows[k] for k, f in enumerate(scaled)))
+
+
+def _is_position_row(closure: Closure, k: int) -> bool:
+    """The first three of a limb's six frame rows."""
+    first = next(i for i, row in enumerate(closure.row_sources) if row == closure.row_sources[k])
+    return k - first < 3
+
+
+@dataclass(frozen=True)
+class Latex:
+    """LaTeX as a language of expressions; numbers to 12 decimals for reading, or with every digit where they are `exact`."""
+
+    longest: int | None = None
+    exact: bool = False
+    letter: str = "v"
+
+    def width(self, text: str) -> int:
+        """About the number of characters that are printed."""
+        return len(re.sub(r"\\[A-Za-z]+|\\,|[{}_^]", "", text))
+
+    def operation(self, op: int, values: Sequence[Text]) -> Text:
+        return _operation(op, values)
+
+    def constant(self, value: float) -> Text:
+        return _constant(value, exact=self.exact)
+
+    def temporary(self, number: int) -> str:
+        return f"{self.letter}_{{{number}}}"
+
+
+def _at(value: Text, level: int) -> str:
+    return bracketed(value, level, r"\left(", r"\right)")
+
+
+def _operation(op: int, a: Sequence[Text]) -> Text:
+    if op in _FUNCTIONS:
+        return Text(rf"{_FUNCTIONS[op]}\left({a[0].text}\right)", POWER)
+    if op in (ca.OP_ADD, ca.OP_SUB):
+        return _sum(a[0], a[1], minus=op == ca.OP_SUB)
+    if op == ca.OP_MUL:
+        negative = _is_negative_number(a[0])
+        left, right = a[0].text if negative else _at(a[0], PRODUCT), _at(a[1], PRODUCT)
+        joint = r" \cdot " if re.match(r"[\d.]", right) else r" \, "
+        return Text(f"{left}{joint}{right}", SUM if negative else PRODUCT)
+    if op == ca.OP_DIV:
+        return Text(rf"\frac{{{a[0].text}}}{{{a[1].text}}}", POWER)
+    if op == ca.OP_SQ:
+        return Text(f"{_at(a[0], ATOM)}^2", POWER)
+    if op == ca.OP_NEG:
+        return Text(f"-{_at(a[0], PRODUCT)}", SUM)
+    if op == ca.OP_TWICE:
+        return Text(rf"2 \, {_at(a[0], PRODUCT)}", PRODUCT)
+    if op == ca.OP_SQRT:
+        return Text(rf"\sqrt{{{a[0].text}}}", ATOM)
+    if op == ca.OP_INV:
+        return Text(rf"\frac{{1}}{{{a[0].text}}}", POWER)
+    if op in (ca.OP_POW, ca.OP_CONSTPOW):
+        return Text(rf"{_at(a[0], ATOM)}^{{{a[1].text}}}", POWER)
+    if op == ca.OP_FABS:
+        return Text(rf"\left|{a[0].text}\right|", ATOM)
+    if op == ca.OP_ATAN2:
+        return Text(rf"\operatorname{{atan2}}\left({a[0].text}, {a[1].text}\right)", ATOM)
+    if op == ca.OP_ASSIGN:
+        return a[0]
+    raise NotImplementedError(f"CasADi operation {op} has no LaTeX form")
+
+
+def _sum(left: Text, right: Text, *, minus: bool) -> Text:
+    """left + right or left - right, with the sign of a leading negative term folded into the operator."""
+    text, flips = right.text, right.text.startswith("-")
+    if flips and (_is_negative_number(right) or not re.search(r" [+-] ", right.text)):
+        text, minus = text[1:], not minus
+    elif flips or (minus and right.level < PRODUCT):
+        text = rf"\left({text}\right)"
+    return Text(f"{_at(left, SUM)} {'-' if minus else '+'} {text}", SUM)
+
+
+def _is_negative_number(value: Text) -> bool:
+    return re.fullmatch(r"-[\d.]+( \\cdot 10\^\{-?\d+\})?", value.text) is not None
+
+
+def _constant(value: float, *, exact: bool) -> Text:
+    """A number with every digit, or without trailing digits of rounding; negative ones bind like a sum."""
+    if exact:
+        text = f"{value:.17g}" if float(f"{value:.15g}") != value else f"{value:.15g}"
+    else:
+        text = f"{round(value, 12):.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    level = SUM if value < 0 else PRODUCT if "cdot" in text else ATOM
+    return Text(text if math.isfinite(value) else r"\infty", level)

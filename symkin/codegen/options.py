@@ -1,0 +1,40 @@
+"""What can be chosen about generated code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from symkin.codegen.kernel import is_rod_platform
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Options:
+    """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
+    numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
+    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz)."""
+
+    real: Literal["float", "double"] = "double"
+    home_relative: bool = False
+    geometry: Literal["fixed", "struct"] = "fixed"
+    home: tuple[float, ...] | None = None
+
+    def check(self, mechanism: Mechanism) -> None:
+        if self.home_relative and not is_rod_platform(mechanism):
+            raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
+        if self.home is not None and not is_rod_platform(mechanism):
+            raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+
+    @property
+    def arguments(self) -> str:
+        """The options as on the command line."""
+        parts = [f"--real {self.real}"]
+        if self.home_relative:
+            parts.append("--home-relative")
+        if self.geometry != "fixed":
+            parts.append(f"--geometry {self.geometry}")
+        if self.home is not None:
+            parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
+        return " ".join(parts)

@@ -1,0 +1,250 @@
+"""Test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.closure.closure import Closure
+from symkin.codegen.closed import ClosedMechanism
+from symkin.codegen.emit import Real
+from symkin.codegen.motion import COLUMNS
+from symkin.codegen.program import Kind
+from symkin.codegen.rods import RodPlatform
+from symkin.codegen.samples import Configuration, configurations
+from symkin.codegen.serial import SerialArm
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.numeric.system import System
+from symkin.position.problem import Problem, build_problem
+from symkin.position.solution import pose_of
+from symkin.spatial.pose import Pose
+
+COUNT = 24
+JACOBIANS = 4
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """Arrays by name: one row a case. `joints` and `guesses` make the direct problem's (or inverse's) cases, `poses` its
+    answers (or targets), `bounds` the error allowed of each case (length unit, angles times the size). `singular` holds
+    a start at which the matrix is singular, if one is known."""
+
+    joints: np.ndarray
+    guesses: np.ndarray
+    poses: np.ndarray
+    inverse: np.ndarray
+    jacobians: np.ndarray
+    bounds: np.ndarray
+    home: np.ndarray
+    singular: np.ndarray
+
+
+_Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
+"""Joints, guess, pose, inverse and bound of one case."""
+_Found = tuple[list[_Row], list[np.ndarray], np.ndarray, np.ndarray]
+"""Cases, Jacobians of the first ones, home, singular start."""
+
+
+def build_vectors(kind: Kind) -> Vectors:
+    """The vectors of a mechanism; the same bytes on every machine, because answers are rounded. Raises InputError where
+    there is not one case."""
+    rows, jacobians, home, singular = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    if not rows:
+        where = "home" if isinstance(kind, RodPlatform) else "the reference"
+        raise InputError(
+            f"{kind.mechanism.name}: no regular configuration was found near {where} to test generated code with; check the "
+            "geometry by `symkin show`, the joints' limits and the pose of [platform]"
+        )
+    joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
+    return Vectors(joints, guesses, poses, inverse, np.array(jacobians), bounds, home, singular)
+
+
+def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Numbers as the generated code reads them."""
+    exact = np.asarray(values, dtype=float)
+    return exact.astype(np.float32).astype(float) if real.name == "float" else exact
+
+
+def _tidy(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float) -> np.ndarray:
+    """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and quaternions): below every
+    tolerance, above what linear algebra libraries differ by."""
+    numbers = np.asarray(values, dtype=float)
+    digits = [13 - int(np.ceil(np.log10(max(scale, 1e-3)))) for scale in np.broadcast_to(scales, numbers.shape).ravel()]
+    rounded = [round(float(v), d) + 0.0 for v, d in zip(numbers.ravel(), digits, strict=True)]
+    return np.array(rounded).reshape(numbers.shape)
+
+
+def _pose_scales(size: float) -> list[float]:
+    return [size] * 3 + [1.0] * 4
+
+
+def _joint_scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
+    return [1.0 if c.is_angular else size for c in coordinates]
+
+
+def _bound(real: Real, size: float, condition: float, tolerance: float) -> float:
+    """Error allowed: what rounding makes of the rows, times the condition, and the tolerance."""
+    return float(f"{4 * tolerance + real.epsilon * size * (16 + 4 * min(condition, 1e4)):.2g}")
+
+
+def _parallel(kind: RodPlatform | ClosedMechanism) -> _Found:
+    mechanism, real = kind.mechanism, kind.real
+    direct = build_problem(mechanism, "direct")
+    closure, size = direct.closure, direct.closure.size
+    home = home_values(kind, closure)
+    lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
+    tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
+    cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
+    rows: list[_Row] = []
+    jacobians: list[np.ndarray] = []
+    for number, case in enumerate(cases):
+        given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
+        z = direct.system.polish(case.unknown, given + _zero(kind), 6)
+        pose = pose_of(closure, direct.assemble(z, given + _zero(kind)))
+        warm = _shifted(direct, case, 2e-4) if number % 2 else home
+        guess = rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven))
+        target = _tidy(stated(kind, pose), seven)
+        values = direct.assemble(z, given + _zero(kind))
+        inverse = _tidy(_inverse_at(kind, rounded_to(real, target), values), lengths)
+        bound = _bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance)
+        rows.append((given, guess, target, inverse, bound))
+        if number < JACOBIANS:
+            jacobians.append(_tidy(rates(closure, values), size).ravel())
+    here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), seven))
+    return rows, jacobians, here, _flat(kind)
+
+
+def home_values(kind: RodPlatform | ClosedMechanism, closure: Closure) -> np.ndarray:
+    """All variables of the closure at home."""
+    if isinstance(kind, ClosedMechanism):
+        return closure.reference
+    return np.concatenate([kind.lengths(kind.home), kind.home.position, kind.home.quaternion])
+
+
+def stated(kind: RodPlatform | ClosedMechanism, pose: Pose) -> np.ndarray:
+    if isinstance(kind, RodPlatform):
+        return kind.stated(pose)
+    return np.array([*pose.position, *pose.quaternion])
+
+
+def _zero(kind: RodPlatform | ClosedMechanism) -> np.ndarray | float:
+    """Joint values at home where joints are changes from there."""
+    return kind.lengths(kind.home) if isinstance(kind, RodPlatform) and kind.options.home_relative else 0.0
+
+
+def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
+    """A configuration near a case: joints moved by a part of the size."""
+    known = case.known + part * np.array([1.0 if c.is_angular else direct.closure.size for c in direct.known_coordinates])
+    return direct.assemble(direct.system.polish(case.unknown, known, 6), known)
+
+
+def _inverse_at(kind: RodPlatform | ClosedMechanism, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Joint values at a pose as stated, by the closed form of rods or from a configuration near it."""
+    if isinstance(kind, RodPlatform):
+        pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
+        if kind.options.home_relative:
+            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(np.zeros(3), np.asarray(kind.home.quaternion))
+            pose = Pose(pose.position + kind.home.position, turned.quaternion)
+        return kind.joint_values(pose)
+    inverse = kind.inverse
+    known = inverse.take(near, inverse.known_coordinates)
+    unknown = inverse.system.polish(inverse.take(near, inverse.system.unknowns), known, 6)
+    values = inverse.assemble(unknown, known)
+    return inverse.take(values, kind.actuated)
+
+
+def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
+    """Actuated joint rates by the twist (velocity; angular velocity), N x 6, from the closure's differential."""
+    inverse = build_problem(closure.mechanism, "inverse")
+    unknown, known = inverse.take(values, inverse.system.unknowns), inverse.take(values, inverse.known_coordinates)
+    _, by_joints = inverse.system.linearise_one(unknown, known)
+    pose = System(
+        inverse.known_coordinates,
+        inverse.system.known,
+        inverse.system.unknown,
+        inverse.system.rows,
+        inverse.system.errors,
+        closure.size,
+    )
+    _, by_pose = pose.linearise_one(known, unknown)
+    solved = np.linalg.lstsq(by_joints, -by_pose, rcond=1e-12)[0]
+    columns = COLUMNS[closure.mechanism.motion]
+    full = np.zeros((len(closure.mechanism.actuated), 6))
+    kept = [k for k, c in enumerate(_each(inverse.system)) if c[0] == "actuated"]
+    names = [c[1] for c in _each(inverse.system) if c[0] == "actuated"]
+    for row, name in zip(kept, names, strict=True):
+        number = [c.name for c in closure.mechanism.actuated].index(name)
+        angular = closure.mechanism.actuated[number].is_angular
+        for j, column in enumerate(columns):
+            full[number, column] = solved[row, j] * (closure.size if column >= 3 else 1.0) / (closure.size if angular else 1.0)
+    return full
+
+
+def _each(system: System) -> list[tuple[str, str]]:
+    return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
+
+
+def _flat(kind: RodPlatform | ClosedMechanism) -> np.ndarray:
+    """A pose with all six rods in one plane, where base and platform are plane; else nothing."""
+    if not isinstance(kind, RodPlatform) or kind.options.home_relative:
+        return np.zeros((0, 7))
+    heights = [abs(limb.base[2]) + abs(limb.platform[2]) for limb in kind.mechanism.limbs]  # type: ignore[union-attr]
+    return np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]) if max(heights) == 0.0 else np.zeros((0, 7))
+
+
+def _serial(arm: SerialArm) -> _Found:
+    real, size = arm.real, arm.mechanism.size
+    system = arm.inverse.system
+    tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
+    rng = np.random.default_rng(21)
+    rows: list[_Row] = []
+    jacobians: list[np.ndarray] = []
+    for q, _ in arm.samples:
+        given = rounded_to(real, q)
+        pose = _canonical(arm.forward_at(given))
+        target = rounded_to(real, _tidy(pose, _pose_scales(size)))
+        condition = system.condition(given, target)
+        unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
+        guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
+        end = _followed(arm, guess, unit)
+        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None:
+            continue
+        if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
+            continue
+        inverse = end if arm.is_redundant else system.polish(given, unit, 6)
+        scales = _joint_scales(arm.actuated, size)
+        bound = _bound(real, size, condition, tolerance)
+        rows.append((given, guess, _tidy(pose, _pose_scales(size)), _tidy(inverse, scales), bound))
+        if len(jacobians) < JACOBIANS:
+            jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
+    zero = np.array([c.reference[0] for c in arm.actuated])
+    singular = np.linalg.svd(arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False)
+    starts = zero[None] if singular[-1] < 1e-14 * singular[0] else np.zeros((0, len(zero)))
+    return rows, jacobians, zero, starts
+
+
+def _scales(arm: SerialArm) -> np.ndarray:
+    return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.size for c in arm.actuated])
+
+
+def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
+    """The joints after the line of poses from the guess's to the target, in small steps; None where one is long."""
+    start = arm.forward_at(guess)
+    start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
+    q = guess
+    for k in range(1, 41):
+        pose = start + k / 40 * (target - start)
+        pose[3:] /= np.linalg.norm(pose[3:])
+        moved = arm.inverse.system.polish(q, pose, 6)
+        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1:
+            return None
+        q = moved
+    return q
+
+
+def _canonical(pose: np.ndarray) -> np.ndarray:
+    q = pose[3:] / np.linalg.norm(pose[3:])
+    return np.concatenate([pose[:3], q if q[0] >= 0 else -q])

@@ -1,1 +1,0 @@
-"""The closure written in other languages."""

@@ -1,0 +1,1 @@
+"""Files that symkin reads and writes: tables of numbers, results, pictures."""

@@ -1,0 +1,144 @@
+"""Where a followed branch first meets a joint limit.
+
+As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits at the start, if any do, are
+subtracted along the whole path.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from symkin.following.cubic import Curve
+from symkin.following.path_system import PathSystem
+from symkin.following.step_certificate import Interval
+from symkin.following.trajectory import Trajectory
+from symkin.model.joint import Coordinate
+from symkin.position.problem import Problem
+
+_SLACK = 1e-9
+"""A value beyond its limit by less than this (of the size, or rad) keeps it: a path may touch a limit."""
+_NEAR = 1e-4
+"""Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the branch itself."""
+_HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit of a joint that the branch meets: the coordinate's name and the value; `turns` (rad) are the whole turns that are
+    subtracted from the coordinate; `is_passed`: the start lies beyond it."""
+
+    name: str
+    value: float
+    turns: float = 0.0
+    is_passed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class LimitWatch:
+    """Looks for the first limit that is passed, of given values and unknowns alike, extremes within a step included. `turns`
+    are what is subtracted from angles; `off` ignores all limits."""
+
+    problem: Problem
+    trajectory: Trajectory
+    off: bool = False
+    turns: dict[str, float] = field(default_factory=dict)
+
+    def start(self, values: np.ndarray) -> Limit | None:
+        """Take the turns of a start configuration; a limit that does not hold there."""
+        found = None
+        for c in self._limited(self.problem.closure.coordinates):
+            value = float(values[self.problem.closure.slices[c.name].start])
+            self.turns[c.name] = _turns(c, value)
+            if found is None and self._excess(c, value) > 0.0:
+                found = replace(self._limit(c, value), is_passed=True)
+        return found
+
+    def given(self, row: int) -> tuple[float, Limit] | None:
+        """The first share of an interval at which a given value, which moves straight, leaves its limits."""
+        found: tuple[float, Limit] | None = None
+        samples, start = self.trajectory.samples, 0
+        for c in self.problem.known_coordinates:
+            if c.limits is not None and not self.off:
+                a, b = float(samples[row][start]), float(samples[min(row + 1, len(samples) - 1)][start])
+                if self._excess(c, b) > 0.0:
+                    limit = self._limit(c, b)
+                    share = min(max((limit.value + limit.turns - a) / (b - a), 0.0), 1.0) if a != b else 0.0
+                    found = (share, limit) if found is None or share < found[0] else found
+            start += c.width
+        return found
+
+    def unknown(self, interval: Interval, curve: Curve) -> tuple[float, Limit] | None:
+        """The first share of a proved step at which an unknown of its block leaves its limits."""
+        first: tuple[float, Limit] | None = None
+        for c, place in zip(interval.system.system.unknowns, interval.system.system.slices, strict=True):
+            if c.limits is None or self.off:
+                continue
+            share = self._crossing(c, place.start, curve, interval)
+            if share is not None and (first is None or share < first[0]):
+                first = (share, self._limit(c, _value(interval.system, place.start, curve.at(share))))
+        return first
+
+    def _limited(self, coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
+        return [c for c in coordinates if c.limits is not None and not self.off]
+
+    def _crossing(self, c: Coordinate, place: int, curve: Curve, interval: Interval) -> float | None:
+        """The first share of the step at which the coordinate leaves its limits."""
+        system = interval.system
+
+        def excess(share: float) -> float:
+            y = curve.at(share)
+            beyond = self._excess(c, _value(system, place, y))
+            if beyond < -_NEAR * self._unit(c):
+                return beyond
+            z = system.correct(y[:-1], float(y[-1]), interval.c)[0]
+            return self._excess(c, _value(system, place, z))
+
+        before = 0.0
+        for share in (*_extremes(curve, place), 1.0):
+            if excess(share) > 0.0:
+                low, high = before, share
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (low + high)
+                    low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
+                return low
+            before = share
+        return None
+
+    def _excess(self, c: Coordinate, value: float) -> float:
+        """How far a value lies beyond its limits and their slack; negative inside."""
+        low, high = c.limits or (-np.inf, np.inf)
+        value -= self.turns.get(c.name, 0.0)
+        return max(low - value, value - high) - _SLACK * self._unit(c)
+
+    def _limit(self, c: Coordinate, value: float) -> Limit:
+        """The limit that is nearest to a value."""
+        low, high = c.limits or (-np.inf, np.inf)
+        turns = self.turns.get(c.name, 0.0)
+        return Limit(c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns)
+
+    def _unit(self, c: Coordinate) -> float:
+        return 1.0 if c.is_angular else self.problem.closure.size
+
+
+def _turns(c: Coordinate, value: float) -> float:
+    """The whole turns (rad) that bring an angle within its limits; zero where none do or none are needed."""
+    low, high = c.limits or (-np.inf, np.inf)
+    if not c.is_angular or low - _SLACK <= value <= high + _SLACK:
+        return 0.0
+    turns = 2 * math.pi * math.ceil((low - _SLACK - value) / (2 * math.pi))
+    return -turns if value + turns <= high + _SLACK else 0.0
+
+
+def _value(system: PathSystem, place: int, y: np.ndarray) -> float:
+    """An unknown in radians or the length unit."""
+    return float(y[place] * system.scale[place])
+
+
+def _extremes(curve: Curve, place: int) -> list[float]:
+    """Shares of the step, in order, at which an unknown's cubic has an extreme."""
+    b = np.diff(curve.control[:, place])
+    roots = np.roots([b[0] - 2 * b[1] + b[2], 2 * (b[1] - b[0]), b[0]])
+    return sorted(float(r.real) for r in roots if abs(r.imag) < 1e-12 and 0.0 < r.real < 1.0)

@@ -1,0 +1,250 @@
+"""Which assembly modes connect without a singularity, over a slice of two inputs: a graph of modes at grid points.
+
+At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see `track`). Modes that a path
+without singularity joins are of one sheet. Two modes of one input on one sheet are joined by a path that leaves the input and
+comes back to it on the other mode: it goes round a cusp of the singularity locus (Innocenti and Parenti-Castelli 1998).
+The graph says only what the grid's edges show: a finer grid can join more, and never parts what is joined.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.assembly.modes import modes
+from symkin.errors import InputError
+from symkin.following.track import track
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import Progress
+from symkin.position.given import given_from
+from symkin.position.problem import build_problem
+from symkin.position.roots import features
+from symkin.position.solution import Modes, Solution
+
+_SAME = 1e-6
+"""Configurations nearer than this (over the size) are the same mode."""
+_MOST_POINTS = 10_000
+"""Grid points at most."""
+
+Node = tuple[int, int]
+"""A grid point's number (row-major, the first axis slowest; the chosen input is the last one) and a mode's number there."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An actuated joint and its range, in its unit."""
+
+    name: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class ModeGraph:
+    """`found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
+    in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
+    `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
+    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete)."""
+
+    mechanism: Mechanism
+    axes: tuple[Axis, Axis]
+    n: int
+    inputs: np.ndarray
+    found: tuple[Modes, ...]
+    edges: tuple[tuple[Node, Node], ...]
+    sheets: tuple[frozenset[Node], ...]
+    certified: bool
+    stopped: int
+    unmatched: int
+
+    @property
+    def chosen(self) -> Modes:
+        """The modes at the chosen input."""
+        return self.found[-1]
+
+    def sheet_of(self, node: Node) -> int:
+        return next(k for k, sheet in enumerate(self.sheets) if node in sheet)
+
+    @property
+    def groups(self) -> list[list[int]]:
+        """The numbers (from 0) of the chosen input's modes, those that connect without a singularity together."""
+        last = len(self.found) - 1
+        groups: dict[int, list[int]] = {}
+        for k in range(len(self.chosen)):
+            groups.setdefault(self.sheet_of((last, k)), []).append(k)
+        return list(groups.values())
+
+    def path(self, begin: int, end: int) -> np.ndarray | None:
+        """Joint values (m, joints) along edges from mode `begin` of the chosen input back to it on mode `end`; None where the
+        graph does not join them."""
+        last = len(self.found) - 1
+        for k in (begin, end):
+            if not 0 <= k < len(self.chosen):
+                raise InputError(f"mode {k} is unknown; the chosen input has modes 0 to {len(self.chosen) - 1}")
+        nodes = _shortest(self.edges, (last, begin), (last, end))
+        if nodes is None:
+            return None
+        rows = self.inputs[[point for point, _ in nodes]]
+        moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
+        return np.asarray(rows[np.append(True, moved)])
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
+            "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],
+            "sheets": [sorted(sheet) for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
+            "stopped": self.stopped, "unmatched": self.unmatched,
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        named = ", ".join(f"{a.name} {a.low:g} to {a.high:g}" for a in self.axes)
+        groups = "; ".join(" and ".join(str(k + 1) for k in group) for group in self.groups)
+        proved = "each proved in ball arithmetic" if self.certified else "not proved"
+        return (
+            f"{self.mechanism.name}: {self.n} x {self.n} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
+            f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); modes of the chosen input that "
+            f"connect without a singularity: {groups or 'none'}"
+            + (f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else "")
+        )
+
+
+def mode_graph(
+    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Sequence[float] | None = None,
+    progress: Progress | None = None,
+) -> ModeGraph:  # fmt: skip
+    """The graph over two actuated joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds
+    the other joints (default: the example's, else the reference's). Limits are left out of account. Raises InputError."""
+    if mechanism.serial:
+        raise InputError(
+            f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there is nothing to join"
+        )
+    pair = _checked(mechanism, axes, n)
+    chosen = np.array(given_from(mechanism, joints, None).echo.get("joints", []))
+    if not len(chosen):
+        raise InputError(f"joints: the example of {mechanism.name} gives a pose; give all actuated joints")
+    inputs = _grid(mechanism, pair, n, chosen)
+    found = []
+    for k, row in enumerate(inputs):
+        found.append(modes(mechanism, joints=row))
+        if progress is not None:
+            progress(k + 1, 2 * len(inputs))
+    edges: list[tuple[Node, Node]] = []
+    certified, stopped, unmatched = True, 0, 0
+    for a, b in _pairs(n, inputs, pair, mechanism):
+        for k, mode in enumerate(found[a]):
+            followed = track(mechanism, joints=inputs[[a, b]], start=mode, limits=False, name_modes=False)
+            joined = _number(followed.end.solution, found[b]) if followed.reached else None
+            stopped, unmatched = stopped + (not followed.reached), unmatched + (followed.reached and joined is None)
+            if joined is not None:
+                edges.append(((a, k), (b, joined)))
+                certified = certified and followed.certified
+        if progress is not None:
+            progress(len(inputs) + a + 1, 2 * len(inputs))
+    nodes = [(p, k) for p, modes_there in enumerate(found) for k in range(len(modes_there))]
+    return ModeGraph(mechanism, pair, n, inputs, tuple(found), tuple(edges), _sheets(nodes, edges), certified, stopped, unmatched)
+
+
+def _number(solution: Solution, there: Modes) -> int | None:
+    """Number of the mode in a list that a configuration is."""
+    if not len(there):
+        return None
+    problem = build_problem(solution.mechanism, "direct")
+    points = features(problem.system, np.array([_unknowns(mode) for mode in (solution, *there)]))
+    away = np.max(np.abs(points[1:] - points[0]), axis=1)
+    nearest = int(np.argmin(away))
+    return nearest if away[nearest] < _SAME * problem.closure.size else None
+
+
+def _unknowns(solution: Solution) -> np.ndarray:
+    unknowns = build_problem(solution.mechanism, "direct").system.unknowns
+    return np.concatenate([np.atleast_1d(np.asarray(solution.values[c.name], dtype=float)) for c in unknowns])
+
+
+def _checked(mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int) -> tuple[Axis, Axis]:
+    for axis in axes:
+        if not isinstance(axis, Axis) and len(axis) != 3:
+            raise InputError(f"axes: {axis!r}; a name and a range are needed, as in ('q1', 0.0, 90.0)")
+    pair = [axis if isinstance(axis, Axis) else Axis(*axis) for axis in axes]
+    names = [c.name for c in mechanism.actuated]
+    if len(pair) != 2 or pair[0].name == pair[1].name:
+        raise InputError(f"axes: {len(pair)} given; two different actuated joints are needed, each with a range")
+    for axis in pair:
+        if axis.name not in names:
+            raise InputError(f"axes: {axis.name!r} is no actuated joint of {mechanism.name}; allowed: {', '.join(names)}")
+        if not (np.isfinite([axis.low, axis.high]).all() and axis.low < axis.high):
+            raise InputError(f"axes: the range {axis.low} to {axis.high} of {axis.name} is none; low below high is needed")
+    if n < 2 or n * n > _MOST_POINTS:
+        raise InputError(f"n = {n}; allowed: 2 to {int(_MOST_POINTS**0.5)}")
+    return pair[0], pair[1]
+
+
+def _grid(mechanism: Mechanism, axes: tuple[Axis, Axis], n: int, chosen: np.ndarray) -> np.ndarray:
+    """Joint values at the grid points, then the chosen ones."""
+    names = [c.name for c in mechanism.actuated]
+    inputs = np.tile(chosen, (n * n + 1, 1))
+    first, second = (np.linspace(axis.low, axis.high, n) for axis in axes)
+    inputs[:-1, names.index(axes[0].name)] = np.repeat(first, n)
+    inputs[:-1, names.index(axes[1].name)] = np.tile(second, n)
+    return inputs
+
+
+def _pairs(n: int, inputs: np.ndarray, axes: tuple[Axis, Axis], mechanism: Mechanism) -> Iterator[tuple[int, int]]:
+    """The grid's edges, then one from the chosen input to the nearest grid point."""
+    for i in range(n):
+        for j in range(n):
+            if j + 1 < n:
+                yield i * n + j, i * n + j + 1
+            if i + 1 < n:
+                yield i * n + j, (i + 1) * n + j
+    names = [c.name for c in mechanism.actuated]
+    columns = [names.index(axis.name) for axis in axes]
+    away = np.abs(inputs[:-1, columns] - inputs[-1, columns]) / [axis.high - axis.low for axis in axes]
+    yield len(inputs) - 1, int(np.argmin(away.sum(axis=1)))
+
+
+def _sheets(nodes: list[Node], edges: list[tuple[Node, Node]]) -> tuple[frozenset[Node], ...]:
+    """Connected components, the largest first."""
+    beside = _neighbours(edges)
+    left, sheets = set(nodes), []
+    for node in nodes:
+        if node not in left:
+            continue
+        reached, queue = {node}, deque([node])
+        while queue:
+            for other in beside.get(queue.popleft(), []):
+                if other not in reached:
+                    reached.add(other)
+                    queue.append(other)
+        left -= reached
+        sheets.append(frozenset(reached))
+    return tuple(sorted(sheets, key=lambda sheet: (-len(sheet), min(sheet))))
+
+
+def _shortest(edges: Sequence[tuple[Node, Node]], begin: Node, end: Node) -> list[Node] | None:
+    beside = _neighbours(edges)
+    before: dict[Node, Node] = {begin: begin}
+    queue = deque([begin])
+    while queue and end not in before:
+        node = queue.popleft()
+        for other in beside.get(node, []):
+            if other not in before:
+                before[other] = node
+                queue.append(other)
+    if end not in before:
+        return None
+    nodes = [end]
+    while nodes[-1] != begin:
+        nodes.append(before[nodes[-1]])
+    return nodes[::-1]
+
+
+def _neighbours(edges: Sequence[tuple[Node, Node]]) -> dict[Node, list[Node]]:
+    beside: dict[Node, list[Node]] = {}
+    for a, b in edges:
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    return beside

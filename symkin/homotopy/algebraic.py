@@ -1,0 +1,149 @@
+"""Closure rows over the complex numbers: a system F(z, k) = 0 whose roots are tracked while k moves.
+
+z holds angles, lengths / size and, where the pose is unknown, a projective point: Study coordinates (e, g / size), or
+a quaternion. Rows are divided by the size. Evaluation is vectorised over paths: the SX graph is walked once into
+straight-line NumPy code, in which every value is an array over the paths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.walk import vectorise
+from symkin.model.joint import Coordinate
+
+
+@dataclass(frozen=True, eq=False)
+class AlgebraicSystem:
+    """Rows of one block of a problem, lengths in units of `size`.
+
+    `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are the affine
+    coordinates, in order, before it. `eliminated` are angles that the rows do not hold, with their values at real roots.
+    `limbs` are places of joints that a known pose separates from each other: the pose alone tells roots apart, and each
+    limb has its own branches there. `known_ray` are places in k of a quaternion of any length.
+    """
+
+    size: float
+    unknowns: tuple[Coordinate, ...]
+    z: ca.SX
+    k: ca.SX
+    rows: ca.SX
+    projective: tuple[int, ...]
+    eliminated: tuple[tuple[Coordinate, ca.SX], ...] = ()
+    limbs: tuple[tuple[int, ...], ...] = ()
+    known_ray: tuple[int, ...] = ()
+
+    @property
+    def width(self) -> int:
+        return int(self.z.shape[0])
+
+    @property
+    def count(self) -> int:
+        return int(self.rows.shape[0])
+
+    @cached_property
+    def pose_places(self) -> list[int]:
+        """Places of z that do not belong to the branches of single limbs."""
+        branching = {i for limb in self.limbs for i in limb}
+        return [i for i in range(self.width) if i not in branching]
+
+    @cached_property
+    def cost(self) -> int:
+        """Instructions of one evaluation of the rows and their derivatives."""
+        return int(self._function.n_instructions())
+
+    @cached_property
+    def _code(self) -> Callable[..., None]:
+        return vectorise(self._function)
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        direction = ca.SX.sym("dk", self.k.shape[0])
+        along = ca.jtimes(self.rows, self.k, direction)
+        outputs = [self.rows, ca.jacobian(self.rows, self.z), along]
+        return ca.Function("f", [self.z, self.k, direction], outputs, {"cse": True})
+
+    @cached_property
+    def _residual(self) -> Callable[..., None]:
+        return vectorise(ca.Function("r", [self.z, self.k], [self.rows, ca.jacobian(self.rows, self.z)], {"cse": True}))
+
+    @cached_property
+    def angles_eliminated(self) -> ca.Function:
+        return ca.Function("eliminated", [self.z, self.k], [value for _, value in self.eliminated])
+
+    def evaluate(self, z: np.ndarray, k: np.ndarray, dk: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """F (n, rows), dF/dz (n, rows, width) and dF/dk dk (n, rows) at z (width, n), k (known, n), dk (known, 1 or n)."""
+        n = z.shape[1]
+        f, j, t = (np.zeros((n, self.count, c), dtype=complex) for c in (1, self.width, 1))
+        self._code(z, k, dk, f, j, t)
+        return f[:, :, 0], j, t[:, :, 0]
+
+    def linearise(self, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F and dF/dz at z (width, n), k (known, n)."""
+        n = z.shape[1]
+        f, j = (np.zeros((n, self.count, c), dtype=complex) for c in (1, self.width))
+        self._residual(z, k, f, j)
+        return f[:, :, 0], j
+
+    def features(self, z: np.ndarray) -> np.ndarray:
+        """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of rod lengths, the
+        projector of the ray; of the pose alone where limbs have branches."""
+        parts = self._affine_features(z, [i for i in self.pose_places if i < len(self.unknowns)])
+        if self.projective:
+            ray = z[list(self.projective)]
+            ray = ray / np.linalg.norm(ray, axis=0)
+            parts += list((ray[:, None] * np.conj(ray[None])).reshape(ray.shape[0] ** 2, ray.shape[1]))
+        return np.array(parts).T
+
+    def limb_features(self, z: np.ndarray) -> list[np.ndarray]:
+        """Coordinates (n, any) of each limb's joints in which equal branches are equal."""
+        return [np.array(self._affine_features(z, limb)).T for limb in self.limbs]
+
+    def all_features(self, z: np.ndarray) -> np.ndarray:
+        return np.hstack([self.features(z), *self.limb_features(z)])
+
+    def _affine_features(self, z: np.ndarray, places: Sequence[int]) -> list[np.ndarray]:
+        parts: list[np.ndarray] = []
+        for i in places:
+            c = self.unknowns[i]
+            if c.kind == "angle":
+                parts += [np.cos(z[i]), np.sin(z[i])]
+            else:
+                parts.append(z[i] if c.least is None else (z[i] - c.least / self.size) ** 2)
+        return parts
+
+    def unit_rays(self, z: np.ndarray) -> np.ndarray:
+        """The same points with rays of unit length."""
+        z, ray = z.copy(), list(self.projective)
+        if ray:
+            z[ray] = z[ray] / np.linalg.norm(z[ray], axis=0)
+        return z
+
+    def normalise(self, z: np.ndarray) -> np.ndarray:
+        """Rays to unit length, angles into (-pi, pi]."""
+        z = self.unit_rays(z)
+        for i, c in enumerate(self.unknowns):
+            if c.kind == "angle":
+                z[i] -= 2 * np.pi * np.round(z[i].real / (2 * np.pi))
+        return z
+
+
+def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
+    """Complex numbers of a normal distribution, mean square 1."""
+    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
+
+
+def imaginary_part(system: AlgebraicSystem, z: np.ndarray, places: Sequence[int]) -> np.ndarray:
+    """How far each root (width, n) is from being real in some places of z: largest imaginary part, rays turned to their
+    best phase."""
+    ray = [i for i in places if i in set(system.projective)]
+    parts = [np.abs(z[[i for i in places if i not in set(system.projective)]].imag)]
+    if ray:
+        turned = z[ray] / z[ray][np.argmax(np.abs(z[ray]), axis=0), np.arange(z.shape[1])]
+        parts.append(np.abs(turned.imag))
+    return np.asarray(np.max(np.concatenate(parts), axis=0, initial=0.0))

@@ -1,0 +1,59 @@
+"""The engine that tracks paths of a system: compiled C where a compiler is found and it pays, else NumPy, which has a
+faster form for quadratic rows.
+
+All have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE = numpy keeps to NumPy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.homotopy import quadratic, tracker
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.compiled import CompiledTracker, load
+from symkin.homotopy.quadratic_form import quadratic_form
+from symkin.homotopy.tracker import Tracked, TrackSettings
+
+_WORTH_COMPILING = 200
+"""Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""
+
+
+def track(
+    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray, settings: TrackSettings | None = None
+) -> Tracked:
+    """Roots z (width, n) of F(., begin) to roots of F(., end); known values (known,) or (known, n)."""
+    end = aligned(system, begin, end)
+    compiled, _ = engine_of(system)
+    if compiled is not None:
+        return compiled.track(z, begin, end, settings)
+    form = quadratic_form(system)
+    if form is not None:
+        return quadratic.track(system, form, z, begin, end, settings)
+    return tracker.track(system, z, begin, end, settings)
+
+
+def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
+    """Newton at fixed k, (known,) or (known, n); points and the size of the last step."""
+    compiled, _ = engine_of(system)
+    return compiled.newton(z, k, iterations) if compiled else tracker.newton(system, z, k, iterations)
+
+
+def engine_of(system: AlgebraicSystem) -> tuple[CompiledTracker | None, str]:
+    """The compiled engine of a system, or None; and what is used, in a few words."""
+    if system.cost < _WORTH_COMPILING:
+        return None, "NumPy"
+    compiled, text = load(system)
+    return compiled, text if compiled else f"NumPy ({text})"
+
+
+def aligned(system: AlgebraicSystem, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Known values `end` with a known quaternion q scaled by the complex number that takes it nearest to that of `begin`,
+    p: q (q* p) / (q* q). The roots are the same, the way is shorter."""
+    if not system.known_ray:
+        return end
+    ray = list(system.known_ray)
+    end = np.array(end, dtype=complex)
+    p, q = np.asarray(begin)[ray], end[ray]
+    p = p.reshape(p.shape + (1,) * (q.ndim - p.ndim))
+    end[ray] = q * (np.sum(np.conj(q) * p, axis=0) / np.sum(np.abs(q) ** 2, axis=0))
+    return end

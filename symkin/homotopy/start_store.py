@@ -1,0 +1,426 @@
+"""Generic roots of a mechanism's problems: computed once, then read from the shipped data or the user's cache.
+
+A start belongs to a closure: its key is a hash of the closure's instructions and constants. The shipped mechanisms'
+starts lie in `symkin/homotopy/data/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import logging
+import zlib
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from zipfile import BadZipFile
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import computing, lru_cache
+from symkin.closure.graph import instructions
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
+from symkin.homotopy.best_start import bases_beside, best_start
+from symkin.homotopy.branches import uncovered
+from symkin.homotopy.components import free_system, roots_elsewhere
+from symkin.homotopy.coplanar import distance_frames, reflection
+from symkin.homotopy.engine import aligned, newton, track
+from symkin.homotopy.monodromy import Fibre, TooManyRootsError, fibre, loop_radius, orbits
+from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
+from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
+from symkin.homotopy.six_revolute import arm_start, is_six_revolute
+from symkin.homotopy.symmetry import Orbits, Symmetries, find_symmetries
+from symkin.homotopy.symmetry import orbits as orbits_under
+from symkin.homotopy.systems import system_of
+from symkin.homotopy.tracker import TrackSettings
+from symkin.homotopy.universal_start import machine_start, universal_start
+from symkin.homotopy.values import algebraic_point, coordinate_scale, known_values
+from symkin.numeric.cache import cache_folder, discard, keep, read_kept
+from symkin.numeric.levenberg import Progress
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System
+from symkin.position.given import Given
+from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.multistart import batched
+from symkin.position.problem import Problem
+from symkin.position.roots import merge
+
+LOG = logging.getLogger(__name__)
+SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
+TIED = "the given values must satisfy conditions of their own"
+"""Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
+_VERSION = 6
+_SATISFIED = 1e-8
+"""Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows of a root far from real ones
+have derivatives of 1e4 and more; theirs are divided by these."""
+_MIRRORED = 1e-5
+"""Difference of a root and the image of another that is the same one."""
+_INSTANCES = 5
+_CHECK_STARTS = 600
+_TARGETS, _BASES = 4, 19
+"""Real instances on which bases of a start are compared, and how many bases."""
+_AGREEING = "the values of the actuated joints must agree with each other"
+_RUNS = 4
+"""Second searches at most; the first that agrees settles the generic count."""
+_LOOPS, _FEW_LOOPS, _FEW_RUNS = 200, 40, 1
+"""Loops of one search; of one for combinations of a limb's rows, whose few roots are found at once or not at all, and then how
+many second searches."""
+
+
+def start_of(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
+) -> tuple[Fibre | None, str]:
+    """The generic roots of a block, or None and the reason."""
+    key = start_key(problem, system)
+    kept = _read(key, system)
+    if kept is not None:
+        return kept
+    with computing((__name__, key)):
+        kept = _read(key, system)
+        if kept is None:
+            kept = compute_start(problem, system, block, progress)
+            keep(cache_folder(), key, ".npz", _content(*kept))
+    return kept
+
+
+def compute_start(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
+) -> tuple[Fibre | None, str]:
+    """Generic roots from the universal start of six distances where the closure is that, else by monodromy; at a base
+    from which real instances take few steps."""
+    LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
+    data = distance_data(problem)
+    if is_six_revolute(problem):
+        found = _from_universal_arm(problem, system)
+        reason = "" if found is not None else "paths from the universal start of six revolute joints are unresolved"
+    elif data is not None:
+        found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
+        reason = "" if found is not None else "paths from the universal start of six distances are unresolved"
+    else:
+        try:
+            found, reason = _by_monodromy(problem, system, block, progress)
+        except TooManyRootsError as error:
+            return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
+    if found is None or found is universal_start():
+        return found, reason
+    return _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
+
+
+def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
+    if start.z.shape[1] == 1:
+        return start
+    closed = closed_configurations(problem.closure, start.seed)[:_TARGETS]
+    targets = [known_values(problem, problem.take(values, problem.known_coordinates)) for values in closed]
+    if len(targets) < 2:
+        return start
+    targets = [aligned(system, targets[0], target).real for target in targets]
+    return best_start(system, start, bases_beside(targets, _BASES, start.seed), targets, track).start
+
+
+def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
+    """Symmetries that hold for this mechanism's known values, where they carry all roots to roots."""
+    if start.z.shape[1] == 1:
+        return start
+
+    def draw(rng: np.random.Generator) -> np.ndarray:
+        return known_values(problem, random_known(problem, rng, near=True))
+
+    others = []
+    if is_universal(problem):
+        frames = distance_frames(draw(np.random.default_rng(0)).reshape(DISTANCES, 7).real)
+        others = [] if frames is None else [reflection(frames)]
+    mirrors = orbits_under(system, find_symmetries(system, draw, others), start.z)
+    return replace(start, mirrors=mirrors) if mirrors.whole and len(mirrors.first) < start.z.shape[1] else start
+
+
+def _from_universal(
+    problem: Problem, system: AlgebraicSystem, data: Callable[[np.ndarray], np.ndarray], seed: int
+) -> Fibre | None:
+    """Track the 40 universal roots to this mechanism at random complex joint values; loops there show its orbits. A
+    machine that cannot be assembled for generic lengths is reached from the universal start each time."""
+    rng = np.random.default_rng(seed)
+    joints = random_known(problem, rng, near=True)
+    k = known_values(problem, joints)
+    z, _, unresolved = machine_start(data(joints))
+    if unresolved:
+        return None
+    if z.shape[1] == 0:
+        return universal_start() if is_universal(problem) else None
+    ends, last = newton(system, z, k)
+    if np.max(last) > 1e-9:
+        return None
+
+    scale = coordinate_scale(problem, problem.known_coordinates)
+
+    def corner() -> np.ndarray:
+        return known_values(problem, joints + 2.0 * loop_radius(rng) * scale * complex_normal(len(joints), rng))
+
+    return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
+
+
+def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | None:
+    """Track the 16 universal roots to this arm at a random complex pose; None where a path stays unresolved each time."""
+    scale = coordinate_scale(problem, problem.known_coordinates)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        pose = random_known(problem, rng, near=True)
+        k = known_values(problem, pose)
+        z, unresolved = arm_start(problem, pose)
+        if unresolved or not z.shape[1]:
+            continue
+        ends = _settled(system, z, k)
+        if ends is None:
+            continue
+
+        def corner(base: np.ndarray = pose, rng: np.random.Generator = rng) -> np.ndarray:
+            return known_values(problem, base + 2.0 * loop_radius(rng) * scale * complex_normal(len(base), rng))
+
+        return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
+    return None
+
+
+def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
+    """Roots polished on a machine's own rows, those far from real ones by more bits; None where one is not found."""
+    from symkin.certificate.far_roots import are_far, settled
+
+    ends, last = newton(system, z, k)
+    left = np.flatnonzero(~(last <= 1e-9))
+    if not are_far(system, z[:, left]).all():
+        return None
+    found, ends[:, left] = settled(system, z[:, left], k)
+    return ends if found.all() else None
+
+
+def _by_monodromy(
+    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
+) -> tuple[Fibre | None, str]:
+    mobility = analyse_mobility(problem.mechanism)
+    if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
+        return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
+    rank = system.count - (redundant_rows(problem, block) if problem.kind == "direct" else 0)
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
+        return random_point(problem, system, rng, near=near)
+
+    if not _is_determined(system, points):
+        return None, TIED
+    combined = system.count < system_of(problem, block).count
+    loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
+    bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
+    first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, most_loops=loops, progress=progress)
+    if first is None:
+        return None, "no generic complex solution was found"
+    if bound is not None:
+        return first, ""
+    for seed in range(1, 1 + runs):
+        LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
+        grown = _agree(system, points, rank, first, seed, loops)
+        best = grown or first
+        missing = missing_roots(problem, system, block, best, seed)
+        fresh = np.hstack([missing, roots_elsewhere(problem, system, block, points, rank, best, seed)])
+        if grown is None and fresh.shape[1] == 0:
+            return first, ""
+        known = (np.concatenate([best.z, fresh], axis=1), best.k)
+        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known, most_loops=loops) or best
+    return None, "independent searches for the generic count disagree"
+
+
+def redundant_rows(problem: Problem, block: System) -> int:
+    """Rows of a block less their rank at generic closed configurations, all coordinates free."""
+    system = free_system(problem, block)
+    ranks = []
+    for values in closed_configurations(problem.closure, 0):
+        _, jacobian = system.linearise_one(problem.take(values, system.unknowns), np.zeros(0))
+        ranks.append(Rank.of(jacobian).value)
+    return int(block.rows.shape[0]) - max(ranks)
+
+
+def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int) -> np.ndarray:
+    """Roots (width, n) at the start's base that real instances show to be missing there.
+
+    At random closed configurations the roots must come in conjugate pairs, and must hold every real root that random
+    starts find; what is missing is tracked back to the base.
+    """
+    missing = np.zeros((system.width, 0), dtype=complex)
+    settings = TrackSettings(tolerance=1e-5)
+    for values in closed_configurations(problem.closure, seed)[:_INSTANCES]:
+        known = problem.take(values, problem.known_coordinates)
+        k = known_values(problem, known)
+        tracked = track(system, start.z, start.k, k, settings)
+        if not tracked.arrived.any():
+            continue
+        ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
+        wanted = np.concatenate([np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1)
+        back = track(system, wanted[:, uncovered(system, ends, wanted) < 0], k.astype(complex), start.k, settings)
+        missing = np.concatenate([missing, back.z[:, back.arrived]], axis=1)
+    if missing.shape[1] == 0:
+        return missing
+    everything = np.concatenate([start.z, missing], axis=1)
+    f = system.all_features(everything)
+    first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
+    return np.asarray(everything[:, first[first >= start.z.shape[1]]])
+
+
+def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known: np.ndarray, seed: int) -> np.ndarray:
+    """Regular real roots of an instance that random starts reach, as points of the algebraic system."""
+    given = Given(problem.kind, known, {})
+    found = batched(problem, block, given, _CHECK_STARTS, np.random.default_rng(seed))
+    columns = []
+    for z in found.points:
+        if block.condition(z, known) < 1e7:
+            columns.append(
+                algebraic_point(
+                    problem, system, {c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)}
+                )
+            )
+    return np.array(columns).T.reshape(system.width, len(columns))
+
+
+def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
+    """Whether the rows can be met for known values near given ones: they are no more than the unknowns, or depend on
+    each other where they are met."""
+    rng = np.random.default_rng(11)
+    redundant = system.count - (system.width - (1 if system.projective else 0))
+    if redundant <= 0 or system.projective:
+        return True
+    z, k = points(rng, True)
+    _, jz, jk = full_linearisation(system, z[:, None], k[:, None])
+    return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
+
+
+def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, loops: int) -> Fibre | None:
+    """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
+    union, grown by more loops."""
+    second = fibre(system, points, np.random.default_rng(seed), seed, rank, bound=first.z.shape[1], most_loops=loops)
+    if second is None:
+        return None
+    tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
+    ends = tracked.z[:, tracked.arrived]
+    fresh = ends[:, uncovered(system, first.z, ends) < 0]
+    if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
+        return None
+    start = np.concatenate([first.z, fresh], axis=1)
+    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, known=(start, first.k), most_loops=loops)
+
+
+# --- files -------------------------------------------------------------------------------------------------------
+
+
+def start_key(problem: Problem, system: AlgebraicSystem) -> str:
+    """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
+    distances = distance_function(problem) if is_universal(problem) else None
+    return closure_key(system) if distances is None else _hash_of(distances, "six distances")
+
+
+@lru_cache(maxsize=256)
+def closure_key(system: AlgebraicSystem) -> str:
+    """Hash of the block's rows: instructions, places and constants."""
+    function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
+    return _hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}")
+
+
+def _hash_of(function: ca.Function, text: str) -> str:
+    digest = hashlib.sha256(f"{_VERSION} {text}".encode())
+    for op, inputs, outputs, number in instructions(function):
+        constant = f"{number:.12g}" if op == ca.OP_CONST else ""
+        digest.update(f"{op} {inputs} {outputs} {constant};".encode())
+    return digest.hexdigest()[:32]
+
+
+def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
+    """A kept start whose roots satisfy the rows, or the reason why there is none; anything else is removed."""
+    with suppress(OSError):
+        shipped = _start_in((SHIPPED / f"{key}.npz").read_bytes(), system)
+        if shipped is not None:
+            return shipped
+    for place, content in read_kept(cache_folder(), key, ".npz"):
+        kept = _start_in(content, system)
+        if kept is not None:
+            return kept
+        discard(place)
+    return None
+
+
+def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
+    """What a file says, or None where it holds no start of this system."""
+    try:
+        with np.load(io.BytesIO(content)) as data:
+            if str(data["reason"]):
+                return None, str(data["reason"])
+            kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]), _mirrors_in(data))
+        with np.errstate(all="ignore"):
+            return (kept, "") if _is_start(system, kept) else None
+    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, MemoryError, BadZipFile, zlib.error):
+        return None
+
+
+def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
+    """Whether the roots satisfy the rows, differ from each other, and are carried to each other as their mirrors say."""
+    n = start.z.shape[1]
+    fits = start.z.shape == (system.width, n) and start.k.shape == (system.k.shape[0],) and start.orbits.shape == (n,)
+    if not fits or n == 0:
+        return False
+    rows, derivatives = system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))
+    steepness = np.max(np.abs(derivatives), axis=(1, 2))
+    if not np.max(np.max(np.abs(rows), axis=1) / np.maximum(steepness, 1.0)) < _SATISFIED:
+        return False
+    features = system.all_features(start.z)
+    mixed = features @ np.random.default_rng(0).normal(size=features.shape[1])
+    if not np.all(np.abs(mixed[:, None] - mixed)[np.triu_indices(n, 1)] > _SATISFIED):
+        return False
+    if start.mirrors is None:
+        return True
+    mirrored = system.all_features(start.mirrors.unfold(start.z[:, start.mirrors.first]))
+    return bool(np.max(np.abs(mirrored - features), initial=0.0) < _MIRRORED)
+
+
+def _mirrors_out(mirrors: Orbits) -> dict[str, np.ndarray]:
+    maps = {"matrices": mirrors.symmetries.matrices, "shifts": mirrors.symmetries.shifts}
+    return maps | {"labels": mirrors.labels, "first": mirrors.first, "maps": mirrors.maps}
+
+
+def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
+    if "matrices" not in data:
+        return None
+    return Orbits(Symmetries(data["matrices"], data["shifts"]), data["labels"], data["first"], data["maps"], True)
+
+
+def _content(start: Fibre | None, reason: str) -> bytes:
+    """A file of a start, or of the reason why there is none."""
+    content: dict[str, np.ndarray | float | str] = {"reason": reason}
+    if start is not None:
+        content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
+        content |= {} if start.mirrors is None else _mirrors_out(start.mirrors)
+    file = io.BytesIO()
+    np.savez(file, **content)  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+def write_shipped() -> None:
+    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.homotopy.start_store`."""
+    from symkin.model.file import load, shipped_names
+    from symkin.position.problem import build_problem
+
+    for old in SHIPPED.glob("*.npz"):
+        old.unlink()
+    for name in shipped_names():
+        for kind in ("direct", "inverse"):
+            problem = build_problem(load(name), kind)
+            if problem.is_explicit:
+                continue
+            for block in problem.blocks:
+                system = system_of(problem, block)
+                start, reason = compute_start(problem, system, block)
+                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(_content(start, reason))
+                print(
+                    name,
+                    kind,
+                    ", ".join(c.name for c in block.unknowns),
+                    reason or f"{start.z.shape[1]} roots" if start else reason,
+                )
+
+
+if __name__ == "__main__":
+    write_shipped()

@@ -1,0 +1,127 @@
+"""The algebraic systems of a problem: its blocks over the complex numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import lru_cache
+from symkin.closure.closure import AlgebraicClosure, build_algebraic_closure
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.dyads import dyads_of
+from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system
+from symkin.model.joint import Coordinate
+from symkin.numeric.system import System, components
+from symkin.position.problem import KNOWN, Problem
+
+
+@lru_cache(maxsize=64)
+def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
+    """The blocks of a problem over the complex numbers. Platforms held by six rods share one system, whose known values
+    are lengths and points."""
+    if is_universal(problem):
+        return (universal_system(),)
+    return _build(problem, dyads=True)
+
+
+@lru_cache(maxsize=64)
+def whole_system(problem: Problem, block: System) -> AlgebraicSystem:
+    """The algebraic system of a block with universal joints among its unknowns."""
+    if not dyads_of(problem):
+        return system_of(problem, block)
+    (system,) = _build(problem, dyads=False)
+    return system
+
+
+def _build(problem: Problem, *, dyads: bool) -> tuple[AlgebraicSystem, ...]:
+    pose_unknown = problem.kind == "direct"
+    algebraic = build_algebraic_closure(
+        problem.mechanism, "study" if pose_unknown else "homogeneous", eliminate=problem.kind == "inverse", dyads=dyads
+    )
+    size = problem.closure.size
+    known_role = KNOWN[problem.kind]
+    symbols = {c.name: algebraic.joints[k] for k, c in enumerate(algebraic.coordinates)}
+    unknowns = tuple(c for c in algebraic.coordinates if c.role != known_role)
+    known = tuple(c for c in algebraic.coordinates if c.role == known_role)
+    z_parts, k_parts = [symbols[c.name] for c in unknowns], [symbols[c.name] for c in known]
+    scale_z, scale_k = _scales(unknowns, size), _scales(known, size)
+    pose_scale = _pose_scale(algebraic, problem.closure.role("pose"), size)
+    rows = list(ca.vertsplit(algebraic.rows))
+    if distance_function(problem) is not None:
+        rows = [rows[i] for i in chosen_distances(problem)]
+    projective: tuple[int, ...] = ()
+    affine = unknowns
+    if pose_unknown:
+        if algebraic.form is None:
+            affine = (*unknowns, *problem.closure.role("pose"))
+        else:
+            width = int(algebraic.pose.shape[0])
+            projective = tuple(range(len(unknowns), len(unknowns) + width))
+            if width == 8:
+                rows.append(ca.dot(algebraic.pose[:4], algebraic.pose[4:]))
+        z_parts.append(algebraic.pose)
+        scale_z += pose_scale
+    else:
+        k_parts.append(algebraic.pose)
+        scale_k += pose_scale
+    z, k = ca.vertcat(*z_parts), ca.vertcat(*k_parts)
+    scaled = ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))
+    eliminated = tuple(e for e in algebraic.eliminated if e[0].role != known_role)
+    expressions = ca.substitute(ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled)
+    last = int(k.shape[0])
+    known_ray = () if pose_unknown or algebraic.form is None else tuple(range(last - 4, last))
+    whole = AlgebraicSystem(size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray)
+    if pose_unknown and len(problem.blocks) == 1:
+        whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
+    cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
+    if whole.projective or whole.limbs:
+        return (whole,)
+    return tuple(_part(whole, cut, {c.name for c in block.unknowns}) for block in problem.blocks)
+
+
+def system_of(problem: Problem, block: System) -> AlgebraicSystem:
+    """The algebraic system of one block of a problem; the systems stand in the order of the blocks."""
+    numbers = [number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns]
+    return algebraic_systems(problem)[numbers[0]]
+
+
+@lru_cache(maxsize=64)
+def squared(system: AlgebraicSystem) -> AlgebraicSystem:
+    """As many random combinations of the rows as there are unknowns: their roots are those of all rows, and others that the rows
+    tell apart. The given values need satisfy no conditions then."""
+    mixed = np.random.default_rng(7).normal(size=(system.width, system.count))
+    return replace(system, rows=ca.mtimes(ca.DM(mixed / np.linalg.norm(mixed, axis=1, keepdims=True)), system.rows))
+
+
+def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
+    return [1.0 if c.is_angular else size for c in coordinates]
+
+
+def _limbs(whole: AlgebraicSystem, count: int) -> tuple[tuple[int, ...], ...]:
+    """The first `count` unknowns, which are joints, in groups that a known pose separates."""
+    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z[:count]), 1)) != 0
+    return tuple(tuple(sorted(g)) for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count))
+
+
+def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], names: set[str]) -> AlgebraicSystem:
+    """The part of the coordinates `names`; rows without unknowns (conditions on the given values) belong to none. `cut` are
+    eliminated coordinates and their values."""
+    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z), 1)) != 0
+    places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
+    rows = [i for i in range(whole.count) if pattern[i, places].any()]
+    return AlgebraicSystem(
+        whole.size, tuple(whole.unknowns[i] for i in places), whole.z[places], whole.k, whole.rows[rows, 0], (),
+        tuple((c, value) for c, value in cut if c.name in names), known_ray=whole.known_ray,
+    )  # fmt: skip
+
+
+def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float) -> list[float]:
+    if algebraic.form is None:
+        return [1.0 if c.is_angular else size for c in pose]
+    width = int(algebraic.pose.shape[0])
+    if width == 4:
+        return [1.0] * 4
+    return [1.0] * 4 + [size] * 4 if width == 8 else [size] * 3 + [1.0] * 4

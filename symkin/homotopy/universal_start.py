@@ -1,0 +1,60 @@
+"""The start of every platform held by six distances.
+
+With lengths and all points complex and random there are 40 roots, the most that any such platform has (Ronga and Vust
+1992). They are tracked to any machine; those of special machines that run to e.e = 0 are at infinity.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from symkin.caching import lru_cache
+from symkin.homotopy.algebraic import complex_normal
+from symkin.homotopy.endgame import finish
+from symkin.homotopy.engine import track
+from symkin.homotopy.monodromy import Fibre, fibre
+from symkin.homotopy.six_distances import universal_system
+from symkin.homotopy.tracker import TrackSettings
+from symkin.spatial.rotation import multiply
+
+BOUND = 40
+DATA = Path(__file__).resolve().parent / "data" / "six_distances.npz"
+_FADING = 1e-4
+"""|e.e| / |e|^2 below which a singular end of a generic instance is one at infinity."""
+
+
+@lru_cache(maxsize=1)
+def universal_start() -> Fibre:
+    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
+    data = np.load(DATA)
+    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+
+
+def compute_universal_start(seed: int = 0) -> Fibre:
+    """Monodromy in lengths and geometry until the bound of 40 is reached."""
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
+        e = complex_normal(4, rng)
+        t = np.concatenate([[0.0], complex_normal(3, rng)])
+        return np.concatenate([e, 0.5 * multiply(t, e)]), complex_normal(42, rng)
+
+    system = universal_system()
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
+    if found is None or found.z.shape[1] != BOUND:
+        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
+    return found
+
+
+def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
+    """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each distance; how many of
+    the 40 paths ran to e.e = 0, and how many are unresolved."""
+    start, system = universal_start(), universal_system()
+    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
+    tracked = track(system, start.z, start.k, data, settings)
+    ends = finish(system, start, data, tracked)
+    e = ends.singular.z[:4]
+    fading = np.abs(np.sum(e**2, axis=0)) < _FADING * np.sum(np.abs(e) ** 2, axis=0)
+    lost = ends.singular.multiplicity
+    return ends.z, ends.at_infinity + int(lost[fading].sum()), len(ends.unresolved) + int(lost[~fading].sum())

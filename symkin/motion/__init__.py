@@ -1,1 +1,0 @@
-"""Motion: velocity equations and Jacobians, as numbers and as symbols."""

@@ -1,0 +1,207 @@
+"""Pictures of a calibration: residuals, parameter changes with their standard deviations, pose sigma over the workspace."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.calibration.parameters import FRAMES
+from symkin.plots.box import COLOURS, drawing
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import quaternion_from_rotation_vector
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from symkin.calibration.calibrate import Calibration, Parameter
+    from symkin.calibration.prediction import PoseSigma
+    from symkin.model.mechanism import Mechanism
+
+_DPI = 130
+_MOST_BARS = 60
+"""Parameters that one picture shows, those that changed most."""
+_SEEN, _HIGH = 40.0, 2.0
+"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn; above so many times the highest bar
+it is cut off."""
+_TOLD, _FAR, _LINEAR = 3.0, 40.0, 10.0
+"""A change of so many standard deviations is told by the readings; where one reaches the second, the axis is logarithmic beyond the
+third."""
+_MOST_POSES = 1000
+"""Measured poses that are drawn, spread evenly over the file."""
+_KINDS = {"group": "#2f7fc1", "inclination": "#e8743b", "position": "#3a9d5d", "orientation": "#8c5fbf", "distance": "#b5892b"}
+_AXES_OF = {
+    "group": "inclination in its group", "inclination": "inclination", "position": "position", "orientation": "orientation",
+    "distance": "distance",
+}  # fmt: skip
+
+
+@drawing()
+def png(figure: Figure) -> bytes:
+    """The picture as a PNG file's content."""
+    content = io.BytesIO()
+    figure.savefig(content, dpi=_DPI, format="png")
+    return content.getvalue()
+
+
+@drawing()
+def residual_figure(fit: Calibration) -> Figure:
+    """Normalised residuals by posture, and their distribution beside the normal one."""
+    rows = [r for r in fit.residuals if r.normalised is not None]
+    figure, (left, right) = _figure(11, 4.2, (3, 1))
+    flagged = {(o.posture, o.kind) for o in fit.outliers}
+    for kind in dict.fromkeys(r.kind for r in rows):
+        chosen = [r for r in rows if r.kind == kind]
+        left.plot(
+            [r.posture + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=_KINDS.get(kind, COLOURS["text"]),
+            label=_AXES_OF.get(kind, kind),
+        )  # fmt: skip
+    values = np.array([r.normalised for r in rows], dtype=float)
+    reach = max(4.0, 1.1 * float(np.max(np.abs(values), initial=0.0)))
+    for level in (-3, 3):
+        left.axhline(level, color=COLOURS["quiet"], lw=0.8, ls="--")
+    left.axhline(0, color=COLOURS["quiet"], lw=0.8)
+    for number in sorted({posture for posture, _ in flagged}):
+        left.axvline(number + 1, color=COLOURS["accent"], lw=1, alpha=0.5)
+    left.set(xlabel="posture", ylabel="residual over its standard deviation", ylim=(-reach, reach))
+    title = "Residuals" + (f"; {len(flagged)} outliers left out (lines)" if flagged else "")
+    left.set_title(title, loc="left")
+    if len(values):
+        left.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=3, borderaxespad=0.2)
+    _distribution(right, values, reach)
+    return figure
+
+
+def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
+    """Readings by the size of their residual, and how many the normal distribution has there: N w exp(-t^2 / 2) / sqrt(2 pi) for N
+    readings and bins of width w, or a band over its three standard deviations where it is too narrow to be drawn."""
+    from matplotlib.ticker import MaxNLocator
+
+    if len(values):
+        counts, edges = np.histogram(values, bins=min(40, max(8, len(values) // 8)), range=(-reach, reach))
+        width = float(edges[1] - edges[0])
+        axes.barh(edges[:-1], counts, height=width, align="edge", color="#9cc3e4", label="residuals")
+        t = np.linspace(-reach, reach, 400)
+        normal = len(values) * width * np.exp(-0.5 * t * t) / np.sqrt(2 * np.pi)
+        if reach < _SEEN:
+            axes.set_xlim(right=1.05 * min(max(counts.max(), normal.max()), _HIGH * counts.max()))
+            axes.plot(normal, t, color=COLOURS["text"], lw=1.2, label="normal")
+        else:
+            axes.axhspan(-3.0, 3.0, color=COLOURS["text"], lw=1.5, label="normal, three sigma")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2, borderaxespad=0.2, handlelength=1.2)
+    axes.set(ylim=(-reach, reach), xlabel="number of readings")
+    axes.set_xlim(left=0)
+    axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+
+
+@drawing()
+def parameter_figure(fit: Calibration) -> Figure:
+    """Changes from nominal with two standard deviations, and the changes over their standard deviations: two panels a unit."""
+    own = [p for p in fit.parameters if not p.held and p.name not in FRAMES] or [p for p in fit.parameters if not p.held]
+    kinds = [k for k in ("length", "angle", "number") if any(p.kind == k for p in own)]
+    shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
+    rows = max(len(kept) for kept in shown.values())
+    figure, panels = _figure(2.0 + 6.0 * len(kinds), 1.6 + 0.19 * rows, (3, 2) * len(kinds))
+    for k, kind in enumerate(kinds):
+        free = sum(p.kind == kind for p in own)
+        _changes(panels[2 * k], shown[kind], kind, fit.mechanism, f"{len(shown[kind])} of {free} {kind}s, bars of two sigma")
+        _ratios(panels[2 * k + 1], shown[kind])
+    return figure
+
+
+def _most_changed(parameters: list[Parameter]) -> list[Parameter]:
+    """Those that changed most, as many as one picture shows, in their order."""
+    return sorted(sorted(parameters, key=lambda p: -abs(p.change))[:_MOST_BARS], key=parameters.index)
+
+
+def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: str) -> None:
+    out = m.angle_out if kind == "angle" else float
+    places = np.arange(len(kept))[::-1]
+    axes.barh(places, [out(p.change) for p in kept], color="#9cc3e4", height=0.7)
+    sigma = [0.0 if p.sigma is None else 2 * out(p.sigma) for p in kept]
+    axes.errorbar([out(p.change) for p in kept], places, xerr=sigma, fmt="none", ecolor=COLOURS["text"], elinewidth=1, capsize=2)
+    axes.set_yticks(places, [p.name for p in kept], fontsize=7)
+    axes.set_ylim(-1, len(kept))
+    axes.axvline(0, color=COLOURS["quiet"], lw=0.8)
+    unit = {"length": m.length_unit, "angle": m.angle_unit, "number": "1"}[kind]
+    axes.set_xlabel(f"identified less nominal [{unit}]")
+    axes.set_title(title, loc="left")
+
+
+def _ratios(axes: Axes, kept: list[Parameter]) -> None:
+    """Changes over their standard deviations, those within three of them pale; logarithmic beyond ten where they reach far."""
+    places = np.arange(len(kept))[::-1]
+    ratios = np.array([p.change / p.sigma if p.sigma else np.nan for p in kept])
+    reach = float(np.nanmax(np.abs(ratios))) if np.any(np.isfinite(ratios)) else 0.0
+    pale = np.where(np.abs(ratios) <= _TOLD, "#cfe0ee", "#2f7fc1")
+    axes.barh(places, np.nan_to_num(ratios), color=pale, height=0.7)
+    axes.set_yticks(places, [""] * len(kept))
+    axes.set_ylim(-1, len(kept))
+    for level in (-_TOLD, _TOLD):
+        axes.axvline(level, color=COLOURS["quiet"], lw=0.8, ls="--")
+    axes.axvline(0, color=COLOURS["quiet"], lw=0.8)
+    if reach > _FAR:
+        axes.set_xscale("symlog", linthresh=_LINEAR)
+        top = int(np.log10(reach))
+        powers = [10.0**k for k in range(top, 0, -max(1, (top + 1) // 2))][::-1]
+        axes.set_xticks([*(-p for p in reversed(powers)), 0.0, *powers])
+    axes.set_xlim(*(np.array([-1.0, 1.0]) * max(1.3 * reach, _TOLD + 1.0)))
+    axes.set_xlabel("identified less nominal over sigma")
+    axes.set_title("in sigma, lines at three" if reach else "sigma unknown", loc="left")
+
+
+@drawing()
+def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
+    """Standard deviations of position and orientation over the poses, seen from above and from the side, and the poses measured."""
+    m = fit.mechanism
+    figure, panels = _figure(11, 4.8, (1, 1))
+    x, y, z = sigma.poses[:, 0], sigma.poses[:, 1], sigma.poses[:, 2]
+    measured = _platform_positions(fit)
+    shown = (
+        (panels[0], x, y, "y", sigma.position, "position", m.length_unit),
+        (panels[1], x, z, "z", np.array([m.angle_out(float(a)) for a in sigma.angle]), "orientation", m.angle_unit),
+    )
+    for axes, across, up, name, values, what, unit in shown:
+        dots = axes.scatter(across, up, c=values, s=22, cmap="viridis")
+        axes.plot(
+            measured[:, 0], measured[:, "xyz".index(name)], "x", ms=4, mew=0.9, color=COLOURS["accent"],
+            label=f"measured, {_drawn_of(measured, fit)}",
+        )  # fmt: skip
+        figure.colorbar(dots, ax=axes, label=f"sigma of {what} [{unit}]")
+        axes.set(xlabel=f"x of the platform [{m.length_unit}]", ylabel=f"{name} of the platform [{m.length_unit}]")
+        axes.set_title(f"Sigma of the {what}, seen from {'above' if name == 'y' else 'the side'}", loc="left", pad=18)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, borderaxespad=0.1, handletextpad=0.2)
+    return figure
+
+
+def _drawn_of(measured: np.ndarray, fit: Calibration) -> str:
+    few = len(measured) < len(fit.used)
+    return f"{len(measured)} of {len(fit.used)} postures" if few else f"{len(measured)} postures"
+
+
+def _platform_positions(fit: Calibration) -> np.ndarray:
+    """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed poses less the measuring frames."""
+    rows = np.unique(np.linspace(0, len(fit.poses) - 1, _MOST_POSES).astype(int))
+    back = {frame: _frame(fit.values, frame).inverse() for frame in ("world", "target")}
+    poses = [back["world"] @ Pose(row[:3], row[3:]) @ back["target"] for row in fit.poses[rows]]
+    return np.array([pose.position for pose in poses]).reshape(-1, 3)
+
+
+def _frame(values: Mapping[str, float], name: str) -> Pose:
+    position, turn = (np.array([values.get(f"{name}.{what}.{k}", 0.0) for k in "xyz"]) for what in ("position", "rotation"))
+    return Pose(position, np.asarray(quaternion_from_rotation_vector(turn)))
+
+
+def _figure(width: float, height: float, ratios: tuple[int, ...]) -> tuple[Figure, Any]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, len(ratios), squeeze=False, width_ratios=ratios)[0]
+    for axes in panels:
+        axes.spines[["top", "right"]].set_visible(False)
+    return figure, panels

@@ -1,0 +1,110 @@
+"""Pictures of singularity loci over a plane of two coordinates. Matplotlib is imported only when one is drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.plots.box import COLOURS, drawing
+from symkin.plots.plot import check_picture_path, write_picture
+from symkin.position.varied_pose import axis_title
+from symkin.singularities.loci_text import held_text, without_curves
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from symkin.singularities.loci import Loci
+    from symkin.singularities.locus import Locus
+
+KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
+"""Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
+_NARROW = 4.0
+"""Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
+
+
+def draw_loci(loci: Loci, path: Path | str) -> None:
+    """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
+
+    target = check_picture_path(path)
+    figure = figure_of_loci(loci)
+    write_picture(figure, target)
+
+
+def figure_of_loci(loci: Loci) -> Figure:
+    """The window with every curve: strong where it belongs to the configuration's working mode, thin elsewhere; cusps as
+    rings, the configuration as a cross; equal scales where both sides are of one unit."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with drawing():
+        figure = Figure(figsize=(7.4, 7.2), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        draw_curves(axes, loci)
+        figure.suptitle(f"{loci.plane.mechanism.name}: singularity loci", fontsize=13, fontweight="bold", color=COLOURS["text"])
+        axes.set_title(held_text(loci), fontsize=9, color=COLOURS["quiet"], parse_math=False)
+        handles, labels = axes.get_legend_handles_labels()
+        if handles:
+            unique = dict(zip(labels, handles, strict=True))
+            figure.legend(
+                list(unique.values()), list(unique), loc="outside lower center", ncols=3, frameon=False, fontsize=9,
+                labelcolor=COLOURS["quiet"],
+            )  # fmt: skip
+    return figure
+
+
+def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
+    """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`: curves of other working
+    modes thin."""
+    for curve in loci.curves:
+        _curve(axes, curve, emphasise)
+        ends = curve.loose_ends(loci.ranges)
+        if len(ends):
+            axes.plot(*ends.T, "x", color=KIND_COLOURS[curve.kind], ms=6, mew=1.4, label="tracing ends", zorder=4)
+    u, v = (_out(loci, k) for k in range(2))
+    if all(low <= value <= high for value, (low, high) in zip((u, v), loci.ranges, strict=True)):
+        axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+    if not loci.curves:
+        apart = 0.25 if v > float(np.mean(loci.ranges[1])) else 0.75
+        look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
+        axes.text(0.5, apart, without_curves(loci), ha="center", va="center", **look)
+    axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
+    titles = map(axis_title, loci.plane.names) if loci.plane.of_pose else loci.plane.names
+    names = [f"{title} [{unit}]" for title, unit in zip(titles, loci.units, strict=True)]
+    axes.set_xlabel(names[0] + _caption(loci), color=COLOURS["text"], parse_math=False)
+    axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
+    if loci.units[0] == loci.units[1] and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW:
+        axes.set_aspect("equal")
+    axes.grid(color=COLOURS["grid"], lw=0.6)
+
+
+def _caption(loci: Loci) -> str:
+    """Below the axes, where no curve is: that some may be missing."""
+    from symkin.singularities.loci import MISSING, NONE_MET
+
+    return "\ncurves may be missing; raise --starts" if {MISSING, NONE_MET} & set(loci.notes) else ""
+
+
+def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
+    colour = KIND_COLOURS[curve.kind]
+    points, mode = curve.points, curve.in_mode | (not emphasise)
+    if curve.is_point:
+        what = "self-motion" if curve.self_motion else "curves that nearly touch"
+        axes.plot(*points[:1].T, "s" if curve.self_motion else "D", color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4)
+        return
+    if curve.closed:
+        points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])
+    if not mode.all():
+        axes.plot(*points.T, "-", color=colour, lw=0.8, alpha=0.45, label=f"{curve.kind}, other working modes", zorder=2)
+    if mode.any():
+        strong = np.where(mode[:, None], points, np.nan)
+        axes.plot(*strong.T, "-", color=colour, lw=1.9, label=curve.kind, zorder=3)
+    if len(curve.cusps):
+        axes.plot(*curve.cusps.T, "o", mfc="white", mec=colour, ms=6, mew=1.4, label="cusp", zorder=4)
+
+
+def _out(loci: Loci, k: int) -> float:
+    c = loci.plane.coordinates[k]
+    return loci.plane.mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]

@@ -1,0 +1,95 @@
+"""Pictures of a graph of assembly modes: one panel a sheet over the two inputs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.plots.box import COLOURS, drawing
+from symkin.plots.plot import check_picture_path, write_picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from symkin.following.mode_graph import ModeGraph
+
+_MOST_PANELS = 8
+"""Sheets that are drawn, the largest first."""
+_COLOURS = ("#dde3ea", "#56b4e9", "#0072b2", "#d55e00")
+"""Colours for none, one, two and more modes of a sheet at one point."""
+_COUNTS = ("no mode of the sheet", "one", "two", "three or more")
+"""What the colours mean."""
+
+
+def draw_mode_graph(graph: ModeGraph, path: Path | str, route: np.ndarray | None = None) -> None:
+    """Write `figure_of_mode_graph` to a file. Raises InputError where it cannot be written."""
+
+    target = check_picture_path(path)
+    figure = figure_of_mode_graph(graph, route)
+    write_picture(figure, target)
+
+
+def figure_of_mode_graph(graph: ModeGraph, route: np.ndarray | None = None) -> Figure:
+    """A panel for each sheet: at each grid point how many of its modes belong to the sheet, edges without a singularity, the
+    chosen input as a cross; `route` (m, joints), a path of `ModeGraph.path`, on the first panel."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    count = min(len(graph.sheets), _MOST_PANELS)
+    across = min(count, 4)
+    down = max(1, -(-count // max(across, 1)))
+    with drawing():
+        figure = Figure(figsize=(3.6 * max(across, 1) + 0.6, 3.5 * down + 0.9), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()
+        for k, panel in enumerate(axes):
+            if k < count:
+                _sheet(panel, graph, k)
+            else:
+                panel.set_axis_off()
+        if route is not None and count:
+            u, v = _columns(graph)
+            last = len(graph.found) - 1
+            shown = next((k for k in range(count) if any(point == last for point, _ in graph.sheets[k])), 0)
+            axes[shown].plot(route[:, u], route[:, v], "-", color=COLOURS["accent"], lw=2.0, zorder=4)
+        more = "" if count == len(graph.sheets) else f", the {count} largest of {len(graph.sheets)}"
+        keys = [axes[0].scatter([], [], s=22, c=colour) for colour in _COLOURS]
+        figure.legend(keys, _COUNTS, loc="outside lower center", ncols=4, frameon=False, fontsize=9, labelcolor=COLOURS["quiet"])
+        title = f"{graph.mechanism.name}: modes joined without a singularity{more}"
+        figure.suptitle(title, fontsize=12, fontweight="bold", color=COLOURS["text"])
+    return figure
+
+
+def _columns(graph: ModeGraph) -> tuple[int, int]:
+    names = [c.name for c in graph.mechanism.actuated]
+    return names.index(graph.axes[0].name), names.index(graph.axes[1].name)
+
+
+def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
+    u, v = _columns(graph)
+    points, sheet = graph.inputs, graph.sheets[k]
+    for (a, i), (b, _) in graph.edges:
+        if (a, i) in sheet:
+            panel.plot(points[[a, b], u], points[[a, b], v], "-", color=COLOURS["base"], lw=0.8, zorder=1)
+    counts = np.zeros(len(points) - 1, dtype=int)
+    for point, _ in sheet:
+        if point < len(counts):
+            counts[point] += 1
+    colours = [_COLOURS[min(c, len(_COLOURS) - 1)] for c in counts]
+    panel.scatter(points[:-1, u], points[:-1, v], s=22, c=colours, zorder=2)
+    mine = [str(mode + 1) for point, mode in sorted(sheet) if point == len(points) - 1]
+    if mine:
+        panel.plot(points[-1:, u], points[-1:, v], "+", color=COLOURS["text"], ms=11, mew=1.6, zorder=5)
+    of = f": mode{'s' if len(mine) > 1 else ''} {', '.join(mine)} of the input" if mine else ""
+    panel.set_title(f"sheet {k + 1}{of}", fontsize=9, color=COLOURS["quiet"])
+    panel.locator_params(nbins=5)
+    units = [_unit(graph, column) for column in (u, v)]
+    panel.set_xlabel(f"{graph.axes[0].name} [{units[0]}]", color=COLOURS["text"], parse_math=False)
+    panel.set_ylabel(f"{graph.axes[1].name} [{units[1]}]", color=COLOURS["text"], parse_math=False)
+
+
+def _unit(graph: ModeGraph, column: int) -> str:
+    coordinate = graph.mechanism.actuated[column]
+    return graph.mechanism.angle_unit if coordinate.is_angular else graph.mechanism.length_unit

@@ -1,0 +1,275 @@
+"""Maps of a sweep: the number of real modes, or the condition of the best one, over one or two of the swept values.
+
+A grid of more dimensions is cut at the middle of the others, or where `slices` says; a random sample is drawn as points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.closure.closure import build_closure
+from symkin.errors import InputError
+from symkin.model.file import parse
+from symkin.model.mechanism import Mechanism
+from symkin.plain_number import plain
+from symkin.plots.box import COLOURS, drawing
+from symkin.plots.plot import check_picture_path, write_picture
+from symkin.position.varied_pose import axis_title, turn_text
+from symkin.spatial.rotation import conjugate, multiply
+from symkin.sweeps.interrupts import interrupts_held
+from symkin.sweeps.layout import labels
+from symkin.sweeps.ranges import check_map_is_left, check_slices
+from symkin.sweeps.store import read_attributes, require_zarr
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_SHOWN = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}
+"""The array that is drawn of each quantity."""
+_TITLES = {
+    "count": "Number of real modes",
+    "least_condition": "Condition of the best mode",
+    "count_within_limits": "Number of real modes within limits",
+}
+_NONE, _UNKNOWN = "#dfe3e8", "#ffffff"
+"""Colours of cells without a mode, and of points that are not counted."""
+_CROSS: dict[str, Any] = {"marker": "x", "color": "#b03a48", "linewidths": 0.8}
+_PLUS: dict[str, Any] = {"marker": "+", "color": COLOURS["quiet"], "linewidths": 0.8}
+"""Looks of single points without a mode, and of single points that are not counted: they have no area to be grey or white."""
+_MOST_ENTRIES = 12
+"""Counts that the legend of a map names one by one; of more, it names evenly spaced ones."""
+_NARROW = 20.0
+"""Ratio of conditions below which powers of ten alone make too few ticks."""
+_MOST_POINTS = 200_000
+"""Points of a sample that are drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Slice:
+    """What is drawn: `values` along the axes `x` and `y` (None for a curve), each (name, unit, coordinates); `fixed` says
+    where the others are cut; `scattered`: coordinates belong to single points."""
+
+    values: np.ndarray
+    x: tuple[str, str, np.ndarray]
+    y: tuple[str, str, np.ndarray] | None
+    fixed: tuple[str, ...]
+    scattered: bool
+
+
+def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None) -> None:
+    """Write the map of a sweep's folder to a picture, whose suffix is its format. `slices` gives values, in the mechanism's
+    units, at which dimensions of a grid are cut: the nearest grid values are taken.
+
+    Raises InputError for a folder that holds no sweep, a slice outside what is swept and a file that cannot be written.
+    """
+
+    target = check_picture_path(path)
+    figure = figure_of_sweep(folder, slices or {})
+    write_picture(figure, target)
+
+
+def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
+    """The map as a figure."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with interrupts_held():
+        attributes, data = _opened(Path(folder))
+        sampled = attributes["sample"] is not None
+        names = list(attributes["axes"])
+        check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
+        check_map_is_left(slices, names)
+        name = _SHOWN[attributes["quantity"]]
+        part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
+    with drawing():
+        figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        ax: Any = figure.add_subplot()
+        if part.y is None:
+            _curve(ax, part, name)
+        elif name == "least_condition":
+            _continuous_map(figure, ax, part)
+        else:
+            _discrete_map(ax, part)
+        _words(figure, ax, part, attributes, name)
+    return figure
+
+
+def _opened(folder: Path) -> tuple[dict[str, Any], Any]:
+    require_zarr()
+    import xarray
+
+    attributes = read_attributes(folder)
+    if attributes is None:
+        raise InputError(f"{folder}: holds no sweep")
+    return attributes, xarray.open_zarr(folder)
+
+
+# --- slices ------------------------------------------------------------------------------------------------------
+
+
+def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> _Slice:
+    """A grid, cut so that at most two axes are left: those of most values, unless `slices` cuts them."""
+    names = list(attributes["axes"])
+    axes = {n: (n, data[label].attrs["units"], data[label].values) for n, label in zip(names, labels(names), strict=True)}
+    long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
+    shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
+    places: list[slice | int] = []
+    fixed = []
+    for n in names:
+        values = axes[n][2]
+        if n in shown:
+            places.append(slice(None))
+            continue
+        middle = values[(len(values) - 1) // 2]
+        place = int(np.argmin(np.abs(values - slices.get(n, middle))))
+        places.append(place)
+        fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
+    values = data[name][tuple(places)].values
+    return _Slice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False)
+
+
+def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> _Slice:
+    """The first points of a sample over the first two swept values."""
+    names = list(attributes["axes"])
+    part = slice(0, _MOST_POINTS)
+    axes = [(n, data[label].attrs["units"], data[label][part].values) for n, label in zip(names, labels(names), strict=True)]
+    values = data[name][part].values
+    fixed = (f"all values of {', '.join(names[2:])}",) if len(names) > 2 else ()
+    return _Slice(values, axes[0], axes[1] if len(names) > 1 else None, fixed, True)
+
+
+# --- drawing -----------------------------------------------------------------------------------------------------
+
+
+def _curve(ax: Any, part: _Slice, name: str) -> None:
+    values = np.where(part.values < 0, np.nan, part.values.astype(float))
+    x, look = part.x[2], {"color": COLOURS["platform edge"]}
+    if part.scattered or len(x) < 2:
+        ax.plot(x, values, ".", markersize=4 if len(x) > 1 else 9, **look)
+    elif name == "least_condition":
+        ax.plot(x, values, linewidth=1.6, marker="." if len(x) < 80 else "", **look)
+    else:
+        ax.step(x, values, where="mid", linewidth=1.6, **look)
+    empty = np.isnan(values)
+    if name == "least_condition" and empty.any():
+        margin = 0.05 * float(np.ptp(x)) or 0.5
+        ax.set_xlim(x.min() - margin, x.max() + margin)
+        ax.scatter(x[empty], np.zeros(empty.sum()), transform=ax.get_xaxis_transform(), clip_on=False, zorder=3, **_CROSS)
+    if name == "least_condition" and np.isfinite(values).any():
+        ax.set_yscale("log")
+    elif name != "least_condition":
+        ax.yaxis.get_major_locator().set_params(integer=True)
+        ax.set_ylim(bottom=-0.3, top=max(1.0, float(np.nanmax(values, initial=0.0))) + 0.7)
+    note = " (cross: no mode)" if name == "least_condition" and empty.any() else ""
+    ax.set_ylabel(_TITLES[name].lower() + note, color=COLOURS["quiet"])
+    ax.grid(True)
+
+
+def _painted(ax: Any, part: _Slice, **look: Any) -> Any:
+    """Cells of a grid, or points of a sample, with their values as colours; single points without a value get marks."""
+    assert part.y is not None  # noqa: S101 - curves are drawn elsewhere
+    if part.scattered:
+        size = float(np.clip(40_000 / max(1, len(part.values)), 2.0, 40.0))
+        drawn = ax.scatter(part.x[2], part.y[2], c=part.values, s=size, linewidths=0, rasterized=True, **look)
+        for mark, where in ((_CROSS, np.isnan(part.values) | (part.values == 0)), (_PLUS, part.values < 0)):
+            ax.scatter(part.x[2][where], part.y[2][where], s=size, rasterized=True, **mark)
+        return drawn
+    return ax.pcolormesh(_edges(part.x[2]), _edges(part.y[2]), part.values.T, rasterized=True, **look)
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Edges of the cells about rising values."""
+    if len(values) == 1:
+        return np.asarray(values[0] + np.array([-0.5, 0.5]))
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _discrete_map(ax: Any, part: _Slice) -> None:
+    """A colour for each count that occurs; its legend names them with their shares."""
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    counts, points = np.unique(part.values, return_counts=True)
+    positive = counts[counts > 0]
+    shades = dict(zip(positive.tolist(), colormaps["viridis"](np.linspace(0.15, 0.97, len(positive))), strict=True))
+    none = _UNKNOWN if part.scattered else _NONE
+    colours = [_UNKNOWN if c < 0 else none if c == 0 else shades[int(c)] for c in counts]
+    norm = BoundaryNorm([*(counts - 0.5), counts[-1] + 0.5], len(counts)) if len(counts) > 1 else None
+    _painted(ax, part, cmap=ListedColormap(colours), norm=norm)
+    shown = np.unique(np.linspace(0, len(counts) - 1, min(_MOST_ENTRIES, len(counts))).round().astype(int))
+    patches = [Patch(facecolor=colours[i], edgecolor=COLOURS["axis"], linewidth=0.5) for i in shown]
+    marks = [ax.scatter([], [], s=40.0, **(_CROSS if counts[i] == 0 else _PLUS)) for i in shown if counts[i] <= 0]
+    handles = [*marks, *patches[len(marks) :]] if part.scattered else patches
+    texts = [f"{'not counted' if counts[i] < 0 else counts[i]}  ({100 * points[i] / points.sum():.3g} %)" for i in shown]
+    ax.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9, labelcolor=COLOURS["text"])
+
+
+def _continuous_map(figure: Figure, ax: Any, part: _Slice) -> None:
+    from matplotlib.colors import LogNorm
+    from matplotlib.ticker import LogLocator
+
+    finite = part.values[np.isfinite(part.values)]
+    low, high = (finite.min(), finite.max()) if finite.size else (1.0, 10.0)
+    ax.set_facecolor(_UNKNOWN if part.scattered else _NONE)
+    drawn = _painted(ax, part, cmap="viridis_r", norm=LogNorm(low, max(high, 1.01 * low)))
+    ticks = np.geomspace(low, high, 5) if high < _NARROW * low else LogLocator(subs=(1.0, 2.0, 5.0))
+    bar = figure.colorbar(drawn, ax=ax, pad=0.02, ticks=ticks, format="%.3g")
+    bar.minorticks_off()
+    bar.set_label(f"condition ({'cross' if part.scattered else 'grey'}: no mode)", color=COLOURS["quiet"])
+    bar.ax.tick_params(colors=COLOURS["quiet"])
+
+
+def _words(figure: Figure, ax: Any, part: _Slice, attributes: Mapping[str, Any], name: str) -> None:
+    """Title, what is fixed, labels of the axes."""
+    figure.suptitle(
+        f"{_TITLES[name]}: {attributes['mechanism']}, {attributes['problem']} problem", fontsize=13, fontweight="bold",
+        color=COLOURS["text"], parse_math=False,
+    )  # fmt: skip
+    lines = ", ".join([*part.fixed, *_base(attributes)])
+    ax.set_title(f"at {lines}" if lines else "", fontsize=9.5, color=COLOURS["quiet"], parse_math=False, wrap=True)
+    titled = axis_title if attributes["sweeps over"] == "poses" else str
+    ax.set_xlabel(f"{titled(part.x[0])} ({part.x[1]})", color=COLOURS["quiet"], parse_math=False)
+    if part.y is not None:
+        ax.set_ylabel(f"{titled(part.y[0])} ({part.y[1]})", color=COLOURS["quiet"], parse_math=False)
+        spans = [float(np.ptp(axis[2])) for axis in (part.x, part.y)]
+        if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
+            ax.set_aspect("equal")
+    ax.tick_params(colors=COLOURS["quiet"])
+
+
+def _base(attributes: Mapping[str, Any]) -> list[str]:
+    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as 0."""
+    mechanism = parse(attributes["mechanism_file"])
+    if attributes["sweeps over"] == "poses":
+        return _base_pose(mechanism, attributes["base"], attributes["axes"])
+    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
+    values = dict(zip(units, attributes["base"], strict=False))
+    return [f"{n} = {plain(values[n], mechanism.size):.5g} {unit}" for n, unit in units.items() if n not in attributes["axes"]]
+
+
+def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
+    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a free rotation an
+    orientation."""
+    found, closure = [], build_closure(mechanism)
+    for c in closure.role("pose"):
+        name = c.name.removeprefix("pose.")
+        if c.kind == "quaternion":
+            numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
+            found.append(f"orientation ({numbers}){turn_text(swept)}")
+        elif name in ("x", "y", "z") and name not in swept:
+            found.append(f"{name} = {plain(base['xyz'.index(name)], mechanism.size):.5g} {mechanism.length_unit}")
+        elif name == "gamma" and "gamma" not in swept:
+            turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
+            angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))
+            if "rz" not in swept or angle:
+                found.append(f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}")
+    return found

@@ -1,0 +1,135 @@
+"""What `symkin show` prints: limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from symkin.model.joint import Joint
+from symkin.model.limb import Limb, RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import CLEAR_GAP
+from symkin.position.mobility import Mobility, analyse_mobility, fewer_rows
+from symkin.position.problem import build_problem
+
+
+def describe(mechanism: Mechanism) -> str:
+    """A readable account of a mechanism, with every figure computed from its closure."""
+    mobility = analyse_mobility(mechanism)
+    sections = [
+        _heading(mechanism),
+        _limbs(mechanism, mobility),
+        _closure(mechanism, mobility),
+        _mobility(mobility),
+        _screws(mobility),
+    ]
+    return "\n\n".join(sections)
+
+
+def _heading(mechanism: Mechanism) -> str:
+    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
+    lines = [mechanism.name + (f": {mechanism.title}" if mechanism.title else ""), kind]
+    if mechanism.source:
+        lines.append(f"source: {mechanism.source}")
+    lines.append(
+        f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {mechanism.size:.6g}"
+    )
+    return "\n".join(lines)
+
+
+def _limbs(mechanism: Mechanism, mobility: Mobility) -> str:
+    lines = ["Limbs"]
+    relations = Counter((row.limb, row.relation) for row in mobility.closure.row_sources)
+    for limb in mechanism.limbs:
+        rows = (
+            ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
+        )
+        lines.append(f"  {limb.name} ({limb.type}): rows: {rows}")
+        lines += [f"    {_joint(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
+        if isinstance(limb, Limb):
+            lines += [f"    rod from {_vector(rod.start)} to {_vector(rod.platform)} (platform)" for rod in limb.rods]
+    if mobility.closure.idle:
+        lines.append("  not in the closure: " + "; ".join(mobility.closure.idle))
+    return "\n".join(lines)
+
+
+def _joint(mechanism: Mechanism, joint: Joint) -> str:
+    place = f"at {_vector(joint.point)}" if joint.type != "P" else ""
+    axis = f"along {_vector(joint.axis)}" if joint.axis else ""
+    second = f"then {_vector(joint.axis2)}" if joint.axis2 else ""
+    pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
+    drive = "actuated" if joint.actuated else ""
+    return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
+
+
+def _rod(limb: RodLimb) -> str:
+    offset = f", length = value + {limb.offset:g}" if limb.offset else ""
+    return f"rod from {_vector(limb.base)} to {_vector(limb.platform)} (platform), actuated{offset}"
+
+
+def _closure(mechanism: Mechanism, mobility: Mobility) -> str:
+    closure = mobility.closure
+    lines = ["Closure F(q, x, X, p) = 0"]
+    for role, text in (("actuated", "q, actuated"), ("passive", "x, passive"), ("pose", "X, pose")):
+        names = [c.name for c in closure.role(role)]
+        lines.append(f"  {text} ({sum(c.freedom for c in closure.role(role))}): {', '.join(names) or 'none'}")
+    lines.append(f"  p, geometry: {len(closure.parameter_names)} parameters")
+    for kind in ("direct", "inverse"):
+        system = build_problem(mechanism, kind).system
+        lines.append(f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns")
+    return "\n".join(lines)
+
+
+def _mobility(m: Mobility) -> str:
+    where = "the reference configuration" if m.at_reference else "a configuration near the reference"
+    lines = ["Mobility" + ("" if m.closed else " (no closed configuration was found: what follows holds at the open reference)")]
+    lines.append(
+        f"  equations {m.rows}, rank at generic closed configurations {m.rank.value}, freedoms of the coordinates {m.freedoms}"
+    )
+    lines.append(
+        f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: {m.gruebler})"
+    )
+    lines.append(f"  redundant constraints: {m.redundant}")
+    restriction = fewer_rows(m)
+    if restriction is not None:
+        motion, left = restriction
+        lines.append(
+            f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" in [platform] '
+            f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
+        )
+    if m.rank.gap < CLEAR_GAP:
+        lines.append(f"  warning: the rank is not clear, the singular values beside the cut differ by only {m.rank.gap:.3g}")
+    if m.actuated != m.mobility:
+        more = "some motion stays free" if m.actuated < m.mobility else "the inputs cannot be chosen freely"
+        lines.append(f"  warning: {m.actuated} actuated joints for a mobility of {m.mobility}: {more}")
+    elif m.direct_rank.value < m.freedoms - m.actuated:
+        lines.append("  warning: the actuated joints do not determine the configuration, although their number is the mobility")
+    lines.append(f"  screws below: at {where}, base frame, (force; moment about the origin)")
+    return "\n".join(lines)
+
+
+def _screws(m: Mobility) -> str:
+    lines = ["Reciprocal screws (wrenches that do no work on what the joints allow)"]
+    for limb in m.limbs:
+        lines += _rows(f"  {limb.limb}: constraint", limb.constraints)
+        lines += _rows(f"  {limb.limb}: with actuated joints locked", limb.locked)
+    lines += _rows(f"  platform: constraints of all limbs, rank {len(m.platform_constraints)}", m.platform_constraints)
+    lines += _rows("  platform: twists left (angular velocity; velocity at the origin)", m.platform_twists)
+    return "\n".join(lines)
+
+
+def _rows(title: str, rows: np.ndarray) -> list[str]:
+    if len(rows) == 0:
+        return [f"{title}: none"]
+    if len(rows) == 6:
+        return [f"{title}: all"]
+    return [f"{title}:"] + [f"    ({_plain(row[:3])}; {_plain(row[3:])})" for row in rows]
+
+
+def _plain(values: np.ndarray) -> str:
+    return ", ".join(f"{0.0 if abs(v) < 5e-6 else v:.5g}" for v in values)
+
+
+def _vector(values: object) -> str:
+    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float)) + ")"

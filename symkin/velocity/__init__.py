@@ -1,0 +1,1 @@
+"""Velocity equations and Jacobians, as numbers and as symbols."""

@@ -1,0 +1,206 @@
+"""The closure's rows differentiated by twist and joint rates, in the form in which one writes them by hand.
+
+A platform direction s = R v turns with the platform, s' = w x s, so that a row F(s) has the moment s x dF/ds; a distance
+|t + s - b| gives (d; s x d). Automatic differentiation by the quaternion would give the same numbers in many more terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.chain import Chain, PlatformSide, Turn
+from symkin.closure.closure import Closure, random_values
+from symkin.closure.rows import RowBuilder
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.backend import dot
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import matrix_from_quaternion, multiply
+
+_VANISHING = 1e-11
+"""A row that stays below this times the size at random configurations is implied by the restricted motion."""
+TWIST_COLUMNS = {"pose.x": (0,), "pose.y": (1,), "pose.z": (2,), "pose.gamma": (5,), "pose.quaternion": (3, 4, 5)}
+"""Components of (velocity, angular velocity) that each pose coordinate moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Differential:
+    """A t + P x' + B q' = 0 over a closure's `variables` and `parameters`; t = (velocity of the platform's or tool's
+    origin; angular velocity), base frame, all six columns.
+
+    `twist` (m, 6), `passive` (m, p), `actuated` (m, n); a passive unit quaternion has three columns, its angular velocity
+    in the frame before the joint. `limbs` names the limb of each row, `weights` (m) makes lengths of the rows, which are
+    (d.d - l^2) / 2 for distances. `pose` is the platform's or tool's pose. With `explicit`, the rows are those of a
+    serial arm, t = J(q) q', and neither they nor the pose contain pose coordinates.
+    """
+
+    twist: ca.SX
+    passive: ca.SX
+    actuated: ca.SX
+    limbs: tuple[str, ...]
+    weights: np.ndarray
+    pose: Pose
+    explicit: bool
+
+
+def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
+    """The differential of a mechanism's closure; geometry symbolic, or numbers free of rounding noise with `bound`."""
+    builder = _Builder(closure.mechanism, bound=bound)
+    builder.build_rows()
+    ours = [symbol for _, symbol in builder.coordinates.values()]
+    theirs = [closure.variables[closure.slices[name]] for name in builder.coordinates]
+    if not bound:
+        numbers = dict(zip(closure.parameter_names, ca.vertsplit(closure.parameters), strict=True))
+        ours += builder.table.symbols
+        theirs += [numbers.get(name, ca.SX(value)) for name, value in zip(builder.table.names, builder.table.values, strict=True)]
+    if _is_explicit(closure):
+        twist, actuated, pose = _of_arm(builder)
+        twist, actuated, position, quaternion = ca.substitute([twist, actuated, pose.position, pose.quaternion], ours, theirs)
+        return Differential(
+            twist,
+            ca.SX(6, 0),
+            actuated,
+            (closure.mechanism.limbs[0].name,) * 6,
+            np.repeat([1.0, closure.size], 3),
+            Pose(position, quaternion),
+            True,
+        )
+    rows, twist = builder.pose.settled([ca.vertcat(*builder.rows), builder.twist_columns()])
+    rows, twist = ca.substitute([rows, twist], ours, theirs)
+    kept = _kept_rows(closure, rows)
+    joints = tangent_jacobian(rows, closure, closure.role("actuated")), tangent_jacobian(rows, closure, closure.role("passive"))
+    return Differential(
+        twist[kept, :], joints[1][kept, :], joints[0][kept, :], tuple(builder.sources[k].limb for k in kept),
+        np.array([1 / closure.size if builder.sources[k].relation == "distance" else 1.0 for k in kept]), closure.pose, False,
+    )  # fmt: skip
+
+
+def tangent_jacobian(expression: ca.SX, closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
+    """Derivatives by rates: of numbers, and of unit quaternions by their angular velocity."""
+    columns = [ca.SX(expression.shape[0], 0)]
+    for c in coordinates:
+        symbol = closure.variables[closure.slices[c.name]]
+        jacobian = ca.jacobian(expression, symbol)
+        columns.append(ca.mtimes(jacobian, quaternion_rates(symbol)) if c.kind == "quaternion" else jacobian)
+    return ca.horzcat(*columns)
+
+
+def quaternion_rates(q: ca.SX) -> ca.SX:
+    """(4, 3): q' = (0, w) q / 2 as a matrix times w."""
+    half = [[0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0], [0.0, 0.0, 0.0, 0.5]]
+    return ca.horzcat(*(multiply(unit, q) for unit in half))
+
+
+def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.SX:
+    """Rates of one pose coordinate by twists (6, k): components of them, or (0, w) q / 2."""
+    if coordinate.kind == "quaternion":
+        return ca.mtimes(quaternion_rates(quaternion), twists[3:, :])
+    return twists[TWIST_COLUMNS[coordinate.name][0], :]
+
+
+@dataclass
+class _TurningPose:
+    """A platform pose whose position, quaternion and turned directions are symbols; see PlatformPose."""
+
+    true: Pose
+    position: ca.SX = field(default_factory=lambda: ca.SX.sym("p", 3))
+    quaternion: ca.SX = field(default_factory=lambda: ca.SX.sym("e", 4))
+    turned: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
+
+    @property
+    def weight(self) -> ca.SX:
+        return ca.SX(1)
+
+    def point(self, m: ca.SX) -> ca.SX:
+        return self.position + self.direction(m)
+
+    def direction(self, v: ca.SX) -> ca.SX:
+        symbol = ca.SX.sym("s", 3)
+        self.turned.append((symbol, v))
+        return symbol
+
+    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        difference = self.point(m) - other
+        return dot(difference, difference)
+
+    def settled(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """The expressions with the pose in place of the symbols."""
+        rotation = matrix_from_quaternion(self.true.quaternion)
+        symbols = [self.position, self.quaternion, *(s for s, _ in self.turned)]
+        values = [self.true.position, self.true.quaternion, *(ca.mtimes(rotation, v) for _, v in self.turned)]
+        return list(ca.substitute(expressions, symbols, values))
+
+
+class _Builder(RowBuilder):
+    """The closure's rows over a turning pose; distance rows without the size."""
+
+    pose: _TurningPose  # type: ignore[assignment]
+
+    def __init__(self, mechanism: Mechanism, *, bound: bool) -> None:
+        super().__init__(mechanism, bound=bound)
+        self.chain = Chain(())
+
+    def _declare_pose(self, reference: Pose) -> None:
+        super()._declare_pose(reference)
+        self.pose = _TurningPose(self.pose)  # type: ignore[arg-type]
+        self.platform_pose = self.pose
+
+    def _distance(self, limb: str, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None) -> None:
+        target = length * length if length_squared is None else length_squared
+        self._add(limb, "distance", [(self.platform_pose.squared_distance(*ends) - target) / 2], [])
+
+    def _none_cut(self, name: str, base: Chain, platform: PlatformSide) -> None:
+        super()._none_cut(name, base, platform)
+        self.chain = base
+
+    def twist_columns(self) -> ca.SX:
+        """(m, 6): dF/dp, and the moments s x dF/ds with dF/de of the quaternion itself."""
+        rows = ca.vertcat(*self.rows)
+        angular = ca.mtimes(ca.jacobian(rows, self.pose.quaternion), quaternion_rates(self.pose.quaternion))
+        for symbol, _ in self.pose.turned:
+            gradient = ca.jacobian(rows, symbol)
+            angular += ca.horzcat(*(_column(symbol, gradient, k) for k in range(3)))
+        return ca.horzcat(ca.jacobian(rows, self.pose.position), angular)
+
+
+def _column(s: ca.SX, gradient: ca.SX, k: int) -> ca.SX:
+    """Component k of s x gradient, for each row of the gradient (m, 3)."""
+    i, j = (k + 1) % 3, (k + 2) % 3
+    return s[i] * gradient[:, j] - s[j] * gradient[:, i]
+
+
+def _is_explicit(closure: Closure) -> bool:
+    alone = len(closure.mechanism.limbs) == 1 and closure.mechanism.motion == "spatial"
+    return alone and closure.forward is not None and not closure.role("passive")
+
+
+def _of_arm(builder: _Builder) -> tuple[ca.SX, ca.SX, Pose]:
+    """1 t - J q' = 0: each joint's axis a, moved by the joints before it, turns the tool by a and slides it."""
+    forward = builder.forward
+    assert forward is not None  # noqa: S101 - _is_explicit has asked
+    symbols = [symbol for c, symbol in builder.coordinates.values() if c.role == "actuated"]
+    position = ca.jacobian(forward.position, ca.vertcat(*symbols))
+    columns = []
+    for k, step in enumerate(builder.chain.steps):
+        assert isinstance(step, Turn)  # noqa: S101 - actuated joints are R, P and H
+        spin = ca.SX(3, 1) if step.angle is None else Chain(builder.chain.steps[:k]).direction(step.axis)
+        columns.append(ca.vertcat(position[:, k], spin))
+    return ca.SX.eye(6), -ca.horzcat(*columns), forward
+
+
+def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
+    """Numbers of the rows that do not vanish for every configuration of the restricted motion."""
+    if closure.mechanism.motion == "spatial":
+        return list(range(rows.shape[0]))
+    evaluate = ca.Function("rows", [closure.variables], [closure.bound(rows)])
+    rng = np.random.default_rng(0)
+    samples = [np.asarray(evaluate(random_values(closure.coordinates, closure.size, rng))).ravel() for _ in range(3)]
+    return np.flatnonzero(np.max(np.abs(samples), axis=0) > _VANISHING * closure.size).tolist()
+
+
+def motion_columns(closure: Closure) -> list[int]:
+    """The twist's components that the platform's motion has, in the order of its pose coordinates."""
+    return [k for c in closure.role("pose") for k in TWIST_COLUMNS[c.name]]

@@ -1,0 +1,220 @@
+"""Symbolic Jacobians of a mechanism: expressions of named variables, their time derivative and their Hessian."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property, lru_cache
+from symkin.closure.closure import Closure
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.position.solution import Solution
+from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
+from symkin.velocity.jacobian_expressions import Expressions
+from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
+from symkin.velocity.velocity import VelocityEquations, variables_of, velocity_equations
+
+Values = Solution | Mapping[str, Any] | np.ndarray
+"""A configuration: a Solution, its `values`, or the vector of the closure's variables."""
+
+
+@dataclass(frozen=True, eq=False)
+class Jacobian:
+    """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed configuration.
+
+    kind         matrix                                                              shape
+    "direct"     t = J q', the twist t = (velocity of the platform's or tool's       6 x n
+                 origin; angular velocity), both in the base frame
+    "inverse"    q' = J^-1 t for feasible twists t, 0 for those orthogonal to all    n x 6
+                 feasible ones (angular velocities times the mechanism's size)
+    "analytic"   rates of the pose coordinates = Ja q': x, y, z and the unit         k x n
+                 quaternion; x, y, z, gamma or fewer for restricted motions; of a
+                 serial arm's quaternion as a continuous function of its joints
+    "passive"    x' = Jp q', the closure's passive joints; a spherical joint has     p x n
+                 its angular velocity in the frame before the joint
+
+    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and
+    of `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints
+    than freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints
+    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`.
+    """
+
+    equations: VelocityEquations
+    kind: JacobianKind
+    expression: ca.SX
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    expressions: Expressions
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.closure.mechanism
+
+    @property
+    def closure(self) -> Closure:
+        return self.equations.closure
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.rows), len(self.columns)
+
+    @property
+    def symbols(self) -> ca.SX:
+        """Inputs, then parameters, as one column."""
+        parts = [self.closure.variables[v.index] for v in self.inputs] + [
+            self.closure.parameters[v.index] for v in self.parameters
+        ]
+        return ca.vertcat(*parts) if parts else ca.SX(0, 1)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """A CasADi function of one scalar for each input and parameter, by name, with the output `jacobian`."""
+        names = [v.name for v in (*self.inputs, *self.parameters)]
+        outputs = [ca.densify(self.expression)]
+        name = ca.Function.fix_name(f"{self.mechanism.name}_{self.kind}_jacobian")
+        return ca.Function(name, ca.vertsplit(self.symbols) if names else [], outputs, names, ["jacobian"], {"cse": True})
+
+    def at(self, values: Values, parameters: np.ndarray | None = None) -> np.ndarray:
+        """The matrix at a closed configuration: a Solution, its `values` (those of the inputs suffice), or the closure's
+        vector (radians, length unit). `parameters` are all of the closure's (`closure.parameter_names`); nominal without."""
+        geometry = self.closure.parameter_values if parameters is None else np.asarray(parameters, dtype=float)
+        if geometry.shape != self.closure.parameter_values.shape:
+            raise InputError(f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} are needed")
+        return np.asarray(self._value(self._vector(values), geometry))
+
+    # --- second order ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def rates(self) -> ca.SX:
+        """Symbols of the rates that `time_derivative` reads: (q'; x'; t), n + p + 6 numbers."""
+        d = self.equations.differential
+        return ca.SX.sym("rate", int(d.actuated.shape[1] + d.passive.shape[1] + 6))
+
+    @cached_property
+    def time_derivative(self) -> ca.SX:
+        """dJ/dt over the variables and `rates`: the sum of dJ/dz z' over the variables z, quaternions with q' = (0, w) q / 2."""
+        return self._along(self.rates)
+
+    @cached_property
+    def hessian(self) -> tuple[ca.SX, ...]:
+        """dJ/dq_k for each actuated joint, all others held and the loops kept closed: n matrices of J's shape. With more
+        actuated joints than freedoms one joint cannot move alone; x' and t are then those of "passive" and "direct"."""
+        direct, passive = self.expressions.direct, self.expressions.passive
+        unit = ca.SX.eye(int(direct.shape[1]))
+        return tuple(self._along(ca.vertcat(unit[:, k], passive[:, k], direct[:, k])) for k in range(int(unit.shape[1])))
+
+    def time_derivative_at(self, values: Values, rates: Sequence[float] | np.ndarray) -> np.ndarray:
+        """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or all of (q'; x'; t)."""
+        given, z = np.asarray(rates, dtype=float), variables_of(self.closure, values)
+        n, all_rates = int(self.equations.differential.actuated.shape[1]), int(self.rates.shape[0])
+        if given.shape == (n,):
+            given = np.concatenate([given, *(np.asarray(part) @ given for part in self._following(z, self._geometry))])
+        if given.shape != (all_rates,):
+            raise InputError(
+                f"rates: {given.size} values given; allowed are {n} (the actuated joints') or {all_rates} (actuated, passive, twist)"
+            )
+        return np.asarray(self._rate(z, self._geometry, given))
+
+    def hessian_at(self, values: Values) -> np.ndarray:
+        """(n, rows, columns): dJ/dq_k along the closure."""
+        stacked = np.asarray(self._curvature(variables_of(self.closure, values), self._geometry))
+        return stacked.reshape(-1, *self.shape)
+
+    @property
+    def _geometry(self) -> np.ndarray:
+        return self.closure.parameter_values
+
+    def _vector(self, values: Values) -> np.ndarray:
+        return variables_of(self.closure, values, {v.coordinate for v in self.inputs})
+
+    @cached_property
+    def _value(self) -> ca.Function:
+        return self._function("value", [], [self.expression])
+
+    @cached_property
+    def _rate(self) -> ca.Function:
+        return self._function("rate", [self.rates], [self.time_derivative])
+
+    @cached_property
+    def _curvature(self) -> ca.Function:
+        return self._function("curvature", [], [ca.vertcat(*self.hessian)])
+
+    @cached_property
+    def _following(self) -> ca.Function:
+        return self._function("following", [], [self.expressions.passive, self.expressions.direct])
+
+    def _function(self, name: str, more: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        inputs = [self.closure.variables, self.closure.parameters, *more]
+        return ca.Function(name, inputs, [ca.densify(output) for output in outputs], {"cse": True})
+
+    def _along(self, rates: ca.SX) -> ca.SX:
+        closure, d = self.closure, self.equations.differential
+        n, p = int(d.actuated.shape[1]), int(d.passive.shape[1])
+        speeds = [ca.SX(0, 1)]
+        for role, part in (("actuated", rates[:n]), ("passive", rates[n : n + p])):
+            place = 0
+            for c in closure.role(role):
+                rate = part[place : place + c.freedom]
+                speeds.append(ca.mtimes(quaternion_rates(symbol_of(closure, c)), rate) if c.kind == "quaternion" else rate)
+                place += c.freedom
+        for c in closure.role("pose"):
+            speeds.append(pose_rates(c, symbol_of(closure, c), rates[n + p :]))
+        flat = ca.jtimes(ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds))
+        return ca.reshape(flat, *self.expression.shape)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism and the kind, from which the expression is built anew."""
+        return _built, (self.mechanism, self.kind, bool(self.parameters))
+
+    def __str__(self) -> str:
+        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
+        rows, columns = self.shape
+        return f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"
+
+
+def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:
+    """A symbolic Jacobian of a mechanism: kind "direct", "inverse", "analytic" or "passive", as `Jacobian` says; with
+    `parameters` the geometry stays symbols. Raises InputError for a kind that is unknown or that the mechanism lacks."""
+    require_mechanism(mechanism)
+    if kind not in KINDS:
+        raise InputError(f"kind = {kind!r} is unknown; allowed: {', '.join(KINDS)}")
+    return _built(mechanism, kind, parameters)
+
+
+@lru_cache(maxsize=128)
+def _built(mechanism: Mechanism, kind: JacobianKind, parameters: bool) -> Jacobian:
+    equations = velocity_equations(mechanism)
+    _check_defined(equations, kind)
+    differential = equations.differential if parameters else differentiate(equations.closure, bound=True)
+    expressions = Expressions(equations, differential)
+    expression: ca.SX = getattr(expressions, kind)
+    rows, columns = labels(equations, kind)
+    inputs, numbers = variables_read(equations, expression)
+    return Jacobian(equations, kind, expression, inputs, numbers if parameters else (), rows, columns, expressions)
+
+
+def _check_defined(equations: VelocityEquations, kind: JacobianKind) -> None:
+    mechanism = equations.closure.mechanism
+    if not mechanism.actuated:
+        raise InputError(
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark joints `actuated = true`"
+        )
+    if kind != "inverse" and equations.freedom:
+        raise InputError(
+            f"{mechanism.name}: the {kind} Jacobian is not defined; with its {len(mechanism.actuated)} actuated joints held the "
+            f"platform keeps {equations.freedom} of its freedoms: actuate more joints, or declare its motion"
+        )
+    if kind == "passive" and not equations.passive_names:
+        raise InputError(f"{mechanism.name}: its closure has no passive joint; allowed kinds: direct, inverse, analytic")
+
+
+def symbol_of(closure: Closure, coordinate: Coordinate) -> ca.SX:
+    return closure.variables[closure.slices[coordinate.name]]

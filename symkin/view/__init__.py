@@ -1,1 +1,0 @@
-"""What symkin shows: tables and pictures."""
