@@ -154,7 +154,7 @@ def test_poses_off_the_motion():
 @pytest.mark.parametrize(("mechanism", "kind"), [(delta(), "inverse"), (three_rps(), "direct")])
 def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind):
     """Such a point has the count -1 and says so, whether blocks or the branches of one block multiply; nothing is raised."""
-    for module in ("enumeration.modes", "paths.branches", "sweeps.enumerator"):
+    for module in ("assembly.modes", "homotopy.branches", "sweeps.enumerator"):
         monkeypatch.setattr(f"symkin.{module}.MOST_MODES", 0)
     points = joints_about(mechanism, 2, 1.0) if kind == "direct" else poses_about(mechanism, 2, 1.0, 0.0)
     found = enumerated(mechanism, kind, points)

@@ -20,7 +20,6 @@ from symkin.numeric.system import System
 from symkin.position.problem import Problem
 from symkin.position.roots import SINGULAR_ROOT, features, merge
 from symkin.position.solution import ACCEPTED
-from symkin.sweeps.batch import BatchedSystem
 from symkin.sweeps.many_paths import plain_roots
 
 _REAL, _NOT_REAL = 1e-10, 1e-4
@@ -37,10 +36,6 @@ class BlockRoots:
     block: System
     algebraic: AlgebraicSystem
     start: Fibre
-
-    @cached_property
-    def _batched(self) -> BatchedSystem:
-        return BatchedSystem(self.block)
 
     @cached_property
     def _known_values(self) -> Callable[[np.ndarray], np.ndarray]:
@@ -85,11 +80,11 @@ class BlockRoots:
         settled."""
         size = self.block.size
         if len(z):
-            z = self.block.fold(self._batched.polish(z, known[owner]))
-            closed = self._batched.residual(z, known[owner]) <= ACCEPTED * size
+            z = self.block.fold(self.block.polish_many(z, known[owner]).points)
+            closed = self.block.residuals(z, known[owner]) <= ACCEPTED * size
             z, owner = z[closed], owner[closed]
         if len(z):
-            condition = self._batched.condition(z, known[owner])
+            condition = self.block.conditions(z, known[owner])
             settled[owner[~(condition < SINGULAR_ROOT)]] = False
         places = np.searchsorted(owner, np.arange(len(known) + 1))
         f = features(self.block, z) if len(z) else np.zeros((0, 1))

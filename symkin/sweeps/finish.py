@@ -9,10 +9,10 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.model.joint import Coordinate
+from symkin.numeric.mapped import Mapped
 from symkin.position.given import pose_from
 from symkin.position.problem import Problem
 from symkin.position.solution import canonical
-from symkin.sweeps.batch import BatchedSystem, Mapped
 from symkin.sweeps.found import COMPLETENESS, Found
 
 _SLACK = 1e-9
@@ -26,10 +26,6 @@ class Finisher:
     """What is prepared once for all modes of a problem."""
 
     problem: Problem
-
-    @cached_property
-    def _system(self) -> BatchedSystem:
-        return BatchedSystem(self.problem.system)
 
     @cached_property
     def _pose(self) -> Mapped:
@@ -53,8 +49,8 @@ class Finisher:
             position,
             quaternion,
             self._joints(values),
-            self._system.residual(unknown, known),
-            self._system.condition(unknown, known),
+            self.problem.system.residuals(unknown, known),
+            self.problem.system.conditions(unknown, known),
             self._within_limits(values),
             none,
             np.full(len(values), np.nan),
