@@ -40,3 +40,9 @@ WELL_CONDITIONED = 1e8
 
 DISTINCT_ROOTS = 1e-6
 """Of the size: polished roots within this of each other are one; their rounding is 1e-15 times the condition."""
+
+LIMIT_SLACK = 1e-9
+"""What a joint may lie beyond its limits by rounding: rad, or of the size."""
+
+ROUNDED_COMPONENT = 1e-12
+"""Components of a unit quaternion below this are zero to rounding and do not decide its sign."""
