@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.assembly.block_proofs import BlockProver, RootProofs, block_prover
-from symkin.caching import cached_property
+from symkin.caching import cached_property, lru_cache
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import complex_count, real_candidates
@@ -192,12 +192,17 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     if len(points) < 2:
         return []
     f = features(block, points)
-    weights = np.random.default_rng(0).uniform(-1.0, 1.0, f.shape[1])
+    weights = _weights(f.shape[1])
     mixed = f @ weights
     order = np.lexsort((mixed, owner))
     sorted_owner, gap = owner[order], np.diff(mixed[order])
     near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
     return [i for i in np.unique(sorted_owner[1:][near]).tolist() if _has_equal(block, f[owner == i])]
+
+
+@lru_cache(maxsize=64)
+def _weights(count: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-1.0, 1.0, count)
 
 
 def _has_equal(block: System, f: np.ndarray) -> bool:

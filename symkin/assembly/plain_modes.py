@@ -114,7 +114,11 @@ class PlainModes:
         """All modes of the instances `kept`: the product of their blocks' roots."""
         problem, width = self.problem, int(self.problem.closure.variables.shape[0])
         counts = [block.counts[kept] for block in blocks]
-        total = np.prod(np.array(counts, dtype=int).reshape(len(blocks), len(kept)), axis=0) if blocks else np.zeros(len(kept), dtype=int)
+        total = (
+            np.prod(np.array(counts, dtype=int).reshape(len(blocks), len(kept)), axis=0)
+            if blocks
+            else np.zeros(len(kept), dtype=int)
+        )
         owner = np.repeat(np.arange(len(kept)), total)
         chosen = _choices(blocks, kept, total, owner)
         values = np.empty((len(owner), width))
@@ -133,7 +137,9 @@ class PlainModes:
             completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
             unresolved=np.zeros(len(kept), dtype=int),
             continuum=np.zeros(len(kept), dtype=bool),
-            complex_count=np.prod(np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0),
+            complex_count=np.prod(
+                np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0
+            ),
             position=position,
             quaternion=quaternion,
             joints=joint_values_out(problem.closure, values),

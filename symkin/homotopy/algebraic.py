@@ -39,12 +39,14 @@ class AlgebraicSystem:
     limbs: tuple[tuple[int, ...], ...] = ()
     known_ray: tuple[int, ...] = ()
 
-    @property
+    @cached_property
     def width(self) -> int:
+        """Numbers that hold the unknowns."""
         return int(self.z.shape[0])
 
-    @property
+    @cached_property
     def count(self) -> int:
+        """Rows."""
         return int(self.rows.shape[0])
 
     @cached_property

@@ -10,19 +10,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from symkin.caching import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import gaps
+from symkin.homotopy.endgame import BESIDE, RETURNED, SINGULAR_SHARE
 from symkin.homotopy.engine import aligned, newton, track
-from symkin.homotopy.local import is_no_pose
+from symkin.homotopy.local import is_no_pose, look
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.symmetry import Orbits
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
-_BESIDE = 1e-7
-"""Distance from a root at which a Newton step shows that it is well conditioned."""
-_RETURNED = 0.05
-"""Share of that distance by which a step from beside a regular root may miss it."""
+_CLOSE_BESIDE = 1e-9
+"""A second such distance, for roots about which the rows bend more."""
 APART = 1e-5
 """Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by 1e-6."""
 
@@ -53,7 +53,7 @@ def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np
     if places.size:
         # by symmetry the images of regular roots are regular
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
-        plain[places] = _return_from_beside(system, kept, target[:, places])
+        plain[places] = _are_regular(system, kept, target[:, places])
     ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
     if mirrors is not None:
         ends = _unfolded(mirrors, ends)
@@ -68,18 +68,31 @@ def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
     return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
 
 
-def _return_from_beside(system: AlgebraicSystem, z: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Instances (n,) whose roots are well conditioned poses: a Newton step from beside each leads back to it."""
+def _are_regular(system: AlgebraicSystem, z: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Instances (n,) whose roots are well conditioned poses: a Newton step from beside each leads back to it, or the Jacobian there
+    has full rank."""
     n = target.shape[1]
     roots = z.shape[1] // n
+    k = target[:, 0] if n == 1 else np.repeat(target, roots, axis=1)
+    shift = np.tile(_directions(system.width, roots), (1, n))
+    good = np.zeros(z.shape[1], dtype=bool)
+    for distance in (BESIDE, _CLOSE_BESIDE):
+        left = np.flatnonzero(~good)
+        if left.size:
+            here, known = z[:, left], k if n == 1 else k[:, left]
+            back, _ = newton(system, here + distance * shift[:, left], known, 1)
+            good[left] = gaps(system, back, here) < RETURNED * distance
+    left = np.flatnonzero(~good)
+    if left.size:
+        good[left] = look(system, z[:, left], k if n == 1 else k[:, left]).share > SINGULAR_SHARE
+    return np.asarray((good & ~is_no_pose(system, z)).reshape(n, roots).all(axis=1))
+
+
+@lru_cache(maxsize=64)
+def _directions(width: int, roots: int) -> np.ndarray:
+    """Random complex directions (width, roots), the same for each instance."""
     rng = np.random.default_rng(0)
-    shift = _BESIDE * (rng.normal(size=(system.width, roots)) + 1j * rng.normal(size=(system.width, roots)))
-    if n == 1:
-        back, _ = newton(system, z + shift, target[:, 0], 1)
-    else:
-        back, _ = newton(system, z + np.tile(shift, (1, n)), np.repeat(target, roots, axis=1), 1)
-    good = (gaps(system, back, z) < _RETURNED * _BESIDE) & ~is_no_pose(system, z)
-    return np.asarray(good.reshape(n, roots).all(axis=1))
+    return rng.normal(size=(width, roots)) + 1j * rng.normal(size=(width, roots))
 
 
 def nearest(system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:

@@ -34,12 +34,12 @@ class System:
     errors: ca.SX
     size: float
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Numbers that hold the unknowns."""
         return int(self.unknown.shape[0])
 
-    @property
+    @cached_property
     def freedom(self) -> int:
         """Dimension of the tangent space of the unknowns."""
         return sum(c.freedom for c in self.unknowns)
