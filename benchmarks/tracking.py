@@ -141,7 +141,7 @@ def newton(problem: Problem, start: Solution, path: np.ndarray, steps: int) -> S
             z = system.polish(z, known, steps=6)
             if system.residual(z, known) > 1e-9 * system.size or np.max(np.abs(z - before)) > 0.05 * system.size:
                 return None
-    return make_solution(problem, problem.assemble(z, path[-1]))
+    return make_solution(problem, problem.join_values(z, path[-1]))
 
 
 def apart(problem: Problem, a: Solution, b: Solution) -> float:

@@ -526,7 +526,7 @@ def test_features_are_equal_where_configurations_are(rng):
     """Whole turns of angles and signs of quaternions change no feature; other steps, and turns of a screw joint, do."""
     problem = build_problem(MIXED, "direct")
     system = problem.system
-    z = problem.take(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
+    z = problem.select_values(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
     same, other = z.copy(), z.copy()
     c, place = list(zip(system.unknowns, system.slices, strict=True))[rng.integers(len(system.unknowns))]
     step = {"quaternion": lambda v: -v, "angle": lambda v: v + 2 * math.pi * rng.integers(-2, 3)}.get(c.kind, lambda v: v)

@@ -61,7 +61,7 @@ def chosen_distances(problem: Problem) -> tuple[int, ...]:
         return tuple(range(count))
     values = closed_configurations(problem.closure, 0)[0]
     pose = pose_of(problem.closure, values)
-    numbers = np.asarray(function(problem.take(values, problem.known_coordinates))).reshape(count, 7)
+    numbers = np.asarray(function(problem.select_values(values, problem.known_coordinates))).reshape(count, 7)
     arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
     lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
     lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)

@@ -251,8 +251,8 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
     """A canonical, checked solution from a full vector of variables."""
     values = canonical(problem.closure, values)
     closure, system = problem.closure, problem.system
-    unknown = problem.take(values, system.unknowns)
-    known = problem.take(values, problem.known_coordinates)
+    unknown = problem.select_values(values, system.unknowns)
+    known = problem.select_values(values, problem.known_coordinates)
     condition = system.condition(unknown, known)
     named: dict[str, Any] = {}
     for c in closure.coordinates:
