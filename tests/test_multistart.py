@@ -150,10 +150,10 @@ def test_a_wrist_partitioned_arm_has_eight_solutions():
     pose = symkin.solve(arm, joints=q).solution.pose
     modes = check(arm, sampled(arm, pose=pose))
     assert len(modes) == 8
-    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated, q, strict=True)) for mode in modes)
+    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated_values, q, strict=True)) for mode in modes)
     for mode in modes:
-        assert same_pose(symkin.solve(arm, joints=mode.actuated).solution, pose, arm.size)
-        a, b, c, d, e, f = mode.actuated
+        assert same_pose(symkin.solve(arm, joints=mode.actuated_values).solution, pose, arm.size)
+        a, b, c, d, e, f = mode.actuated_values
         flipped = (a, b, c, d + math.pi, -e, f + math.pi)
         assert any(all(same_angle(x, y, 1e-6) for x, y in zip(o.actuated, flipped, strict=True)) for o in modes)
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.closure.closure import build_algebraic_closure
+from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
-from symkin.closure.walk import vectorise
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem

@@ -66,10 +66,15 @@ class Solution:
         return {name: value for name, value in self._user_values().items() if not name.startswith("pose.")}
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)` takes."""
         values = self.joints
         return [values[c.name] for c in self.mechanism.actuated]
+
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
 
     @property
     def position(self) -> np.ndarray:
