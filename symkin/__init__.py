@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from symkin._version import __version__
 from symkin.assembly.modes import modes
-from symkin.errors import InputError, MechanismError, SolveError, SymkinError
+from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import load, shipped_names
 from symkin.model.joint import Joint
@@ -19,6 +19,7 @@ from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
 from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.solve import solve
+from symkin.position.solve_result import SolveError
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.errors import SolveError
+from symkin import SolveError
 
 
 def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> symkin.Mechanism:
