@@ -280,7 +280,7 @@ def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
 
 def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
     """The JSON goes through json, the text names each curve, the picture is a PNG."""
-    content = json.loads(json.dumps(bars.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(bars.to_dict(), allow_nan=False))
     assert content["plane"] == ["q1", "q2"]
     assert len(content["curves"]) == len(bars.curves) == str(bars).count("type 2")
     draw_loci(bars, tmp_path / "loci.png")

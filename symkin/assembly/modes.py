@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
@@ -22,7 +23,7 @@ from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
+from symkin.position.solution import ACCEPTED, Solution, make_solution
 from symkin.position.starts import start_values
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose

@@ -42,7 +42,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.position.given import Given
-from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.mobility import closed_configurations, mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import merge
@@ -196,9 +196,9 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
-    mobility = analyse_mobility(problem.mechanism)
-    if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
-        return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
+    found = mobility(problem.mechanism)
+    if problem.kind == "direct" and found.closed and found.direct_rank.value < found.rank.value:
+        return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     rank = system.count - (redundant_rows(problem, block) if problem.kind == "direct" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
