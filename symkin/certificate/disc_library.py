@@ -1,0 +1,117 @@
+"""Discs and Krawczyk's test in C, where a compiler is found: one library for all mechanisms (see `data/certificate.c`).
+
+SYMKIN_ENGINE = numpy turns it off.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from pathlib import Path
+
+import numpy as np
+
+from symkin.caching import cached_property, lru_cache
+from symkin.certificate.tape import Code, Tape
+from symkin.homotopy.compiled import DATA as HOMOTOPY_DATA
+from symkin.homotopy.compiled import OFF
+from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
+from symkin.numeric.cache import cache_folder
+
+_DATA = Path(__file__).resolve().parent / "data"
+_MAIN = "certificate.c"
+
+
+class _Code(ctypes.Structure):
+    """`struct code` of certificate.c."""
+
+    _fields_ = [*((name, ctypes.c_void_p) for name in ("instructions", "constants")),
+                *((name, ctypes.c_int) for name in ("length", "places", "outputs"))]  # fmt: skip
+
+
+class _Problem(ctypes.Structure):
+    """`struct problem` of certificate.c."""
+
+    _fields_ = [*((name, _Code) for name in ("value", "slope")), *((name, ctypes.c_void_p) for name in ("row", "column")),
+                *((name, ctypes.c_int) for name in ("width", "kept"))]  # fmt: skip
+
+
+class DiscLibrary:
+    """The functions of certificate.c. Arrays are in one piece, of doubles or complex numbers, all of one kind."""
+
+    def __init__(self, library: ctypes.CDLL) -> None:
+        pointer, number = ctypes.c_void_p, ctypes.c_int
+        self._run, self._enclose = library.symkin_run, library.symkin_enclose
+        self._run.argtypes = [number, number, number, number, *[pointer] * 8]
+        self._enclose.argtypes = [number, pointer, number, *[pointer] * 5, ctypes.c_double, pointer, pointer]
+        self._run.restype = self._enclose.restype = number
+
+    def run(
+        self, code: Code, z: np.ndarray, radii: np.ndarray, known: tuple[np.ndarray, np.ndarray], instance: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """A code at discs z, radii (n, width) with discs `known` (m, kept), of each point those of its `instance` (n,)."""
+        n, width = z.shape
+        middle, radius = np.empty((n, code.outputs), dtype=z.dtype), np.empty((n, code.outputs))
+        done = self._run(
+            _is_complex(z), n, width, known[0].shape[1], ctypes.addressof(_struct_of(code)), z.ctypes.data, radii.ctypes.data,
+            known[0].ctypes.data, known[1].ctypes.data, instance.ctypes.data, middle.ctypes.data, radius.ctypes.data,
+        )  # fmt: skip
+        if not done:
+            raise MemoryError
+        return middle, radius
+
+    def enclose(
+        self, tape: Tape, z: np.ndarray, patch: np.ndarray, known: tuple[np.ndarray, np.ndarray], instance: np.ndarray, wide: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """One Newton step from z (n, width), and half widths (n,) of boxes about where it leads that hold one root each."""
+        n, width = z.shape
+        centre, half = np.empty(z.shape, dtype=z.dtype), np.empty(n)
+        done = self._enclose(
+            _is_complex(z), ctypes.addressof(_problem_of(tape)), n, z.ctypes.data, patch.ctypes.data, known[0].ctypes.data,
+            known[1].ctypes.data, instance.ctypes.data, wide, centre.ctypes.data, half.ctypes.data,
+        )  # fmt: skip
+        if not done:
+            raise MemoryError
+        return centre, half
+
+
+def disc_library() -> DiscLibrary | None:
+    """The library, from the cache or compiled now; None where there is none."""
+    if os.environ.get("SYMKIN_ENGINE", "") == OFF:
+        return None
+    try:
+        return _load(*(os.environ.get(name, "") for name in ("CC", "PATH", "SYMKIN_CACHE")))
+    except NotBuiltError:
+        return None
+
+
+@lru_cache(maxsize=8)
+def _load(named: str, path: str, _folder: str) -> DiscLibrary | None:
+    try:
+        library = load_library(find_compilers(named, path), _sources(), _MAIN, cache_folder(), build=True)
+    except (CompilerError, OSError):
+        return None
+    return DiscLibrary(library)
+
+
+def _sources() -> dict[str, str]:
+    own = {name: (_DATA / name).read_text() for name in (_MAIN, "discs.h", "krawczyk.h")}
+    return own | {"lanes.h": (HOMOTOPY_DATA / "lanes.h").read_text()}
+
+
+def _is_complex(z: np.ndarray) -> int:
+    return int(np.iscomplexobj(z))
+
+
+@lru_cache(maxsize=512)
+def _struct_of(code: Code) -> _Code:
+    return _Code(
+        code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs
+    )
+
+
+@lru_cache(maxsize=128)
+def _problem_of(tape: Tape) -> _Problem:
+    rows, columns = tape.patterns[1]
+    value, slope = (_struct_of(code) for code in tape.parts)
+    return _Problem(value, slope, rows.ctypes.data, columns.ctypes.data, tape.width, tape.before.outputs)
