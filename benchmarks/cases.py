@@ -66,7 +66,7 @@ class Case:
 
 def all_cases(seed: int) -> list[Case]:
     from dietmaier1998 import LEGS, platform
-    from samples import delta, five_bar, three_rps, three_rrr
+    from helpers.samples import delta, five_bar, three_rps, three_rrr
 
     rng = np.random.default_rng(seed)
     dietmaier, planar, spatial = platform(), three_rrr("planar"), replace(delta(), motion="spatial")

@@ -143,7 +143,7 @@ def arm(count: int, rng: np.random.Generator) -> None:
 
 def generic(count: int, rng: np.random.Generator) -> None:
     """At `count` / 200 inputs each, no root of 20,000 random starts is missing."""
-    from samples import delta, five_bar, three_rrr
+    from helpers.samples import delta, five_bar, three_rrr
 
     machines = [five_bar(), three_rrr("planar"), delta(), replace(delta(), motion="spatial")]
     machines += [symkin.load(name) for name in ("zhao2000", "zhao2000_links", "ren2008_true", "zhang2009")]

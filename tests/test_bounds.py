@@ -10,7 +10,8 @@ import pytest
 from flint import arb
 
 import symkin
-from samples import five_bar, unit
+from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
+from helpers.samples import five_bar, unit
 from symkin import Joint, Limb, Mechanism
 from symkin.certificate.bounds import bound_of, proves, univariate_degree
 from symkin.certificate.certificate import certify
@@ -20,7 +21,6 @@ from symkin.homotopy.systems import algebraic_systems
 from symkin.homotopy.values import algebraic_point, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.problem import build_problem
-from test_certificate import DIETMAIER, case, complex_roots, dietmaier
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

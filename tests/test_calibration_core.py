@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import symkin
-from inclinometer import (
+from helpers.inclinometer import (
     BASE_LIMBS,
     PLATFORM_LIMBS,
     geometry,
     measured,
     random_geometry,
 )
-from samples import five_bar, three_rrr
+from helpers.samples import five_bar, three_rrr
 from symkin import InputError
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.corrected import with_parameters

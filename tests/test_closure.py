@@ -9,8 +9,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import symkin
-from laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
-from samples import (
+from helpers.laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
+from helpers.samples import (
     BENNETT,
     delta,
     four_bar,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, five_bar, hexapod, three_rps, three_rrr
+from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
 from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
 from symkin.closure.walk import vectorise

@@ -8,24 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.samples import tied_platform
 from symkin.errors import SolveError
-
-
-def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> symkin.Mechanism:
-    """Three limbs R P S, or R R S with `elbow`, in planes through the vertical axis."""
-    limbs = []
-    for k, radius in enumerate(radii):
-        c, s = math.cos(2 * math.pi * k / 3), math.sin(2 * math.pi * k / 3)
-        foot, head, axis = np.array([radius * c, radius * s, 0.0]), np.array([60.0 * c, 60.0 * s, 150.0]), (-s, c, 0.0)
-        along, knee = (head - foot) / np.linalg.norm(head - foot), 0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0])
-        first = symkin.Joint(f"r{k}", "R", tuple(foot), axis, actuated=elbow)
-        second = (
-            symkin.Joint(f"e{k}", "R", tuple(knee), axis)
-            if elbow
-            else symkin.Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
-        )
-        limbs.append(symkin.Limb(f"limb{k}", [first, second, symkin.Joint(f"s{k}", "S", tuple(head))]))
-    return symkin.Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
 
 
 def exechon() -> symkin.Mechanism:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
+from helpers.samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
 from symkin import Mechanism, Pose
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import distances

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import chain
+from helpers.laws import chain
 from symkin.homotopy.six_revolute import universal_arm, universal_start
 from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import quaternion_from_matrix

@@ -9,9 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import firmware_tools as tools
-import samples
-import test_firmware_joints as joint_types
+from helpers import firmware_tools as tools
+from helpers import joint_types, samples
 from symkin import load
 from symkin.closure.closure import build_closure
 from symkin.codegen.folder import write_folder

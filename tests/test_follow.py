@@ -10,8 +10,19 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import closes, frame, same_angle, same_pose
-from samples import Z, circles, delta, five_bar, parallel_rrr, pieper, readme_five_bar, three_rps, three_rrr, turning
+from helpers.laws import closes, frame, same_angle, same_pose
+from helpers.samples import (
+    bars,
+    circles,
+    delta,
+    five_bar,
+    parallel_rrr,
+    pieper,
+    readme_five_bar,
+    three_rps,
+    three_rrr,
+    turning,
+)
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.following.cubic import Curve
 from symkin.following.last_tube import on_plane
@@ -24,19 +35,6 @@ from symkin.position.problem import build_problem
 GROUND, CRANK, COUPLER, ROCKER = 100.0, 70.0, 60.0, 50.0
 TOGGLE = math.acos((GROUND**2 + CRANK**2 - (COUPLER + ROCKER) ** 2) / (2 * GROUND * CRANK))
 """The crank angle at which coupler and rocker are in line."""
-
-
-def bars(ground: float, crank: float, coupler: float, rocker: float, motion: str = "planar", **options) -> Mechanism:
-    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler, its frame in the crank's pin."""
-    begin = math.radians(60)
-    b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
-    c = circles(b, coupler, np.array([ground, 0.0]), rocker)[0]
-    driver = Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=begin, **options)
-    limbs = [
-        Limb("left", [driver, turning("b", b[0], b[1])]),
-        Limb("right", [turning("d", ground, 0.0), turning("c", c[0], c[1])]),
-    ]
-    return Mechanism("bars", limbs, platform_position=(b[0], b[1], 0.0), motion=motion)
 
 
 def rocker_angle(angle: float, branch: int) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
-from test_dependent_poses import tied_platform
+from helpers.samples import tied_platform
 
 
 def test_modes_of_redundant_rows_say_what_is_proved_of_them():

@@ -10,8 +10,19 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import RRR_BASE, RRR_LINKS, RRR_PLATFORM, five_bar, four_bar, hexapod, pieper, random_mechanism, three_rrr
-from symkin import InputError, Joint, Limb
+from helpers.samples import (
+    RRR_BASE,
+    RRR_LINKS,
+    RRR_PLATFORM,
+    five_bar,
+    four_bar,
+    hexapod,
+    pieper,
+    random_mechanism,
+    three_rrr,
+    tilted_rps,
+)
+from symkin import InputError
 from symkin.cli.app import main
 from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.position.problem import build_problem
@@ -222,29 +233,6 @@ def test_a_freedom_without_an_actuator_has_no_curves() -> None:
     loci = singular_loci(make_solution(problem, problem.closure.reference), names, kinds=("type 2",), starts=10)
     assert loci.curves == ()
     assert any("everywhere" in note for note in loci.notes)
-
-
-def tilted_rps() -> symkin.Mechanism:
-    """Three limbs R-P-S from a circle of 150 to a platform of 100 at a height of 200."""
-    limbs = []
-    for k in range(3):
-        angle = 2 * math.pi * k / 3
-        out = np.array([math.cos(angle), math.sin(angle), 0.0])
-        axis = np.array([0.0, 0.0, 200.0]) - 50 * out
-        joints = [
-            Joint(f"r{k + 1}", "R", point=tuple(150 * out), axis=(-out[1], out[0], 0.0)),
-            Joint(
-                f"d{k + 1}",
-                "P",
-                point=tuple(150 * out),
-                axis=tuple(axis / np.linalg.norm(axis)),
-                actuated=True,
-                zero=float(np.linalg.norm(axis)),
-            ),
-            Joint(f"s{k + 1}", "S", point=(100 * out[0], 100 * out[1], 200.0)),
-        ]
-        limbs.append(Limb(f"limb{k + 1}", joints))
-    return symkin.Mechanism(name="tilted", limbs=tuple(limbs), platform_position=(0.0, 0.0, 200.0))
 
 
 def near_double() -> list[symkin.Solution]:

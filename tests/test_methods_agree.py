@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import configuration
+from helpers.laws import configuration
 from symkin.position.solution import Modes, Solution
 
 SEED = 5

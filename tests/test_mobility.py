@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import three_rrr
+from helpers.samples import three_rrr
 from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank

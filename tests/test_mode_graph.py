@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from laws import same_pose
-from samples import five_bar, pieper
+from helpers.laws import same_pose
+from helpers.samples import five_bar, pieper
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.following.mode_graph import Axis, ModeGraph, mode_graph
 from symkin.following.track import track

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import closes, same_pose
-from samples import pieper
+from helpers.laws import closes, same_pose
+from helpers.samples import pieper
 from symkin import Joint, Limb, Mechanism
 from symkin.cli.app import main
 from symkin.position.given import given_from

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from laws import all_distinct, ball_turn, closes, frame, matched, same_angle, same_modes, same_pose, solution_coordinates
-from samples import (
+from helpers.laws import all_distinct, ball_turn, closes, frame, matched, same_angle, same_modes, same_pose, solution_coordinates
+from helpers.samples import (
     BENNETT,
     DELTA,
     RRR_BASE,

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import five_bar, three_rrr
+from helpers.samples import five_bar, three_rrr
 from symkin import InputError, Mechanism, SolveError
 from symkin.calibration.files import read_measurements
 from symkin.calibration.measurements import Measurements

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import pieper
-from study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.samples import pieper
+from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 from symkin import Joint, Limb, Mechanism
 
 EXAMPLE = np.array(

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 import symkin
-from laws import closes
+from helpers.command_line import run, run_json
+from helpers.laws import closes
+from helpers.samples import bars
 from symkin import InputError
 from symkin.files.csv_table import read_table
 from symkin.following.track import track
 from symkin.following.track_csv import read_trajectory, write_track
-from test_cli import run, run_json
-from test_follow import bars
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"

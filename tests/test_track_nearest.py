@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import four_bar, three_rrr, turning
+from helpers.samples import four_bar, three_rrr, turning
 from symkin import Joint, Limb, Mechanism
 from symkin.following.track import track
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-import samples
 import symkin
-import test_firmware_joints as joint_types
+from helpers import joint_types, samples
 from symkin import Mechanism
 from symkin.closure.closure import Closure, build_closure
 from symkin.position.mobility import closed_configurations, whole_system
