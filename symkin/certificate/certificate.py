@@ -39,7 +39,7 @@ _DIAGONAL = 1.4143
 
 @dataclass(frozen=True, eq=False)
 class Certificates:
-    """What is proved of n roots of one instance.
+    """What is proved of the n roots of one instance.
 
     `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j - centre_j)| <= ball about `centre`
     (width, n); of a ray, the representative x with conj(g).(x - c) = 0, g the given unit ray and c the centre. Where the
@@ -53,13 +53,23 @@ class Certificates:
     certified: np.ndarray
     centre: np.ndarray
     ball: np.ndarray
-    radius: np.ndarray
     real: np.ndarray
     pose: np.ndarray
     distinct: int
-    reasons: tuple[str, ...]
     batch: CertificateBatch
     instance: int
+
+    @property
+    def radius(self) -> np.ndarray:
+        return self.batch.radius[self._rows]
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        return tuple(self.batch.reason(i) for i in range(self._rows.start, self._rows.stop))
+
+    @property
+    def _rows(self) -> slice:
+        return self.batch.rows(self.instance)
 
     @property
     def disjoint(self) -> bool:
@@ -70,7 +80,7 @@ class Certificates:
         """The certified real root at a real point (width,), such as one with other whole turns, scale or sign of a length,
         or one that was polished on other rows: its index, and `radius` about that point. None where there is none."""
         index, radius = self.batch.find(np.asarray(point, dtype=complex)[:, None], np.array([self.instance]))
-        return None if index[0] < 0 else (int(index[0] - self.batch.places[self.instance]), float(radius[0]))
+        return None if index[0] < 0 else (int(index[0]) - self._rows.start, float(radius[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,19 +93,31 @@ class CertificateBatch:
     knowns: Knowns
     instance: np.ndarray
     size: float
+    given: np.ndarray
     certified: np.ndarray
     centre: np.ndarray
     ball: np.ndarray
-    radius: np.ndarray
     real: np.ndarray
     pose: np.ndarray
     distinct: np.ndarray
     reasons: dict[int, str]
 
     @cached_property
-    def places(self) -> np.ndarray:
+    def radius(self) -> np.ndarray:
+        """How far each root is from its point, (n,)."""
+        real = self.real == "real"
+        away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
+        away[real] = spread(self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real])
+        return away * self.size * UP
+
+    @cached_property
+    def _places(self) -> np.ndarray:
         """Where the roots of each instance begin; (m + 1,)."""
         return np.searchsorted(self.instance, np.arange(self.knowns.count + 1))
+
+    def rows(self, j: int) -> slice:
+        """The roots of instance j."""
+        return slice(*self._places[j : j + 2].tolist())
 
     def reason(self, i: int) -> str:
         """Why root i is not certified, else nothing."""
@@ -103,19 +125,17 @@ class CertificateBatch:
 
     def of(self, j: int) -> Certificates:
         """What is proved of instance j."""
-        begin, end = self.places[j : j + 2].tolist()
-        rows = slice(begin, end)
+        rows = self.rows(j)
         return Certificates(
             system=self.system, certified=self.certified[rows], centre=self.centre[:, rows], ball=self.ball[rows],
-            radius=self.radius[rows], real=self.real[rows], pose=self.pose[rows], distinct=int(self.distinct[j]),
-            reasons=tuple(self.reason(i) for i in range(begin, end)), batch=self, instance=j,
+            real=self.real[rows], pose=self.pose[rows], distinct=int(self.distinct[j]), batch=self, instance=j,
         )  # fmt: skip
 
     @cached_property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
-        """Certified real roots, and numbers (., 3) in which equal roots are about equal."""
-        proved = np.flatnonzero(self.certified & (self.real == "real"))
-        return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle
+        """Certified real roots, and a number for each in which equal roots are about equal."""
+        proved = np.flatnonzero(self.real == "real")
+        return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[:, 0]
 
     def find(self, points: np.ndarray, instance: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The certified real roots at real points (width, p) of instances (p,), ascending: their indices, -1 where there is
@@ -142,21 +162,22 @@ class CertificateBatch:
         nearest = np.full(points.shape[1], -1)
         if not proved.size or not nearest.size:
             return nearest
-        own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle
+        own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle[:, 0]
+        owners = self.instance[proved]
         for j in np.unique(instance).tolist():
-            here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, self.instance[proved]))
+            here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, owners))
             if proved[roots].size:
-                far = np.sum(np.abs(own[here, None] - marks[None, roots]), axis=2)
+                far = np.abs(own[here, None] - marks[roots])
                 nearest[here] = proved[roots][np.argmin(np.nan_to_num(far, nan=np.inf), axis=1)]
         return nearest
 
 
 def certify(
-    system: AlgebraicSystem, z: np.ndarray, k: Sequence[Number] | np.ndarray, size: float | None = None
+    system: AlgebraicSystem, z: np.ndarray, k: Knowns | Sequence[Number] | np.ndarray, size: float | None = None
 ) -> Certificates:
-    """Certificates of approximate roots z (width, n) at known values k: doubles, taken as exact, or balls. `size` is the
-    length that z has as its unit, by default the system's."""
-    return certify_batch(system, z, Knowns.of_one(k), size=size).of(0)
+    """Certificates of approximate roots z (width, n) of one instance with known values k: doubles, taken as exact, or balls.
+    `size` is the length that z has as its unit, by default the system's."""
+    return certify_batch(system, z, k if isinstance(k, Knowns) else Knowns.of_one(k), size=size).of(0)
 
 
 def certify_batch(
@@ -215,52 +236,56 @@ class _Roots:
 
     def leave_out_far_ones(self) -> None:
         """Roots that are too far from their points to be what was given."""
-        for i in np.flatnonzero(self.found & ~(self._away(self.given) <= _FARTHEST)).tolist():
+        for i in np.flatnonzero(self.found & ~(_away(self.centre, self.half, self.given) <= _FARTHEST)).tolist():
             self.half[i] = np.inf
             self.reasons[i] = "the point is not a root; the one found is farther away than 1e-7"
 
-    def _away(self, points: np.ndarray) -> np.ndarray:
-        """No point of a box is farther than this from its point (width, n) in any |Re| or |Im|."""
-        apart = self.centre - points
-        with np.errstate(invalid="ignore"):
-            return np.asarray((np.max(np.maximum(np.abs(apart.real), np.abs(apart.imag)), axis=0) + self.half) * UP)
-
     def collect(self, size: float) -> CertificateBatch:
-        found, system, n = self.found, self.system, len(self.half)
-        some = np.flatnonzero(found)
-        half = self.half[some]
-        radius = np.where(self.real[some], half, half * _DIAGONAL)
-        of = features(system, Discs(self.centre[:, some].T, np.repeat(radius[:, None], system.width, axis=1)))
-        real, pose = np.full(n, "unknown", dtype="<U8"), np.zeros(n, dtype=bool)
-        apart = are_not_real(system, self.centre[:, some], half) & ~self.real[some]
-        for i, differs, posed in zip(some.tolist(), apart.tolist(), of.poses.tolist(), strict=True):
-            differs = differs or (not self.real[i] and not_real(system, self._box(i)))
-            real[i] = "real" if self.real[i] else "not real" if differs else "unknown"
-            pose[i] = posed or is_pose(system, self._box(i))
-        distinct = np.array([self._distinct(j, some, of) for j in range(self.knowns.count)], dtype=int)
-        away = np.where(found, self._away(np.where(self.real, self.given.real, self.given)), np.inf)
-        away[some[self.real[some]]] = self._spread(some[self.real[some]], away)
-        ball = np.where(found, self.half, np.inf)
-        centre = np.where(found, self.centre, self.given)
+        """All that is proved of the roots, beyond their boxes."""
+        found, some = self.found, np.flatnonzero(self.found)
+        of, instance = self._features(some), self.instance[some]
+        real, pose = np.full(len(found), "unknown", dtype="<U8"), np.zeros(len(found), dtype=bool)
+        real[some[self.real[some]]] = "real"
+        real[some[self._not_real(some)]] = "not real"
+        pose[some] = of.poses
+        for i in some[~of.poses].tolist():
+            pose[i] = is_pose(self.system, self._box(i))
+        distinct = np.bincount(instance, minlength=self.knowns.count)
+        for j in np.flatnonzero(~are_apart(of.mixed, instance, len(distinct))).tolist():
+            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in some[instance == j].tolist()]))
         return CertificateBatch(
-            system=system, knowns=self.knowns, instance=self.instance, size=size, certified=found, centre=centre, ball=ball,
-            radius=away * size * UP, real=real, pose=pose, distinct=distinct, reasons=self.reasons,
+            system=self.system, knowns=self.knowns, instance=self.instance, size=size, given=self.given, certified=found,
+            centre=np.where(found, self.centre, self.given), ball=self.half, real=real, pose=pose, distinct=distinct,
+            reasons=self.reasons,
         )  # fmt: skip
 
-    def _spread(self, chosen: np.ndarray, away: np.ndarray) -> np.ndarray:
-        """`spread` about the given points of roots that are proved real."""
-        return spread(self.system, self.given[:, chosen].real, away[chosen], self.knowns, self.instance[chosen])
+    def _features(self, some: np.ndarray) -> Features:
+        """Of roots within discs that hold their boxes."""
+        half = self.half[some]
+        radius = np.where(self.real[some], half, half * _DIAGONAL)
+        return features(self.system, Discs(self.centre[:, some].T, np.repeat(radius[:, None], self.system.width, axis=1)))
 
-    def _distinct(self, j: int, some: np.ndarray, of: Features) -> int:
-        """So many roots of an instance are proved to differ."""
-        here = slice(*np.searchsorted(self.instance[some], [j, j + 1]))
-        roots = some[here]
-        if are_apart(of.mixed.at(here)):
-            return len(roots)
-        return len(distinct_boxes(self.system, [self._box(i) for i in roots.tolist()]))
+    def _not_real(self, some: np.ndarray) -> np.ndarray:
+        """Which of some roots are proved not to be real."""
+        result = np.zeros(len(some), dtype=bool)
+        open_ones = np.flatnonzero(~self.real[some])
+        if open_ones.size:
+            result[open_ones] = are_not_real(self.system, self.centre[:, some[open_ones]], self.half[some[open_ones]])
+        for i in open_ones[~result[open_ones]].tolist():
+            result[i] = not_real(self.system, self._box(int(some[i])))
+        return result
 
     def _box(self, i: int) -> Box:
         if i not in self.boxes:
             ring = REAL if self.real[i] else COMPLEX
             self.boxes[i] = box_about(ring, self.centre[:, i], float(self.half[i]))
         return self.boxes[i]
+
+
+def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """No point of a box of half width (n,) about its centre (width, n) is farther than this from its point (width, n) in any
+    |Re| or |Im|; infinite without a box."""
+    apart = centre - points
+    with np.errstate(invalid="ignore"):
+        far = np.abs(apart.view(float)).max(axis=0).reshape(-1, 2).max(axis=1) if apart.size else np.zeros(len(half))
+        return np.asarray((far + half) * UP)

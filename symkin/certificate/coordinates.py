@@ -18,9 +18,7 @@ _ROUNDING = 2.0**-49
 """Allowance for coordinates that are computed from z in double precision, relative to 1 and to each coordinate."""
 
 
-def spread(
-    system: AlgebraicSystem, points: np.ndarray, distance: np.ndarray, knowns: Knowns, instance: np.ndarray
-) -> np.ndarray:
+def spread(system: AlgebraicSystem, points: np.ndarray, distance: np.ndarray, knowns: Knowns, instance: np.ndarray) -> np.ndarray:
     """No coordinate at a real point within `distance` (n,) of its point (width, n) differs by more from the one there: lengths
     and position over the size, angles, unit quaternion."""
     result = np.zeros(points.shape[1])

@@ -6,6 +6,7 @@ The bounds are those of `data/discs.h`, where they are derived; a result holds t
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,22 +46,21 @@ Disc = tuple[np.ndarray, np.ndarray]
 def modulus(x: np.ndarray) -> np.ndarray:
     """A bound of the modulus, at most 1.12 times it."""
     if not np.iscomplexobj(x):
-        return np.abs(x)
+        return np.asarray(np.abs(x))
     a, b = np.abs(x.real), np.abs(x.imag)
-    return 0.75 * (a + b) + 0.25 * np.abs(a - b)
+    return np.asarray(0.75 * (a + b) + 0.25 * np.abs(a - b))
 
 
-def run(code: Code, inputs: Sequence[Disc]) -> list[Disc]:
-    """The outputs of a code over discs."""
-    places: list[Disc] = [inputs[0]] * code.places
-    outputs: list[Disc] = [inputs[0]] * code.outputs
-    shape, kind = inputs[0][0].shape, inputs[0][0].dtype
+def run(code: Code, inputs: Sequence[Disc], count: int, kind: np.dtype[Any]) -> list[Disc]:
+    """The outputs of a code over discs of `count` points, with middles of one kind."""
+    nothing = (np.full(count, np.nan, dtype=kind), np.full(count, np.inf))
+    places, outputs = [nothing] * code.places, [nothing] * code.outputs
     with np.errstate(all="ignore"):
         for op, a, b, out in code.instructions.tolist():
             if op == Op.INPUT:
                 places[out] = inputs[a]
             elif op == Op.CONSTANT:
-                places[out] = (np.full(shape, code.constants[a], dtype=kind), np.zeros(shape))
+                places[out] = (np.full(count, code.constants[a], dtype=kind), np.zeros(count))
             elif op == Op.OUTPUT:
                 outputs[out] = places[a]
             elif op in _BINARY:

@@ -8,14 +8,15 @@ from __future__ import annotations
 import ctypes
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
+from symkin.caching import lru_cache
 from symkin.certificate.tape import Code, Tape
 from symkin.homotopy.compiled import DATA as HOMOTOPY_DATA
 from symkin.homotopy.compiled import OFF
-from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
+from symkin.numeric.c_library import CompilerError, find_compilers, load_library
 from symkin.numeric.cache import cache_folder
 
 _DATA = Path(__file__).resolve().parent / "data"
@@ -52,46 +53,43 @@ class DiscLibrary:
         """A code at discs z, radii (n, width) with discs `known` (m, kept), of each point those of its `instance` (n,)."""
         n, width = z.shape
         middle, radius = np.empty((n, code.outputs), dtype=z.dtype), np.empty((n, code.outputs))
-        done = self._run(
-            _is_complex(z), n, width, known[0].shape[1], ctypes.addressof(_struct_of(code)), z.ctypes.data, radii.ctypes.data,
-            known[0].ctypes.data, known[1].ctypes.data, instance.ctypes.data, middle.ctypes.data, radius.ctypes.data,
-        )  # fmt: skip
-        if not done:
+        arrays = [_at(a) for a in (z, radii, *known, instance, middle, radius)]
+        if not self._run(z.dtype.kind == "c", n, width, known[0].shape[1], ctypes.byref(_struct_of(code)), *arrays):
             raise MemoryError
         return middle, radius
 
     def enclose(
-        self, tape: Tape, z: np.ndarray, patch: np.ndarray, known: tuple[np.ndarray, np.ndarray], instance: np.ndarray, wide: float
+        self,
+        tape: Tape,
+        z: np.ndarray,
+        patch: np.ndarray,
+        known: tuple[np.ndarray, np.ndarray],
+        instance: np.ndarray,
+        wide: float,
     ) -> tuple[np.ndarray, np.ndarray]:
         """One Newton step from z (n, width), and half widths (n,) of boxes about where it leads that hold one root each."""
-        n, width = z.shape
+        n = len(z)
         centre, half = np.empty(z.shape, dtype=z.dtype), np.empty(n)
-        done = self._enclose(
-            _is_complex(z), ctypes.addressof(_problem_of(tape)), n, z.ctypes.data, patch.ctypes.data, known[0].ctypes.data,
-            known[1].ctypes.data, instance.ctypes.data, wide, centre.ctypes.data, half.ctypes.data,
-        )  # fmt: skip
-        if not done:
+        arrays = [_at(a) for a in (z, patch, *known, instance)]
+        problem = ctypes.byref(_problem_of(tape))
+        if not self._enclose(z.dtype.kind == "c", problem, n, *arrays, wide, _at(centre), _at(half)):
             raise MemoryError
         return centre, half
 
 
 def disc_library() -> DiscLibrary | None:
     """The library, from the cache or compiled now; None where there is none."""
-    if os.environ.get("SYMKIN_ENGINE", "") == OFF:
-        return None
-    try:
-        return _load(*(os.environ.get(name, "") for name in ("CC", "PATH", "SYMKIN_CACHE")))
-    except NotBuiltError:
-        return None
+    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _load()
 
 
-@lru_cache(maxsize=8)
-def _load(named: str, path: str, _folder: str) -> DiscLibrary | None:
+@lru_cache(maxsize=1)
+def _load() -> DiscLibrary | None:
+    """What was found at the first call, for good: the library is the same for all mechanisms."""
     try:
-        library = load_library(find_compilers(named, path), _sources(), _MAIN, cache_folder(), build=True)
+        compilers = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
+        return DiscLibrary(load_library(compilers, _sources(), _MAIN, cache_folder(), build=True))
     except (CompilerError, OSError):
         return None
-    return DiscLibrary(library)
 
 
 def _sources() -> dict[str, str]:
@@ -99,15 +97,16 @@ def _sources() -> dict[str, str]:
     return own | {"lanes.h": (HOMOTOPY_DATA / "lanes.h").read_text()}
 
 
-def _is_complex(z: np.ndarray) -> int:
-    return int(np.iscomplexobj(z))
+def _at(array: np.ndarray) -> Any:
+    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written to."""
+    if array.size and array.flags.writeable:
+        return ctypes.byref(ctypes.c_char.from_buffer(array.data))
+    return array.ctypes.data
 
 
 @lru_cache(maxsize=512)
 def _struct_of(code: Code) -> _Code:
-    return _Code(
-        code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs
-    )
+    return _Code(code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs)
 
 
 @lru_cache(maxsize=128)

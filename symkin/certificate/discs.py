@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.certificate import disc_arithmetic
-from symkin.certificate.disc_arithmetic import TINY, UNIT
+from symkin.certificate.disc_arithmetic import TINY, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.tape import Code, Tape
 
@@ -26,23 +27,25 @@ class Discs:
     def exact(middle: np.ndarray) -> Discs:
         return Discs(middle, np.zeros(middle.shape))
 
-    @staticmethod
-    def rounded(middle: np.ndarray) -> Discs:
-        """Results of one real operation each, rounded to nearest."""
-        return Discs(middle, np.abs(middle) * (2.0 * UNIT) + TINY)
-
     @property
     def is_real(self) -> bool:
-        return not np.iscomplexobj(self.middle)
+        return self.middle.dtype.kind != "c"
 
     def as_complex(self) -> Discs:
         return Discs(self.middle.astype(complex), self.radius) if self.is_real else self
 
-    def beside(self, other: Discs) -> Discs:
-        """The entries of both; of `other` there may be one row for all."""
-        rows = len(self.middle)
-        right = [np.broadcast_to(a, (rows, a.shape[1])) for a in (other.middle, other.radius)]
-        return Discs(np.hstack([self.middle, right[0]]), np.hstack([self.radius, right[1]]))
+    def divided(self, numbers: np.ndarray) -> Discs:
+        """The entries over doubles that are not zero."""
+        middle = self.middle / numbers
+        rounding = np.where(numbers == 1.0, 0.0, UNIT * modulus(middle) * 2.0 + TINY)
+        return Discs(middle, (self.radius / np.abs(numbers) + rounding) * UP)
+
+    def beside(self, numbers: np.ndarray) -> Discs:
+        """The entries, and further ones: doubles, the same in each row."""
+        further = np.repeat(np.asarray(numbers, dtype=float)[None], len(self.middle), axis=0)
+        return Discs(
+            np.concatenate([self.middle, further], axis=1), np.concatenate([self.radius, np.zeros(further.shape)], axis=1)
+        )
 
     def at(self, rows: np.ndarray) -> Discs:
         return Discs(self.middle[rows], self.radius[rows])
@@ -55,30 +58,37 @@ class DiscFunction:
     tape: Tape
 
     def prepare(self, known: Discs) -> Discs:
-        """What the known values (m, known) of m instances determine alone."""
-        inputs = known.beside(Discs.exact(self.tape.values[None]))
-        rows = np.arange(len(inputs.middle), dtype=np.intc)
-        return run(self.tape.before, Discs.exact(np.zeros((len(rows), 0), dtype=inputs.middle.dtype)), inputs, rows)
+        """What the known values (m, known) of m instances determine alone; one row where they do not enter."""
+        return self._prepared(known) if self.tape.has_known else self._constant
+
+    @cached_property
+    def _constant(self) -> Discs:
+        return self._prepared(Discs.exact(np.zeros((1, self.tape.before.inputs - len(self.tape.values)))))
+
+    def _prepared(self, known: Discs) -> Discs:
+        inputs = known.beside(self.tape.values)
+        nothing = Discs(inputs.middle[:, :0], inputs.radius[:, :0])
+        return run(self.tape.before, nothing, inputs, np.arange(len(inputs.middle)))
 
     def evaluate(self, part: int, z: Discs, prepared: Discs, instance: np.ndarray) -> Discs:
         """The nonzeros of a part at points z (n, width) of instances (n,)."""
         if z.is_real != prepared.is_real:
             z, prepared = z.as_complex(), prepared.as_complex()
-        return run(self.tape.parts[part], z, prepared, instance)
+        return run(self.tape.parts[part], z, prepared, instance if self.tape.has_known else np.zeros(len(instance)))
 
 
 def run(code: Code, z: Discs, known: Discs, instance: np.ndarray) -> Discs:
     """A code over points z (n, width), each with the row of `known` (m, kept) that `instance` (n,) names."""
     library = disc_library()
+    chosen = np.ascontiguousarray(instance, dtype=np.intc)
     if library is not None:
-        parts = [np.ascontiguousarray(a) for a in (z.middle, z.radius, known.middle, known.radius)]
-        chosen = np.ascontiguousarray(instance, dtype=np.intc)
-        return Discs(*library.run(code, parts[0], parts[1], (parts[2], parts[3]), chosen))
-    inputs = [*_columns(z), *_columns(known.at(instance))]
-    outputs = disc_arithmetic.run(code, inputs) if inputs else []
-    shape = (len(instance), code.outputs)
-    middle, radius = (np.array(side).T.reshape(shape) for side in zip(*outputs, strict=True)) if outputs else np.zeros((2, *shape))
-    return Discs(middle.astype(z.middle.dtype), radius)
+        middle, radius, *own = [np.ascontiguousarray(a) for a in (z.middle, z.radius, known.middle, known.radius)]
+        return Discs(*library.run(code, middle, radius, (own[0], own[1]), chosen))
+    outputs = disc_arithmetic.run(code, [*_columns(z), *_columns(known.at(chosen))], len(chosen), z.middle.dtype)
+    found = Discs.exact(np.zeros((len(chosen), code.outputs), dtype=z.middle.dtype))
+    for i, (m, r) in enumerate(outputs):
+        found.middle[:, i], found.radius[:, i] = m, r
+    return found
 
 
 def _columns(discs: Discs) -> list[tuple[np.ndarray, np.ndarray]]:

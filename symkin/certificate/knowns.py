@@ -9,7 +9,7 @@ import numpy as np
 from flint import acb, arb
 
 from symkin.certificate.balls import Number
-from symkin.certificate.disc_arithmetic import TINY, UNIT, UP
+from symkin.certificate.disc_arithmetic import TINY, UP
 from symkin.certificate.discs import Discs
 
 
@@ -26,9 +26,9 @@ class Knowns:
         """Instances."""
         return len(self.discs.middle)
 
-    def middles(self, instance: np.ndarray) -> np.ndarray:
-        """Middles (known, n) for points of these instances."""
-        return self.discs.middle[instance].T
+    def beside(self, numbers: Sequence[float]) -> Knowns:
+        """With further doubles behind, the same in each instance."""
+        return Knowns(self.discs.beside(np.array(numbers)), lambda j: (*self.numbers(j), *numbers))
 
     @staticmethod
     def of_one(k: Sequence[Number] | np.ndarray) -> Knowns:

@@ -37,9 +37,10 @@ def prove_points(balls: BallSystem, given: np.ndarray, near: np.ndarray, known: 
     for i in range(given.shape[1]):
         mate = proved.boxes[mates[i]] if i in mates else None
         if mate is not None and not near[i]:
-            box, reason = mate.conjugate(), ""
-        else:
-            box, reason = _prove(balls, given[:, i], bool(near[i]), centre[:, i], inverses[i])
+            proved.boxes.append(mate.conjugate())
+            proved.reasons.append("")
+            continue
+        box, reason = _prove(balls, given[:, i], bool(near[i]), centre[:, i], inverses[i])
         proved.boxes.append(box)
         proved.reasons.append(reason)
     return proved

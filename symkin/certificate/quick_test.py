@@ -27,6 +27,8 @@ _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
 """Distances from a point within which the derivatives are bounded, one trial after another. The first may serve to come near."""
 _MOST_UNKNOWNS = 64
 """Up to which the rounding of sums is allowed for."""
+_WORTH_NUMPY = 250
+"""Points from which on the test in NumPy takes less time than balls."""
 _MANY = 1.0 + 2.0**-44
 """Outweighs the roundings of sums of numbers that are not negative, for that many unknowns."""
 
@@ -51,7 +53,7 @@ def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns
     result = Enclosures(z.copy(), np.full(n, np.inf), real & knowns.discs.is_real)
     function = disc_function(system)
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
-    if function is None or not square or not knowns.discs.is_real and real.any():
+    if function is None or not square or (disc_library() is None and n < _WORTH_NUMPY):
         return result
     prepared = function.prepare(knowns.discs)
     for among in (np.flatnonzero(result.is_real), np.flatnonzero(~result.is_real)):

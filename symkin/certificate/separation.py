@@ -142,23 +142,28 @@ def features(system: AlgebraicSystem, z: Discs) -> Features:
     return Features(Discs(values.middle[:, :_WEIGHTS], values.radius[:, :_WEIGHTS]), poses)
 
 
-def are_apart(mixed: Discs) -> bool:
-    """Whether all roots are proved to differ: each two by one of their numbers t."""
-    n = len(mixed.middle)
-    touching = ~np.eye(n, dtype=bool)
+def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
+    """For each of `count` instances whether all its roots are proved to differ: by disjoint intervals of Re t, for one of the t.
+    `instance` (n,) is ascending."""
+    apart = np.zeros(count, dtype=bool)
     for which in range(_WEIGHTS):
-        t, radius = mixed.middle[:, which], mixed.radius[:, which] * UP
-        apart, reach = t[:, None] - t, (radius[:, None] + radius) * UP
-        touching &= ~((np.abs(apart.real) > reach) | (np.abs(apart.imag) > reach))
-        if not touching.any():
-            return True
-    return False
+        middle, radius = mixed.middle[:, which].real, mixed.radius[:, which]
+        order = np.lexsort((middle, instance))
+        middle, radius, owner = middle[order], radius[order], instance[order]
+        gap, reach = middle[1:] - middle[:-1], (radius[1:] + radius[:-1]) * UP
+        meeting = ~(gap > reach * UP) & (owner[1:] == owner[:-1])
+        here = np.ones(count, dtype=bool)
+        here[owner[1:][meeting]] = False
+        apart |= here
+        if apart.all():
+            break
+    return apart
 
 
 def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Which roots in boxes of half width (n,) about centres (width, n) are proved to differ from their conjugates."""
     ray = list(system.projective)
-    affine = [j for j in range(system.width) if j not in ray]
+    affine = list(range(len(system.unknowns)))
     shown: np.ndarray = np.max(np.abs(centre[affine].imag), axis=0, initial=0.0) > half
     if ray and half.size:
         # Im (x_i conj(x_j)) for the largest x_i: off by 2 h (|x_i| + |x_j|) + 2 h^2 in the box, and by 4 u |x_i| |x_j| in rounding

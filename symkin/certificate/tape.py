@@ -13,6 +13,7 @@ from enum import IntEnum
 import casadi as ca
 import numpy as np
 
+from symkin.caching import cached_property
 from symkin.certificate.balls import Part, derive, raise_constants
 from symkin.closure.graph import instructions
 
@@ -66,6 +67,12 @@ class Tape:
     parts: tuple[Code, ...]
     patterns: tuple[tuple[np.ndarray, np.ndarray], ...]
     values: np.ndarray
+
+    @cached_property
+    def has_known(self) -> bool:
+        """Whether k enters: not constants alone."""
+        lines = self.before.instructions
+        return bool(np.any((lines[:, 0] == Op.INPUT) & (lines[:, 1] < self.before.inputs - len(self.values))))
 
 
 @dataclass(frozen=True)
