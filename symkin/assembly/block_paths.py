@@ -16,10 +16,10 @@ from symkin.caching import cached_property, lru_cache
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import complex_count, real_candidates
-from symkin.homotopy.dyads import dyads_of, with_dyads
 from symkin.homotopy.engine import engine_of
 from symkin.homotopy.many_instances import APART, nearest, plain_instances
 from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
@@ -68,7 +68,7 @@ class BlockPaths:
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return complex_count(self.algebraic, self.start.z) << len(dyads_of(self.problem))
+        return complex_count(self.algebraic, self.start.z) << len(replaced_universal_joints(self.problem))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -92,7 +92,7 @@ class BlockPaths:
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
         proved = self.prover.ends(z, known, instance) if certify else None
-        counts, candidates, owner = self._candidates(z, instance, plain, None if proved is None else proved.not_real)
+        counts, candidates, owner = self._candidates(z, instance, plain, None if proved is None else proved.real == "not real")
         points, owner = self._points(candidates, owner, k, known)
         found = self._checked(points, owner, known, plain, counts)
         if not certify:
@@ -155,11 +155,11 @@ class BlockPaths:
         distances have replaced, all their choices."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
         names = [c.name for c in self.block.unknowns]
-        if not dyads_of(self.problem):
+        if not replaced_universal_joints(self.problem):
             return np.concatenate([values[name] for name in names], axis=1), owner
         points, owners = [np.zeros((0, self.block.width))], []
         for i, instance in enumerate(owner):
-            choices = with_dyads(self.problem, known[instance], {name: value[i] for name, value in values.items()})
+            choices = with_universal_angles(self.problem, known[instance], {name: value[i] for name, value in values.items()})
             points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
             owners += [instance] * len(choices)
         return np.concatenate(points), np.array(owners, dtype=int)
@@ -179,7 +179,7 @@ class BlockPaths:
         condition = conditions(jacobians)
         plain[owner[~(condition < SUSPECT_CONDITION)]] = False
         plain[_owners_of_equal(block, points, owner)] = False
-        counts = counts << len(dyads_of(self.problem))
+        counts = counts << len(replaced_universal_joints(self.problem))
         return BlockRoots(points, owner, residual, condition, plain, counts, None)
 
 

@@ -16,7 +16,7 @@ from symkin.position.problem import Problem
 
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
-    from symkin.certificate.certificate import Certificates
+    from symkin.certificate.certificate import CertificateBatch
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +27,6 @@ class RootProofs:
     certified: np.ndarray
     radius: np.ndarray
     complete: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class EndProofs:
-    """Certificates of the complex roots of each instance; `not_real` (n,): roots that are proved not to be real."""
-
-    certificates: dict[int, Certificates]
-    not_real: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,45 +48,41 @@ class BlockProver:
         t = self.bound.theorem
         return f"{t.count}: {t.about} ({t.reference})"
 
-    def ends(self, z: np.ndarray, known: np.ndarray, instance: np.ndarray) -> EndProofs | None:
+    def ends(self, z: np.ndarray, known: np.ndarray, instance: np.ndarray) -> CertificateBatch | None:
         """Certificates of complex roots z (width, m) of the instances known (n, values); None where those of the real roots say
         all."""
         if not self.proves_ends:
             return None
-        from symkin.certificate.certificate import certify
-        from symkin.certificate.exact import exact_known
+        from symkin.certificate.certificate import certify_batch
+        from symkin.certificate.exact import knowns_of
 
-        found, not_real = {}, np.zeros(z.shape[1], dtype=bool)
-        for i in np.unique(instance).tolist():
-            mine = instance == i
-            if self.bound is not None:
-                found[i] = certify(self.bound.system, z[:, mine], self.bound.known(known[i]), self.problem.closure.size)
-            else:
-                found[i] = certify(self.whole, z[:, mine], exact_known(self.problem, known[i]), self.problem.closure.size)
-            not_real[mine] = found[i].real == "not real"
-        return EndProofs(found, not_real)
+        if self.bound is not None:
+            return certify_batch(self.bound.system, z, self.bound.knowns(known), instance, self.problem.closure.size)
+        return certify_batch(self.whole, z, knowns_of(self.problem, known), instance, self.problem.closure.size)
 
-    def roots(self, ends: EndProofs | None, points: np.ndarray, owner: np.ndarray, known: np.ndarray) -> RootProofs:
+    def roots(self, ends: CertificateBatch | None, points: np.ndarray, owner: np.ndarray, known: np.ndarray) -> RootProofs:
         """What is proved of real roots `points` (m, width) of the block at the instances `owner`."""
-        from symkin.certificate.bounds import proves
-        from symkin.certificate.certificate import certify
-        from symkin.certificate.exact import exact_known
+        from symkin.certificate.certificate import certify_batch
+        from symkin.certificate.exact import knowns_of
 
         values = {c.name: points[:, s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)}
         z = algebraic_points(self.problem, self.whole, values)
-        certified, radius = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
-        complete = np.zeros(len(known), dtype=bool)
-        for i in np.unique(owner).tolist():
-            mine = np.flatnonzero(owner == i)
-            found = None if ends is None else ends.certificates[i]
-            if found is None:
-                found = certify(self.whole, z[:, mine], exact_known(self.problem, known[i]), self.problem.closure.size)
-            for j in mine:
-                pair = found.find(z[:, j])
-                if pair is not None:
-                    certified[j], radius[j] = True, pair[1]
-            complete[i] = self.bound is not None and proves(found, self.bound) and len(mine) == int(np.sum(found.real == "real"))
-        return RootProofs(certified, radius, complete)
+        found = ends
+        if found is None:
+            found = certify_batch(self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.size)
+        index, radius = found.find(z, owner)
+        complete = self._complete(found, np.bincount(owner, minlength=len(known)))
+        return RootProofs(index >= 0, radius, complete)
+
+    def _complete(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
+        """Instances (n,) whose certified roots are all that the theorem allows, each known to be real or not, the real ones as many
+        as those `listed` (n,); see `bounds.proves`."""
+        if self.bound is None or found.system is not self.bound.system:
+            return np.zeros(len(listed), dtype=bool)
+        real, count = found.real == "real", self.bound.theorem.count
+        whole = found.certified & found.pose & (found.real != "unknown")
+        sums = [np.bincount(found.instance[some], minlength=len(listed)) for some in (whole, found.instance >= 0, real)]
+        return np.asarray((sums[0] == count) & (sums[1] == count) & (found.distinct == count) & (sums[2] == listed))
 
 
 @lru_cache(maxsize=128)

@@ -9,6 +9,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from symkin.assembly.mode_list import Modes
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
@@ -20,7 +21,6 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Modes
 from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symkin.assembly.continuation import by_continuation
+from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.search import Search
 from symkin.errors import TooManyModesError
 from symkin.numeric.levenberg import Progress
@@ -19,7 +20,7 @@ from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
+from symkin.position.solution import ACCEPTED, Solution, make_solution
 from symkin.position.starts import start_values
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
     if problem.is_explicit:
         search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
-        values = problem.assemble(start_values(problem, given, None), given.values)
+        values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
         if not solution.residual <= ACCEPTED * problem.closure.size:
@@ -104,7 +105,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         search.refuse_unless_multistart(
             f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
         )
-        solution = make_solution(problem, problem.assemble(np.zeros(0), given.values), notes=given.notes)
+        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
         return Modes(
             problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
         )

@@ -70,7 +70,7 @@ class Problem:
         for _ in range(2):
             values = random_values(self.closure.coordinates, self.closure.size, rng)
             _, jacobian = self.system.linearise_one(
-                self.take(values, self.system.unknowns), self.take(values, self.known_coordinates)
+                self.select_values(values, self.system.unknowns), self.select_values(values, self.known_coordinates)
             )
             ranks.append(Rank.of(jacobian).value)
         return max(ranks)
@@ -95,11 +95,11 @@ class Problem:
             return None
         return np.asarray(self._forward(known)).ravel()
 
-    def take(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+    def select_values(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         """The part of full vectors of variables (..., variables) that belongs to some coordinates."""
         return np.asarray(values[..., self.places(coordinates)])
 
-    def assemble(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
+    def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Full vectors of variables (..., variables) from their unknown and known parts."""
         values = np.empty((*unknown.shape[:-1], int(self.closure.variables.shape[0])))
         values[..., self.unknown_places] = unknown
