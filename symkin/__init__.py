@@ -23,7 +23,7 @@ from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
     from symkin.calibration.calibrate import calibrate
-    from symkin.calibration.measurements import Measurements
+    from symkin.calibration.data.measurements import Measurements
     from symkin.following.track import track
     from symkin.singularities.singularity import singularity
     from symkin.sweeps.run import sweep
@@ -60,7 +60,7 @@ __all__ = [
 ]
 
 _LATER = {
-    "Measurements": "symkin.calibration.measurements",
+    "Measurements": "symkin.calibration.data.measurements",
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
     "singularity": "symkin.singularities.singularity",
