@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_table import joint_labels
 from symkin.closure.closure import build_closure
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
-from symkin.sweeps.found import joint_labels
 from symkin.sweeps.plan import Plan
 from symkin.sweeps.quantities import QUANTITIES, variables
 
