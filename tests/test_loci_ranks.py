@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from laws import act, joint_displacement
-from samples import DELTA, delta, delta_directions
+from helpers.laws import act, joint_displacement
+from helpers.samples import DELTA, delta, delta_directions
 from symkin import Joint, Limb, Mechanism
 from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.singularities.configuration import configuration
@@ -175,7 +175,7 @@ def test_no_curve_says_that_some_may_be_missing(tmp_path: Path) -> None:
     loci = loci_at(scara("P"), [0.0, math.pi / 2, 0.0, 0.0], ("j1", "j3"), starts=10)
     assert loci.curves == ()
     assert NONE_MET in loci.notes
-    assert NONE_MET in json.loads(json.dumps(loci.to_json()))["notes"]
+    assert NONE_MET in json.loads(json.dumps(loci.to_dict()))["notes"]
     assert "raise --starts" in str(loci)
     (axes,) = figure_of_loci(loci).axes
     assert "raise --starts" in axes.get_xlabel()
