@@ -18,7 +18,7 @@ from symkin.homotopy.tracker import Tracked, TrackSettings
 
 Line = tuple[np.ndarray, np.ndarray]
 """Known values (known,) at which paths begin and end."""
-_WORTH_COMPILING = 200
+_WORTH_COMPILING = 50
 """Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""
 
 
