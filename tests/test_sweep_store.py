@@ -15,8 +15,8 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from symkin import InputError, Pose
+from symkin.assembly.mode_table import COMPLETENESS
 from symkin.singularities.singularity import classify
-from symkin.sweeps.found import COMPLETENESS
 from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_table import joint_labels
 from symkin.closure.closure import build_closure
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
 from symkin.sweeps.chunk_files import COMPRESSION_LEVEL
-from symkin.sweeps.found import joint_labels
 from symkin.sweeps.plan import Plan
 from symkin.sweeps.quantities import QUANTITIES, variables
 
