@@ -79,7 +79,7 @@ def test_discs_hold_the_exact_values(engine, rng, real, radius):
     z, k = ca.SX.sym("z", 3), ca.SX.sym("k", 2)
     f = random_graph(rng, z, k)
     function, kind = DiscFunction(build_tape(z, k, f, ("value",))), float if real else complex
-    middles = [rng.normal(size=(5, 5)) + (0 if real else 0.3j * rng.normal(size=(5, 5))) for _ in range(1)][0].astype(kind)
+    middles = (rng.normal(size=(5, 5)) + (0 if real else 0.3j) * rng.normal(size=(5, 5))).astype(kind)
     points, known = (Discs(m, radius * rng.uniform(0.5, 1, m.shape)) for m in (middles[:, :3], middles[:, 3:]))
     values = function.evaluate(0, points, function.prepare(known), np.arange(5))
     balls = BallFunction(z, k, f)
