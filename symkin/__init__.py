@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from symkin.calibration.calibrate import calibrate
     from symkin.calibration.measurements import Measurements
     from symkin.following.track import track
-    from symkin.singularities.singularity import singularity
+    from symkin.singularities.classification import singularity
     from symkin.sweeps.run import sweep
     from symkin.velocity.jacobian import jacobian
 
@@ -63,7 +63,7 @@ _LATER = {
     "Measurements": "symkin.calibration.measurements",
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
-    "singularity": "symkin.singularities.singularity",
+    "singularity": "symkin.singularities.classification",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
 }

@@ -12,8 +12,8 @@ import jacobian_cases as cases
 import samples
 import symkin
 from symkin import InputError
+from symkin.velocity.equations import velocity_equations
 from symkin.velocity.jacobian import KINDS, jacobian
-from symkin.velocity.velocity import velocity_equations
 
 
 def _kinds(case):

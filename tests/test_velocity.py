@@ -12,7 +12,7 @@ import samples
 import symkin
 from symkin import InputError, SolveError
 from symkin.position.mobility import whole_system
-from symkin.velocity.velocity import velocity_equations
+from symkin.velocity.equations import velocity_equations
 
 
 def _scaled(equations, direct):

@@ -92,7 +92,7 @@ class ModeGraph:
         moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
         return np.asarray(rows[np.append(True, moved)])
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
             "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],

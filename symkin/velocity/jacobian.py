@@ -16,9 +16,9 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
+from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
-from symkin.velocity.velocity import VelocityEquations, variables_of, velocity_equations
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
