@@ -27,9 +27,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-import parallel_arm
 import symkin
-from inclinometer import (
+from helpers import parallel_arm
+from helpers.inclinometer import (
     BASE_LIMBS,
     PLATFORM_LIMBS,
     Geometry,
@@ -38,6 +38,7 @@ from inclinometer import (
     random_geometry,
     tilted,
 )
+from helpers.tracker import Hexapod
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.direct import ROUGH, solve_postures
 from symkin.calibration.estimator import Estimate, estimate
@@ -48,7 +49,6 @@ from symkin.calibration.outliers import screen
 from symkin.calibration.problem import CalibrationProblem, build_calibration
 from symkin.calibration.statistics import covariance
 from symkin.model.file import parse
-from tracker import Hexapod
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

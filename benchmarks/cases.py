@@ -66,7 +66,7 @@ class Case:
 
 def all_cases(seed: int) -> list[Case]:
     from dietmaier1998 import LEGS, platform
-    from samples import delta, five_bar, three_rps, three_rrr
+    from helpers.samples import delta, five_bar, three_rps, three_rrr
 
     rng = np.random.default_rng(seed)
     dietmaier, planar, spatial = platform(), three_rrr("planar"), replace(delta(), motion="spatial")
@@ -117,7 +117,7 @@ def rods(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = 
     """Leg lengths of random poses above the base."""
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
-        return {"joints": symkin.solve(mechanism, pose=random_pose(mechanism, rng)).solution.actuated}
+        return {"joints": symkin.solve(mechanism, pose=random_pose(mechanism, rng)).solution.actuated_values}
 
     return Case(name, mechanism, "direct", count, draw, shipped, six_distances=True)
 

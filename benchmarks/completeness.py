@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -85,7 +85,7 @@ def platforms(count: int, rng: np.random.Generator) -> None:
             rods = [symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(6)]
             platform = symkin.Mechanism("platform", rods, platform_position=(0, 0, 1.5))
             pose = random_pose(rng, 1.0, 0.0, 10.0)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated), 40, pose
+            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 40, pose
 
     report("random 6-6", found())
 
@@ -96,7 +96,7 @@ def legs(count: int, rng: np.random.Generator) -> None:
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
         for _ in range(count):
             pose = random_pose(rng, 80.0, 300.0, 0.2)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated), 28, pose
+            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 28, pose
 
     report("zhang2009, random legs", found())
 
@@ -143,7 +143,7 @@ def arm(count: int, rng: np.random.Generator) -> None:
 
 def generic(count: int, rng: np.random.Generator) -> None:
     """At `count` / 200 inputs each, no root of 20,000 random starts is missing."""
-    from samples import delta, five_bar, three_rrr
+    from helpers.samples import delta, five_bar, three_rrr
 
     machines = [five_bar(), three_rrr("planar"), delta(), replace(delta(), motion="spatial")]
     machines += [symkin.load(name) for name in ("zhao2000", "zhao2000_links", "ren2008_true", "zhang2009")]

@@ -8,7 +8,7 @@ from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 
-from samples import seeds
+from helpers.samples import seeds
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.balls import COMPLEX, REAL, BallFunction, precision, upper
 from symkin.homotopy.algebraic import AlgebraicSystem

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import five_bar
+from helpers.samples import five_bar
 from symkin.errors import InputError
 from symkin.homotopy import start_store
 from symkin.homotopy.systems import algebraic_systems

@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
+from helpers.tracker import NOISE, Hexapod
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.holdout import draw, held_out_count, predict
 from symkin.calibration.measurements import Measurements
 from symkin.cli.app import main
 from symkin.errors import InputError
-from tracker import NOISE, Hexapod
 
 NOMINAL = Hexapod.nominal()
 MECHANISM = NOMINAL.mechanism()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import symkin.calibration.problem as problems
-from inclinometer import geometry, measured, random_geometry
+from helpers.inclinometer import geometry, measured, random_geometry
+from helpers.tracker import NOISE, Hexapod
 from symkin import load
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.measurements import Measurements
-from tracker import NOISE, Hexapod
 
 HEXAPOD = Hexapod.nominal()
 PLATFORM = load("ren2008")

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-import hexapods
 import symkin
+from helpers import hexapods
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.files import read_measurements
 from symkin.calibration.run import fit_file

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import parallel_arm
 import symkin
+from helpers import parallel_arm
 from symkin.calibration import written
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.files import write_measurements

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hexapod_log
+from helpers import hexapod_log
 from symkin.calibration import removal
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.estimator import estimate

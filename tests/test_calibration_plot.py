@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from helpers.tracker import NOISE, WORLD_POSITION, Hexapod
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.measurements import Measurements
 from symkin.calibration.parameters import FRAMES
 from symkin.calibration.prediction import pose_sigma
 from symkin.calibration.problem import default_parameters
 from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure
-from tracker import NOISE, WORLD_POSITION, Hexapod
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hexapods
 import symkin
+from helpers import hexapods
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.closing import home_pose
 from symkin.calibration.files import read_measurements

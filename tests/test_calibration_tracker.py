@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
 from symkin.cli.app import main
-from tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
 
 POSTURES = 70
 TRACKER = "all,world.*,target.position.*"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
-from inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_geometry
+from helpers.inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_geometry
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.corrected import with_parameters
 from symkin.calibration.direct import solve_postures

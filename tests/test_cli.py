@@ -5,32 +5,17 @@ import math
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import symkin
-from symkin.cli.app import main
+from helpers.command_line import run, run_json
 
 MODES_KEYS = {
     "mechanism", "problem", "given", "length_unit", "angle_unit", "modes", "poses", "complex_count", "completeness",
     "unresolved_paths", "smallest_residual", "method", "seed", "elapsed_s",
 }  # fmt: skip
 MODE_KEYS = {"pose", "joints", "residual", "condition", "certified", "radius", "ground", "within_limits", "notes"}
-
-
-def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of a command."""
-    with pytest.raises(SystemExit) as stop:
-        main(list(arguments))
-    captured = capsys.readouterr()
-    return int(stop.value.code or 0), captured.out, captured.err
-
-
-def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
-    status, out, err = run(capsys, *arguments, "--json")
-    assert err == ""
-    return status, json.loads(out)
 
 
 def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:

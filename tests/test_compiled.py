@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import five_bar
+from helpers.samples import five_bar
 from symkin.homotopy import compiled, tracker
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.start_store import start_of

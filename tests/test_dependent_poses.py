@@ -8,24 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.errors import SolveError
-
-
-def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> symkin.Mechanism:
-    """Three limbs R P S, or R R S with `elbow`, in planes through the vertical axis."""
-    limbs = []
-    for k, radius in enumerate(radii):
-        c, s = math.cos(2 * math.pi * k / 3), math.sin(2 * math.pi * k / 3)
-        foot, head, axis = np.array([radius * c, radius * s, 0.0]), np.array([60.0 * c, 60.0 * s, 150.0]), (-s, c, 0.0)
-        along, knee = (head - foot) / np.linalg.norm(head - foot), 0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0])
-        first = symkin.Joint(f"r{k}", "R", tuple(foot), axis, actuated=elbow)
-        second = (
-            symkin.Joint(f"e{k}", "R", tuple(knee), axis)
-            if elbow
-            else symkin.Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
-        )
-        limbs.append(symkin.Limb(f"limb{k}", [first, second, symkin.Joint(f"s{k}", "S", tuple(head))]))
-    return symkin.Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
+from helpers.samples import tied_platform
+from symkin import SolveError
 
 
 def exechon() -> symkin.Mechanism:
@@ -61,7 +45,7 @@ def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
     assert found.completeness == "probability one"
     assert found.complex_count == 8
     assert any("projected" in note for note in found.notes)
-    assert min(np.max(np.abs(np.array(mode.actuated) - given)) for mode in found) < 0.01
+    assert min(np.max(np.abs(np.array(mode.actuated_values) - given)) for mode in found) < 0.01
     assert all(mode.residual < 1e-9 * machine.size for mode in found)
     one = symkin.solve(machine, pose=_printed(pose))
     assert np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.size
@@ -88,7 +72,7 @@ def test_random_feasible_poses_come_back_through_rounding():
     for joints in rng.uniform(-12, 12, (6, 3)):
         pose = symkin.solve(machine, joints=joints).solution.pose
         back = symkin.solve(machine, pose=_printed(pose), start=joints).solution
-        assert np.max(np.abs(np.array(back.actuated) - joints)) < 0.02
+        assert np.max(np.abs(np.array(back.actuated_values) - joints)) < 0.02
 
 
 def test_a_platform_of_six_freedoms_is_never_projected():

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 
 import symkin
-from laws import axis_turn, frame, refused_in_one_line
-from samples import seeds
+from helpers.laws import axis_turn, frame, refused_in_one_line
+from helpers.samples import seeds
 from symkin import DHRow, DHTable, Joint, Limb, Mechanism, serial_arm_from_dh
 
 X, Z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import jacobian_cases as cases
-import samples
 import symkin
-from latex_reader import evaluated
+from helpers import jacobian_cases as cases
+from helpers import samples
+from helpers.latex_reader import evaluated
 from symkin import InputError
 from symkin.cli.app import main
 from symkin.codegen.jacobian_file import FORMATS, jacobian_text, write_jacobian

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
-from samples import BENNETT, delta, pieper
+from helpers.samples import BENNETT, delta, pieper
 from symkin import (
     DHRow,
     DHTable,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import firmware_tools as tools
-import samples
+from helpers import firmware_tools as tools
+from helpers import samples
 from symkin import load
 from symkin.closure.snapping import snap
 from symkin.codegen.emit import Real

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import firmware_tools as tools
+from helpers import firmware_tools as tools
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
 TARGETS = CODEGEN / "targets"

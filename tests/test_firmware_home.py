@@ -10,7 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 
-import firmware_tools as tools
+from helpers import firmware_tools as tools
 from symkin import Mechanism, RodLimb, load, solve
 from symkin.cli.app import main
 from symkin.codegen.folder import write_folder

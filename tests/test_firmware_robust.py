@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import firmware_tools as tools
+from helpers import firmware_tools as tools
 from symkin import load
 from symkin.codegen.options import Options
 

@@ -9,9 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import firmware_tools as tools
-import samples
-import test_firmware_joints as joint_types
+from helpers import firmware_tools as tools
+from helpers import joint_types, samples
 from symkin import load
 from symkin.closure.closure import build_closure
 from symkin.codegen.folder import write_folder
@@ -106,7 +105,7 @@ def test_platforms_take_another_geometry(name, tmp_path):
     for case in configurations(direct, closure.reference, 4, 6, spread=0.05, turn=0.1):
         z = system.polish(case.unknown, case.known, 8)
         assert system.residual(z, case.known) < 1e-10 * size
-        expected = pose_of(closure, direct.assemble(z, case.known))
+        expected = pose_of(closure, direct.join_values(z, case.known))
         guess = pose_of(closure, case.values)
         pose = (ctypes.c_double * 7)()
         start = _numbers([*guess.position, *guess.quaternion])

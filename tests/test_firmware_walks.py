@@ -9,14 +9,13 @@ import subprocess
 import numpy as np
 import pytest
 
-import firmware_tools as tools
-import samples
 import symkin
-import test_firmware_joints as joint_types
+from helpers import firmware_tools as tools
+from helpers import joint_types, samples
+from helpers.samples import bars
 from symkin import Joint, Limb, Mechanism
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
-from test_follow import bars
 
 MECHANISMS = {
     "five-bar": (lambda: samples.readme_five_bar("planar"), 0.9, 60.0),

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 import symkin
-from firmware_tools import STRICT, built, compiler, passed
+from helpers.firmware_tools import STRICT, built, compiler, passed
 from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
 from symkin.cli.app import main
 from symkin.codegen.folder import folder_files, write_folder

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from inclinometer import (
+from helpers.inclinometer import (
     BASE_LIMBS,
     PLATFORM_LIMBS,
     geometry,
@@ -16,7 +16,7 @@ from inclinometer import (
     measured,
     random_geometry,
 )
-from samples import five_bar
+from helpers.samples import five_bar
 from symkin import InputError
 from symkin.calibration.direct import solve_postures
 from symkin.calibration.gauge import joint_frames

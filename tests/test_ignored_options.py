@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import Z, parallel_rrr
+from helpers.command_line import run
+from helpers.samples import Z, parallel_rrr
 from symkin import InputError, Joint, Limb, Measurements, Mechanism
 from symkin.calibration.planning import plan_measurements
 from symkin.calibration.simulate import Noise
 from symkin.calibration.workspace import Workspace
 from symkin.ignored_options import refuse_ignored
 from symkin.position.solve import SOLVERS
-from test_cli import run
 
 ARM_JOINTS = "0,0,0,0,0,0"
 ARM_POSE = "0,0,400,1,0,0,0"

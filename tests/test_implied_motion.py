@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
+from helpers.samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism
 from symkin.position.mobility import implied_motion
 

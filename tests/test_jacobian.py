@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import jacobian_cases as cases
-import samples
 import symkin
+from helpers import jacobian_cases as cases
+from helpers import samples
 from symkin import InputError
 from symkin.velocity.equations import velocity_equations
 from symkin.velocity.jacobian import KINDS, jacobian

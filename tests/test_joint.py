@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from samples import random_joint, seeds
+from helpers.samples import random_joint, seeds
 from symkin import Joint, MechanismError
 from symkin.model.joint import FREEDOMS, JOINT_TYPES
 

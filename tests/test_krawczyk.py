@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from samples import seeds
+from helpers.samples import seeds
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.balls import COMPLEX, REAL
 from symkin.certificate.krawczyk import Box, chart_of, enclose

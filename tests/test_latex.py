@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from latex_reader import evaluated
-from samples import delta, five_bar, pieper, three_rps, three_rrr
+from helpers.latex_reader import evaluated
+from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
 from symkin.closure.closure import build_closure, random_values
 from symkin.closure.snapping import snap, snapped_expression
 from symkin.codegen.latex import distinct, document, equations, letter_of_values, symbol_name, write

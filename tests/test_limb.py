@@ -5,8 +5,8 @@ import math
 import pytest
 from hypothesis import given
 
-from laws import refused_in_one_line
-from samples import point, random_joint, seeds
+from helpers.laws import refused_in_one_line
+from helpers.samples import point, random_joint, seeds
 from symkin import Joint, Limb, Rod, RodLimb
 
 

@@ -10,8 +10,19 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import RRR_BASE, RRR_LINKS, RRR_PLATFORM, five_bar, four_bar, hexapod, pieper, random_mechanism, three_rrr
-from symkin import InputError, Joint, Limb
+from helpers.samples import (
+    RRR_BASE,
+    RRR_LINKS,
+    RRR_PLATFORM,
+    five_bar,
+    four_bar,
+    hexapod,
+    pieper,
+    random_mechanism,
+    three_rrr,
+    tilted_rps,
+)
+from symkin import InputError
 from symkin.cli.app import main
 from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.position.problem import build_problem
@@ -136,7 +147,7 @@ def elbow_sides(point: np.ndarray, configuration: np.ndarray, names: tuple[str, 
 def test_the_number_of_modes_changes_at_the_locus_and_nowhere_else(rrr_inputs: Loci) -> None:
     """Beside a point of the locus (not near a cusp) the numbers of real modes, by complete enumeration, differ by two."""
     mechanism, rng = three_rrr("planar"), np.random.default_rng(3)
-    q3 = rrr_inputs.solution.actuated[2]
+    q3 = rrr_inputs.solution.actuated_values[2]
     curve = max(rrr_inputs.curves, key=lambda c: len(c.points))
     for k in rng.choice(np.arange(5, len(curve.points) - 5), 6, replace=False):
         along = curve.points[k + 1] - curve.points[k - 1]
@@ -157,7 +168,7 @@ def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
             pose = curve.configurations[k, [place["pose.x"], place["pose.y"], place["pose.gamma"]]]
             counts = set()
             for turn in np.linspace(0, 2 * math.pi, 40, endpoint=False):
-                joints = [*(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])), rrr_inputs.solution.actuated[2]]
+                joints = [*(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])), rrr_inputs.solution.actuated_values[2]]
                 modes = symkin.modes(mechanism, joints=joints)
                 near = [np.linalg.norm(mode.position[:2] - pose[:2]) < 15 for mode in modes]
                 counts.add(sum(near))
@@ -223,29 +234,6 @@ def test_a_freedom_without_an_actuator_has_no_curves() -> None:
     loci = singular_loci(make_solution(problem, problem.closure.reference), names, kinds=("type 2",), starts=10)
     assert loci.curves == ()
     assert any("everywhere" in note for note in loci.notes)
-
-
-def tilted_rps() -> symkin.Mechanism:
-    """Three limbs R-P-S from a circle of 150 to a platform of 100 at a height of 200."""
-    limbs = []
-    for k in range(3):
-        angle = 2 * math.pi * k / 3
-        out = np.array([math.cos(angle), math.sin(angle), 0.0])
-        axis = np.array([0.0, 0.0, 200.0]) - 50 * out
-        joints = [
-            Joint(f"r{k + 1}", "R", point=tuple(150 * out), axis=(-out[1], out[0], 0.0)),
-            Joint(
-                f"d{k + 1}",
-                "P",
-                point=tuple(150 * out),
-                axis=tuple(axis / np.linalg.norm(axis)),
-                actuated=True,
-                zero=float(np.linalg.norm(axis)),
-            ),
-            Joint(f"s{k + 1}", "S", point=(100 * out[0], 100 * out[1], 200.0)),
-        ]
-        limbs.append(Limb(f"limb{k + 1}", joints))
-    return symkin.Mechanism(name="tilted", limbs=tuple(limbs), platform_position=(0.0, 0.0, 200.0))
 
 
 def near_double() -> list[symkin.Solution]:

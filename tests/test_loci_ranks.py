@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from laws import act, joint_displacement
-from samples import DELTA, delta, delta_directions
+from helpers.laws import act, joint_displacement
+from helpers.samples import DELTA, delta, delta_directions
 from symkin import Joint, Limb, Mechanism
 from symkin.plots.loci_plot import draw_loci, figure_of_loci
 from symkin.singularities.configuration import configuration

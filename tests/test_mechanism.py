@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 
 import symkin
-from laws import act, frame, refused_in_one_line
-from samples import delta, pieper, point, random_mechanism, seeds, unit
+from helpers.laws import act, frame, refused_in_one_line
+from helpers.samples import delta, pieper, point, random_mechanism, seeds, unit
 from symkin import DHTable, Example, Joint, Limb, Mechanism, MechanismError, Rod, RodLimb
 
 LIMBS = ["rRS", "SPS", "pU", "hC", "SPS"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import firmware_tools as tools
+from helpers import firmware_tools as tools
 
 README = Path(__file__).parent.parent / "codegen" / "README.md"
 SYSTEMS = ("zhang2009", "ren2008", "zhao2000", "gluon_6l3", "yao2020")

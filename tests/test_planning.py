@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, three_rps
+from helpers.samples import delta, three_rps
 from symkin import InputError
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.exchange import CRITERIA, Candidates, Exchange

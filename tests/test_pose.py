@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from laws import axis_turn, frame, is_group, same_pose
-from samples import point, seeds, unit
+from helpers.laws import axis_turn, frame, is_group, same_pose
+from helpers.samples import point, seeds, unit
 from symkin import Pose
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import axis_turn
-from samples import Z, three_rrr
+from helpers.laws import axis_turn
+from helpers.samples import Z, three_rrr
 from symkin import InputError
 from symkin.singularities.classification import TOLERANCE
 from symkin.singularities.loci import Loci

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 
 import symkin
-from samples import delta, hexapod, seeds
+from helpers.samples import delta, hexapod, seeds
 from symkin.homotopy import quadratic, tracker
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.quadratic import quadratic_form, track

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laws import axis_turn, ball_turn, is_group, is_rotation
-from samples import seeds, unit
+from helpers.laws import axis_turn, ball_turn, is_group, is_rotation
+from helpers.samples import seeds, unit
 from symkin.spatial import rotation as rot
 
 SEQUENCES = ["".join(s) for s in itertools.product("xyz", repeat=3) if s[0] != s[1] and s[1] != s[2]]

@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laws import act, axis_turn, displacement, frame, same_pose
-from samples import point, seeds, unit
+from helpers.laws import act, axis_turn, displacement, frame, same_pose
+from helpers.samples import point, seeds, unit
 from symkin import Pose
 from symkin.spatial import screw as sc
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import delta, four_bar, pieper, random_mechanism, three_rrr
+from helpers.samples import delta, four_bar, pieper, random_mechanism, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import act, joint_displacement
-from samples import (
+from helpers.laws import act, joint_displacement
+from helpers.samples import (
     DELTA,
     circles,
     delta,
@@ -23,6 +23,7 @@ from samples import (
     random_mechanism,
     three_rps,
     three_rrr,
+    tilted_rps,
 )
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb, SolveError
 from symkin.closure.closure import build_closure
@@ -34,7 +35,6 @@ from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.singularity import Singularity
 from symkin.spatial.screw import reciprocal_product
 from symkin.velocity.equations import variables_of
-from test_loci import tilted_rps
 
 Z = (0.0, 0.0, 1.0)
 
@@ -479,7 +479,7 @@ def test_verdict_and_distances_agree_near_two_kinds(off: float) -> None:
 def test_json_holds_no_infinity() -> None:
     """An infinite manipulability is null, and the object goes through JSON."""
     found = singularity(hexagons(), pose=[0, 0, 120, math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert content["kinds"] == ["type 2"]
     assert content["manipulability"] is None
     assert content["twists"][0]["name"] == "screw"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import Z, hexapod, readme_five_bar
+from helpers.samples import Z, hexapod, readme_five_bar
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.cli.app import main
 from symkin.position.solution import Solution

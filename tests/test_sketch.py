@@ -10,14 +10,14 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import symkin
-from samples import Z, delta, readme_five_bar, three_rrr
+from helpers.command_line import run
+from helpers.samples import Z, delta, readme_five_bar, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb
 from symkin.plots.box import COLOURS
 from symkin.plots.labels import Box, Label, Page
 from symkin.plots.plot import write_picture
 from symkin.plots.sketch import draw_sketch, figure_of_sketch
 from symkin.plots.sketch_layout import apart, make_layout
-from test_cli import run
 
 SYMBOLS = {"R", "P", "H", "C", "U", "S"}
 

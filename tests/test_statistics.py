@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from inclinometer import (
+from helpers.inclinometer import (
     BASE_LIMBS,
     INCLINOMETER,
     PLATFORM_LIMBS,

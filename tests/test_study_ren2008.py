@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
 sys.path.insert(0, str(STUDIES))
 import ren2008_errors as errors

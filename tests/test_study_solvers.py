@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from study_outcome import Outcome, assert_complete
+from helpers.study_outcome import Outcome, assert_complete
 
 KNOWN = {"zhang2009": 4, "zhao2000": 4, "gluon_6l3": 2, "yao2020": 4}
 

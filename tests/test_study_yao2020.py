@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
 SOLUTIONS = (
     (-35.5964, 2.7296, 22.5391, 7.7660, 62.2486, -51.5743),

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
 TABLE_1 = [144.6, 347.0, 110.3, 178.6, 277.6, 269.4]
 POSE = (119.030, 88.011, 71.936, 10.001, 20.990, 14.992)

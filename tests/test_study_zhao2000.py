@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from study_outcome import Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
 
 @pytest.fixture(scope="module")

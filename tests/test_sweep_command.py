@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import Z, three_rrr
+from helpers.samples import Z, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.cli.app import main
 from symkin.plots.sweep_plot import draw_sweep, figure_of_sweep

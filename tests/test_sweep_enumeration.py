@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
-from samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
+from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
 from symkin.assembly.modes import modes_at_need
 from symkin.model.file import parse

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import symkin
-from laws import axis_turn, ball_turn
-from samples import Z, delta, five_bar, four_bar, pieper, three_rps, three_rrr
+from helpers.laws import axis_turn, ball_turn
+from helpers.samples import Z, delta, five_bar, four_bar, pieper, three_rps, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.pose_conditions import poses_vary
 from symkin.sweeps.run import sweep

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from laws import ball_turn
-from samples import Z, five_bar
+from helpers.laws import ball_turn
+from helpers.samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import check_slices, read_ranges, read_values

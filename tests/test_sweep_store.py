@@ -1,7 +1,6 @@
 """The folder of a sweep: labelled arrays that hold what `symkin.modes` finds, resumed bit for bit, never overwritten."""
 
 import errno
-import filecmp
 import math
 import os
 import shutil
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.folders import same_files
 from symkin import InputError, Pose
 from symkin.singularities.classification import classify
 from symkin.sweeps.found import COMPLETENESS
@@ -25,15 +25,6 @@ pytestmark = pytest.mark.usefixtures("kept_starts")
 PLATFORM = symkin.load("zhang2009")
 GRID = {"leg1": np.linspace(100, 160, 8), "leg2": np.linspace(320, 370, 5)}
 ONE = {"leg1": [140.0]}
-
-
-def same_files(a, b):
-    """Whether two folders hold the same files with the same bytes."""
-    compared = filecmp.dircmp(a, b)
-    if compared.left_only or compared.right_only or compared.funny_files:
-        return False
-    _, different, broken = filecmp.cmpfiles(a, b, compared.common_files, shallow=False)
-    return not different and not broken and all(same_files(a / name, b / name) for name in compared.common_dirs)
 
 
 class Stops(ThreadPoolExecutor):

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.folders import same_files
 from symkin import InputError
 from symkin.sweeps.executors import Crew, Here, local_crew
 from symkin.sweeps.run import sweep
-from test_sweep_store import same_files
 
 pytest.importorskip("zarr")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 import symkin
-from samples import hexapod, pieper, seeds, three_rrr
+from helpers.samples import hexapod, pieper, seeds, three_rrr
 from symkin import RodLimb
 from symkin.homotopy import tracker
 from symkin.homotopy.algebraic import AlgebraicSystem

@@ -17,7 +17,7 @@ import pytest
 
 from symkin.caching import cached_property, lru_cache, not_waiting
 
-WORK = Path(__file__).with_name("thread_work.py")
+WORK = Path(__file__).parent / "helpers" / "thread_work.py"
 
 
 def _run(folder, *arguments, code=None):

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 import symkin
-from laws import closes
+from helpers.command_line import run, run_json
+from helpers.laws import closes
+from helpers.samples import bars
 from symkin import InputError
 from symkin.files.csv_table import read_table
 from symkin.following.track import track
 from symkin.following.track_csv import read_trajectory, write_track
-from test_cli import run, run_json
-from test_follow import bars
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"
@@ -104,7 +104,7 @@ def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
 def test_passive_joints_of_every_kind_are_written(tmp_path):
     """A closure with quaternions and angles: each written row, read back, is the sample."""
     mechanism = symkin.load("zhao2000_links")
-    q = symkin.solve(mechanism).solution.actuated
+    q = symkin.solve(mechanism).solution.actuated_values
     found = track(mechanism, joints=[q, [q[0] + 1, *q[1:]]])
     assert all(closes(mechanism, sample.solution) for sample in found.samples)
     write_track(found, tmp_path / "t.csv")
@@ -117,7 +117,7 @@ def test_passive_joints_of_every_kind_are_written(tmp_path):
             column = table.columns[name]
             assert table.numbers(name, unit[column.unit], column.unit)[-1] == value
     again = read_trajectory(mechanism, tmp_path / "t.csv")
-    assert again["joints"] == [sample.actuated for sample in found.samples]
+    assert again["joints"] == [sample.actuated_values for sample in found.samples]
 
 
 def test_repeated_rows_stand_still(tmp_path, capsys):

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-import jacobian_cases as cases
-import samples
 import symkin
+from helpers import jacobian_cases as cases
+from helpers import samples
 from symkin import InputError, SolveError
 from symkin.position.mobility import whole_system
 from symkin.velocity.equations import velocity_equations

@@ -21,9 +21,10 @@ from symkin.cli.options import (
 )
 from symkin.cli.progress import progress_bar
 from symkin.cli.streams import say
-from symkin.errors import InputError, SolveError
+from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.written_number import written_number
+from symkin.position.solve_result import SolveError
 
 
 def singularities(
@@ -64,7 +65,6 @@ def singularities(
 ) -> None:
     """Name the singularity of one configuration, or draw the loci over a plane through it."""
     from symkin.model.file import load
-    from symkin.position.solution import SolveResult
     from symkin.singularities.configuration import configuration
 
     if plane is None:
@@ -83,8 +83,8 @@ def singularities(
     try:
         solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
     except SolveError as error:
-        if as_json and isinstance(error.result, SolveResult):
-            print(json.dumps(error.result.to_json(), allow_nan=False))
+        if as_json and error.result is not None:
+            print(json.dumps(error.result.to_dict(), allow_nan=False))
         say(error)
         raise typer.Exit(3) from None
     if plane is None:

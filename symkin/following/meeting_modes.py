@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.modes import modes_at_need
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
@@ -18,7 +19,7 @@ from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Completeness, Modes, pose_of
+from symkin.position.solution import pose_of
 from symkin.spatial.pose import Pose
 
 _BEFORE = 1e-4
@@ -117,7 +118,9 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
 def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     """The pose that the known coordinates of an inverse problem make."""
     problem = build_problem(trajectory.mechanism, "inverse")
-    return pose_of(problem.closure, problem.assemble(problem.take(problem.closure.reference, problem.system.unknowns), known))
+    return pose_of(
+        problem.closure, problem.join_values(problem.select_values(problem.closure.reference, problem.system.unknowns), known)
+    )
 
 
 def _turns(block: BlockFollower) -> bool:

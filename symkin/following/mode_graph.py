@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
 from symkin.errors import InputError
 from symkin.following.track import track
@@ -23,7 +24,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.given import given_from
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
-from symkin.position.solution import Modes, Solution
+from symkin.position.solution import Solution
 
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are the same mode."""

@@ -49,9 +49,14 @@ class Sample:
         return make_solution(self.problem, self.values)
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units."""
         return [self.joints[c.name] for c in self.problem.mechanism.actuated]
+
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
 
     def to_dict(self) -> dict[str, Any]:
         """The sample in the JSON of `symkin track`; an infinite condition is None."""
@@ -75,7 +80,7 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, befo
     """One configuration of the path with its checks; its quaternion continues the one before."""
     row, u, unknown = place.row, place.u, place.unknown
     known = trajectory.at(row, u)
-    values = problem.assemble(unknown, known)
+    values = problem.join_values(unknown, known)
     pose = pose_of(problem.closure, values)
     if before is not None and np.dot(pose.quaternion, before.pose.quaternion) < 0.0:
         pose = Pose(pose.position, -np.asarray(pose.quaternion))

@@ -106,7 +106,7 @@ def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
         trajectory = replace(trajectory, notes=(*trajectory.notes, *start_notes(mode, trajectory.kind, start)))
     unknown = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns] or [np.zeros(0)])
     watch = LimitWatch(problem, trajectory, off=not options.limits)
-    limit = watch.start(problem.assemble(unknown, trajectory.samples[0]))
+    limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
     if mode.condition >= SINGULAR or limit is not None:
         first = PathPoint(0, 0.0, unknown, radius=None)
         branch = Branch([first], first, (), ending="singular" if limit is None else "limit", limit=limit)

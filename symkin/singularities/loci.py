@@ -76,7 +76,7 @@ class Loci:
             "units": list(self.units),
             "ranges": [list(r) for r in self.ranges],
             "angles": self.angles,
-            "configuration": self.solution.to_json(),
+            "configuration": self.solution.to_dict(),
             "curves": [{**curve.to_dict(), "loose_ends": curve.loose_ends(self.ranges).tolist()} for curve in self.curves],
             "starts": self.starts,
             "seed": self.seed,

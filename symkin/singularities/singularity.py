@@ -121,7 +121,7 @@ class Singularity:
             "angle_unit": mechanism.angle_unit,
             "size": mechanism.size,
             "output": None if self.output is None else self.output.to_dict(),
-            "configuration": self.solution.to_json(),
+            "configuration": self.solution.to_dict(),
             "kinds": list(self.kinds),
             "conditions": list(self.conditions),
             "everywhere": self.permanent_freedoms,

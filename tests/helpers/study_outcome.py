@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-STUDIES = Path(__file__).resolve().parent.parent / "studies"
+STUDIES = Path(__file__).resolve().parents[2] / "studies"
 DOCS = STUDIES.parent / "docs" / "papers"
 VERDICTS = {"reproduced", "differs", "refuted", "outside", "-"}
 

@@ -45,7 +45,7 @@ def passed(program: Path) -> str:
 
 def bench_module(name: str) -> ModuleType:
     """A script of codegen/bench as a module; its neighbours are found beside it."""
-    folder = str(Path(__file__).parent.parent / "codegen" / "bench")
+    folder = str(Path(__file__).parents[2] / "codegen" / "bench")
     if folder not in sys.path:
         sys.path.append(folder)
     return importlib.import_module(name)

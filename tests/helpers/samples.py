@@ -119,7 +119,7 @@ RRR_BASE, RRR_PLATFORM, RRR_LINKS = 100.0, 30.0, (60.0, 65.0)
 
 def readme_five_bar(motion: str = "spatial") -> Mechanism:
     """The README's: bases 150 apart, cranks 100 that stand upright at 0, couplers 150."""
-    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text(encoding="utf-8")
+    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"^```toml\n(.*?)^```$", readme, re.M | re.S)
     return parse(text.replace("[platform]", f'[platform]\nmotion = "{motion}"'), "README.md")
 
@@ -239,3 +239,54 @@ def parallel_rrr(motion: str = "spatial") -> Mechanism:
         first = Joint(f"q{k + 1}", "R", (base[0], base[1], 0.0), Z, actuated=True)
         limbs.append(Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)]))
     return Mechanism("parallel_rrr", limbs, platform_position=(40.0, 0.0, 0.0), motion=motion)  # type: ignore[arg-type]
+
+
+def bars(ground: float, crank: float, coupler: float, rocker: float, motion: str = "planar", **options) -> Mechanism:
+    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler, its frame in the crank's pin."""
+    begin = math.radians(60)
+    b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
+    c = circles(b, coupler, np.array([ground, 0.0]), rocker)[0]
+    driver = Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=begin, **options)
+    limbs = [
+        Limb("left", [driver, turning("b", b[0], b[1])]),
+        Limb("right", [turning("d", ground, 0.0), turning("c", c[0], c[1])]),
+    ]
+    return Mechanism("bars", limbs, platform_position=(b[0], b[1], 0.0), motion=motion)
+
+
+def tilted_rps() -> Mechanism:
+    """Three limbs R-P-S from a circle of 150 to a platform of 100 at a height of 200."""
+    limbs = []
+    for k in range(3):
+        angle = 2 * math.pi * k / 3
+        out = np.array([math.cos(angle), math.sin(angle), 0.0])
+        axis = np.array([0.0, 0.0, 200.0]) - 50 * out
+        joints = [
+            Joint(f"r{k + 1}", "R", point=tuple(150 * out), axis=(-out[1], out[0], 0.0)),
+            Joint(
+                f"d{k + 1}",
+                "P",
+                point=tuple(150 * out),
+                axis=tuple(axis / np.linalg.norm(axis)),
+                actuated=True,
+                zero=float(np.linalg.norm(axis)),
+            ),
+            Joint(f"s{k + 1}", "S", point=(100 * out[0], 100 * out[1], 200.0)),
+        ]
+        limbs.append(Limb(f"limb{k + 1}", joints))
+    return Mechanism(name="tilted", limbs=tuple(limbs), platform_position=(0.0, 0.0, 200.0))
+
+
+def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> Mechanism:
+    """Three limbs R P S, or R R S with `elbow`, in planes through the vertical axis."""
+    limbs = []
+    for k, radius in enumerate(radii):
+        c, s = math.cos(2 * math.pi * k / 3), math.sin(2 * math.pi * k / 3)
+        foot, head, axis = np.array([radius * c, radius * s, 0.0]), np.array([60.0 * c, 60.0 * s, 150.0]), (-s, c, 0.0)
+        along, knee = (head - foot) / np.linalg.norm(head - foot), 0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0])
+        first = Joint(f"r{k}", "R", tuple(foot), axis, actuated=elbow)
+        second = (
+            Joint(f"e{k}", "R", tuple(knee), axis) if elbow else Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
+        )
+        limbs.append(Limb(f"limb{k}", [first, second, Joint(f"s{k}", "S", tuple(head))]))
+    return Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
