@@ -13,14 +13,15 @@ from symkin.following.stop import Stop
 from symkin.following.trajectory import Trajectory
 from symkin.plain_number import NOTHING, plain
 from symkin.position.problem import Problem
+from symkin.result import Result, Summary
 from symkin.singularities.classification import classify
 
 _MOST_ROWS = 11
 """Rows of the table at most; the dict and the CSV hold all samples."""
 
 
-@dataclass(frozen=True, eq=False)
-class Track:
+@dataclass(frozen=True, eq=False, repr=False)
+class Track(Result):
     """One mode along a path; made by `symkin.track`.
 
     `samples` are its configurations, the last one `end`; `stop` is None where the path's end was reached. `certified`: ball
@@ -94,25 +95,24 @@ class Track:
             "distances": self.distances,
         }
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:
         """Some samples with pose, smallest singular value and residual; then how it ended and on what ground."""
-        lines = [f"{self.trajectory.mechanism.name}, {self.trajectory.kind} problem, {len(self.samples)} samples"]
-        lines += self._table() if self.samples else []
-        lines += [] if self.nearest is None else [self._nearest_line(self.nearest)]
-        return "\n".join([*lines, self.statement, f"ground: {self.ground}", *self.trajectory.notes])
-
-    def _table(self) -> list[str]:
         mechanism = self.trajectory.mechanism
         unit, size = mechanism.length_unit, mechanism.size
-        chosen = np.unique(np.linspace(0, len(self.samples) - 1, _MOST_ROWS).round().astype(int))
+        above = [f"{mechanism.name}, {self.trajectory.kind} problem, {len(self.samples)} samples"]
+        below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
+        if self.nearest is not None:
+            below.insert(0, self._nearest_line(self.nearest))
+        if not self.samples:
+            return Summary(above, below=below)
+        most = _MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS)
+        chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int))
         header = ["path", f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz", "sigma", "residual"]
-        rows = [header, *(_row(self.samples[k], size) for k in chosen)]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        return [
-            *("  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in rows),
+        legend = (
             "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
-            f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}",
-        ]
+            f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
+        )
+        return Summary(above, header, [_row(self.samples[k], size) for k in chosen], [legend, *below])
 
     def _nearest_line(self, near: Sample) -> str:
         """How near the path comes to a singularity, between samples too."""

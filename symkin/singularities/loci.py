@@ -11,6 +11,7 @@ import numpy as np
 from symkin.plain_number import plain
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import angle_meaning, turn_text
+from symkin.result import Result, Summary
 from symkin.singularities.locus import Locus
 from symkin.singularities.locus_system import Plane
 
@@ -26,8 +27,8 @@ _THIN = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Loci:
+@dataclass(frozen=True, eq=False, repr=False)
+class Loci(Result):
     """All curves found over a plane through a configuration; made by `singular_loci`.
 
     `ranges` are the window's sides in the mechanism's units. `starts` says how many random configurations there were and
@@ -83,7 +84,7 @@ class Loci:
             "notes": list(self.notes),
         }
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:
         """The window, one line for each curve, then what the picture's marks mean, the search and its notes."""
         window = " and ".join(
             f"{name} {low:g} to {high:g} {unit}"
@@ -91,11 +92,13 @@ class Loci:
         )
         lines = [f"{self.plane.mechanism.name}: singularity loci over {window}; {self.held}"]
         lines += [] if self.angles is None else [self.angles]
-        lines += [f"{k}: {_curve_line(curve, self.ranges)}" for k, curve in enumerate(self.curves, start=1)]
+        lines += [f"{k}: {_curve_line(curve, self.ranges)}" for k, curve in enumerate(self.curves[:most_rows], start=1)]
+        if most_rows is not None and len(self.curves) > most_rows:
+            lines.append(f"and {len(self.curves) - most_rows} more")
         lines += [] if self.curves else [self.without_curves]
         lines += [_THIN] if any(not curve.in_mode.all() for curve in self.curves if not curve.is_point) else []
         lines.append(f"{self.starts} starts, seed {self.seed}; a curve that no start reaches is not listed")
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+        return Summary([*lines, *(f"note: {note}" for note in self.notes)])
 
     @property
     def without_curves(self) -> str:

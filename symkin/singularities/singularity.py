@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.plain_number import plain
 from symkin.position.solution import Solution
+from symkin.result import Result, Summary
 from symkin.singularities.limb_equations import LimbwiseEquations
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
@@ -40,8 +41,8 @@ CONDITIONS = {
 """Zlatanov's conditions in words."""
 
 
-@dataclass(frozen=True, eq=False)
-class Singularity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Singularity(Result):
     """What the velocity equations A t + B q' = 0 say at one configuration; made by `symkin.singularity`.
 
     `kinds` are keys of KINDS, `conditions` Zlatanov's names: what differs here from a generic configuration of the same
@@ -136,7 +137,7 @@ class Singularity:
             "notes": list(self.notes),
         }
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
         free = "constraint" in self.kinds and "type 2" not in self.kinds
         held = "with the actuated joints free" if free else "with the actuated joints held"
@@ -144,7 +145,7 @@ class Singularity:
         lines += [f"platform motion {held}: {screw}" for screw in self.twists]
         lines += [f"borne without the actuated joints: {screw}" for screw in self.wrenches]
         lines += [f"joint rates with the {self._moving} at rest: {_rates(rates)}" for rates in self.inputs]
-        return "\n".join([*lines, *(f"note: {note}" for note in (*self.solution.notes, *self.notes))])
+        return Summary([*lines, *(f"note: {note}" for note in (*self.solution.notes, *self.notes))])
 
     @property
     def _moving(self) -> str:
