@@ -25,7 +25,7 @@ from symkin.plots.loci_plot import draw_loci
 from symkin.plots.plot import draw_modes
 from symkin.plots.track_plot import draw_track
 from symkin.position.describe import describe
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8
