@@ -16,7 +16,7 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, given_from, pose_from
+from symkin.position.given import Given, Joints, given_from, pose_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.mobility import implied_motion
 from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
@@ -38,7 +38,7 @@ _NEARLY_CLOSED = 1e-4
 def modes(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     method: str | None = None,
     starts: int | None = None,
@@ -63,7 +63,7 @@ def modes(
 def modes_at_need(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     starts: int = DEFAULT_STARTS,
     seed: int = DEFAULT_SEED,
@@ -75,7 +75,7 @@ def modes_at_need(
 
 def _modes(
     mechanism: Mechanism,
-    joints: Sequence[float] | None,
+    joints: Joints | None,
     pose: Sequence[float] | Pose | None,
     search: Search,
     progress: Progress | None,

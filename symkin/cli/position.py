@@ -15,6 +15,7 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    joints_from,
     numbers_from,
     print_result,
     whole_number,
@@ -59,7 +60,7 @@ def modes(
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
-            joints=numbers_from(joints, "joints", mechanism.angle_unit),
+            joints=joints_from(joints, "joints", mechanism.angle_unit),
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
             method=method.value,
             starts=starts,
@@ -89,8 +90,8 @@ def solve(
     mechanism = load(mech)
     unit = mechanism.angle_unit
     result = solve_one(
-        mechanism, joints=numbers_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        start=numbers_from(start, "start", unit), solver=solver.value, check=False,
+        mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
+        start=joints_from(start, "start", unit), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

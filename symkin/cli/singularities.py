@@ -15,6 +15,7 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    joints_from,
     numbers_from,
     print_result,
     whole_number,
@@ -79,7 +80,7 @@ def singularities(
         check_picture_path(plot)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    given = numbers_from(joints, "joints", unit), numbers_from(pose, "pose", unit), numbers_from(start, "start", unit)
+    given = joints_from(joints, "joints", unit), numbers_from(pose, "pose", unit), joints_from(start, "start", unit)
     try:
         solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
     except SolveError as error:

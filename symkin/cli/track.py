@@ -12,7 +12,7 @@ from symkin.cli.options import (
     MechArgument,
     StartOption,
     check_output,
-    numbers_from,
+    joints_from,
     print_result,
     whole_number,
 )
@@ -57,7 +57,7 @@ def track(
     else:
         path = _straight(begin, end, poses, mechanism.angle_unit)
         samples = 101 if samples is None else samples
-    begun = numbers_from(start, "start", mechanism.angle_unit)
+    begun = joints_from(start, "start", mechanism.angle_unit)
     with progress_bar("samples") as progress:
         found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
@@ -76,4 +76,4 @@ def _straight(begin: str | None, end: str | None, poses: bool, unit: str) -> dic
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
         raise InputError(f"{missing} is missing; a path is --from and --to, or --csv FILE")
-    return {"poses" if poses else "joints": [numbers_from(begin, "from", unit), numbers_from(end, "to", unit)]}
+    return {"poses" if poses else "joints": [joints_from(begin, "from", unit), joints_from(end, "to", unit)]}

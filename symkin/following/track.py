@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from symkin.following.track_result import Sample, Stop, Track, ground
 from symkin.following.track_start import check_start
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
+from symkin.position.given import Joints
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import SINGULAR, Solution, pose_of
 from symkin.position.solve import solve
@@ -36,9 +37,9 @@ _SINGULAR_TEXT = "the start is singular: modes meet there, and which one to foll
 def track(
     mechanism: Mechanism,
     *,
-    joints: Sequence[Sequence[float]] | np.ndarray | None = None,
+    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
-    start: Solution | Sequence[float] | Pose | None = None,
+    start: Solution | Joints | Pose | None = None,
     times: Sequence[float] | None = None,
     samples: int | None = None,
     limits: bool = True,
@@ -62,7 +63,7 @@ def track(
 
 
 def _track(
-    trajectory: Trajectory, start: Solution | Sequence[float] | Pose | None, limits: bool,
+    trajectory: Trajectory, start: Solution | Joints | Pose | None, limits: bool,
     name_modes: bool, progress: Callable[[int, int], None] | None, begin: float,
 ) -> Track:  # fmt: skip
     problem = build_problem(trajectory.mechanism, trajectory.kind)
@@ -94,7 +95,7 @@ def _check_isolated(problem: Problem) -> None:
         )
 
 
-def _start_mode(trajectory: Trajectory, start: Solution | Sequence[float] | Pose | None) -> tuple[Solution | None, str]:
+def _start_mode(trajectory: Trajectory, start: Solution | Joints | Pose | None) -> tuple[Solution | None, str]:
     """The mode at the first sample, or None and why there is none."""
     if isinstance(start, Solution):
         check_start(trajectory, start)
