@@ -52,7 +52,7 @@ def modes_at_random_pose(hexapod: symkin.Mechanism, rng: np.random.Generator) ->
     """All modes of the leg lengths of a random pose."""
     turn = rng.normal(size=4)
     pose = symkin.Pose(rng.normal(size=3) + [0, 0, 1.5], turn / np.linalg.norm(turn))
-    return symkin.modes(hexapod, joints=symkin.solve(hexapod, pose=pose).solution.actuated)
+    return symkin.modes(hexapod, joints=symkin.solve(hexapod, pose=pose).solution.actuated_values)
 
 
 def hexagon(half_gap: float | np.ndarray, radius: float) -> np.ndarray:

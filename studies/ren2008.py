@@ -75,7 +75,7 @@ def another_platform(name: str, rng: np.random.Generator) -> Measurements:
         symkin.Pose.from_euler(place, np.array([*pair, rng.uniform(-0.3, 0.3)]), "xyz")
         for place, pair in zip(places + [0, 0, 0.5 * machine.size], held, strict=True)
     ]
-    lengths = np.array([symkin.solve(machine, pose=pose).solution.actuated for pose in poses])
+    lengths = np.array([symkin.solve(machine, pose=pose).solution.actuated_values for pose in poses])
     starts = np.array([[*pose.position, *pose.quaternion] for pose in poses])
     return Measurements(lengths, groups=np.repeat(np.arange(SUITS_GROUPS), SUITS_EACH), starts=starts)
 

@@ -96,7 +96,7 @@ def report_inverse(report: Report, case: Case, postures: np.ndarray) -> None:
     branches = symkin.modes(case.nominal, pose=case.nominal.reference_pose)
     report.row("inverse at home: solutions", None, len(branches), place=PLACE, run=branches)
     solved = Solved([symkin.solve(case.nominal, pose=pose) for pose in poses_of(postures)])
-    lengths = np.array([result.solution.actuated for result in solved.results])
+    lengths = np.array([result.solution.actuated_values for result in solved.results])
     report.row(
         f"inverse at {len(postures)} poses: symkin less the formula, largest", 0, float(np.abs(lengths - inverse(postures, eta)).max()),
         "m", place=PLACE, run=(solved, inverse), tolerance=1e-12,

@@ -64,7 +64,7 @@ def test_an_arm_moves_the_same_by_far_points_and_by_near_ones():
         place = there @ np.append(near.platform_position, 1.0)
         assert np.max(np.abs(here.position - place[:3])) < 1e-6
         back = symkin.solve(far, pose=here.pose, start=q + rng.uniform(-2, 2, 6)).solution
-        assert np.max(np.abs((np.array(back.actuated) - q + 180) % 360 - 180)) < 1e-6
+        assert np.max(np.abs((np.array(back.actuated_values) - q + 180) % 360 - 180)) < 1e-6
         assert here.residual < 1e-9 * near.size
 
 
@@ -77,7 +77,7 @@ def test_the_modes_of_a_factory_arm_are_complete_and_certified():
     assert found.complex_count == 16
     assert found.unresolved_paths == 0
     assert all(mode.certified for mode in found)
-    assert any(np.max(np.abs(np.array(mode.actuated) - q)) < 1e-6 for mode in found)
+    assert any(np.max(np.abs(np.array(mode.actuated_values) - q)) < 1e-6 for mode in found)
 
 
 def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):

@@ -150,10 +150,10 @@ def test_a_wrist_partitioned_arm_has_eight_solutions():
     pose = symkin.solve(arm, joints=q).solution.pose
     modes = check(arm, sampled(arm, pose=pose))
     assert len(modes) == 8
-    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated, q, strict=True)) for mode in modes)
+    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated_values, q, strict=True)) for mode in modes)
     for mode in modes:
-        assert same_pose(symkin.solve(arm, joints=mode.actuated).solution, pose, arm.size)
-        a, b, c, d, e, f = mode.actuated
+        assert same_pose(symkin.solve(arm, joints=mode.actuated_values).solution, pose, arm.size)
+        a, b, c, d, e, f = mode.actuated_values
         flipped = (a, b, c, d + math.pi, -e, f + math.pi)
         assert any(all(same_angle(x, y, 1e-6) for x, y in zip(o.actuated, flipped, strict=True)) for o in modes)
 
@@ -526,7 +526,7 @@ def test_features_are_equal_where_configurations_are(rng):
     """Whole turns of angles and signs of quaternions change no feature; other steps, and turns of a screw joint, do."""
     problem = build_problem(MIXED, "direct")
     system = problem.system
-    z = problem.take(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
+    z = problem.select_values(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
     same, other = z.copy(), z.copy()
     c, place = list(zip(system.unknowns, system.slices, strict=True))[rng.integers(len(system.unknowns))]
     step = {"quaternion": lambda v: -v, "angle": lambda v: v + 2 * math.pi * rng.integers(-2, 3)}.get(c.kind, lambda v: v)

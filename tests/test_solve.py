@@ -51,10 +51,10 @@ def test_direct_undoes_inverse(name, rng):
     inverse = symkin.solve(mechanism, pose=pose).solution
     assert same_pose(inverse, pose, mechanism.size, 1e-12)
     assert closes(mechanism, inverse)
-    direct = symkin.solve(mechanism, joints=inverse.actuated, start=pose).solution
+    direct = symkin.solve(mechanism, joints=inverse.actuated_values, start=pose).solution
     assert closes(mechanism, direct)
     assert same_pose(direct, pose, mechanism.size, 1e-7)
-    assert direct.actuated == pytest.approx(inverse.actuated, abs=1e-12)
+    assert direct.actuated_values == pytest.approx(inverse.actuated_values, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", [*SERIAL, "pieper"])
@@ -157,7 +157,7 @@ def test_solvers_agree(case):
         assert result.status == "ok"
         assert closes(mechanism, result.solution)
         assert same_pose(result.solution, results[0].solution, mechanism.size, 1e-6)
-        assert result.solution.actuated == pytest.approx(results[0].solution.actuated, rel=1e-6, abs=1e-5)
+        assert result.solution.actuated_values == pytest.approx(results[0].solution.actuated_values, rel=1e-6, abs=1e-5)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -196,7 +196,7 @@ def test_a_start_at_a_mode_stays_there(name):
     """Started at each assembly mode, Newton returns that mode, not another."""
     mechanism = symkin.load(name)
     for mode in symkin.modes(mechanism):
-        again = symkin.solve(mechanism, joints=mode.actuated, start=mode.pose)
+        again = symkin.solve(mechanism, joints=mode.actuated_values, start=mode.pose)
         assert same_pose(again.solution, mode, mechanism.size, 1e-7)
 
 
@@ -224,8 +224,8 @@ def test_a_start_of_joints_chooses_the_working_mode():
     """yao2020: from each of its modes, turned by a degree, the inverse problem returns that mode."""
     mechanism = symkin.load("yao2020")
     for mode in symkin.modes(mechanism):
-        again = symkin.solve(mechanism, pose=mode.pose, start=np.array(mode.actuated) + 1.0).solution
-        assert np.allclose(again.actuated, mode.actuated, atol=1e-5)
+        again = symkin.solve(mechanism, pose=mode.pose, start=np.array(mode.actuated_values) + 1.0).solution
+        assert np.allclose(again.actuated_values, mode.actuated_values, atol=1e-5)
 
 
 @settings(max_examples=10)
@@ -425,9 +425,9 @@ def test_joints_take_numpy_ints_and_pose_values():
     """Lists, tuples, arrays, integers and Pose objects are the same input."""
     mechanism = symkin.load("zhang2009")
     pose = Pose(np.array([1.0, 2.0, 100.0]), np.array([1.0, 0, 0, 0]))
-    expected = symkin.solve(mechanism, pose=pose).solution.actuated
+    expected = symkin.solve(mechanism, pose=pose).solution.actuated_values
     for given_ in ([1, 2, 100, 1, 0, 0, 0], (1.0, 2.0, 100.0, 1.0, 0, 0, 0), np.array([1, 2, 100, -1, 0, 0, 0])):
-        assert symkin.solve(mechanism, pose=given_).solution.actuated == pytest.approx(expected)
+        assert symkin.solve(mechanism, pose=given_).solution.actuated_values == pytest.approx(expected)
 
 
 # --- restricted motions -------------------------------------------------------------------------------------------

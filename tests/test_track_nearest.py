@@ -70,7 +70,7 @@ def test_the_nearest_place_of_any_path(kind: str) -> None:
     mechanism = three_rrr("planar")
     rest = symkin.solve(mechanism).solution
     if kind == "joints":
-        rows = [list(rest.actuated), [v + d for v, d in zip(rest.actuated, (0.25, -0.1, 0.15), strict=True)]]
+        rows = [list(rest.actuated_values), [v + d for v, d in zip(rest.actuated_values, (0.25, -0.1, 0.15), strict=True)]]
     else:
         pose = [*rest.position, *rest.quaternion]
         rows = [pose, [pose[0] + 12.0, pose[1] - 9.0, *pose[2:]]]

@@ -136,7 +136,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
     if problem.is_explicit:
         search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
-        values = problem.assemble(start_values(problem, given, None), given.values)
+        values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
         if not solution.residual <= ACCEPTED * problem.closure.size:
@@ -161,7 +161,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         search.refuse_unless_multistart(
             f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
         )
-        solution = make_solution(problem, problem.assemble(np.zeros(0), given.values), notes=given.notes)
+        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
         return Modes(
             problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
         )

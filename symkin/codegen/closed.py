@@ -150,7 +150,7 @@ class ClosedMechanism:
             return
         known = self.inverse.known_coordinates
         for sample in self.samples[:5]:
-            state, pose = (self.inverse.take(sample.values, c) for c in (block.system.unknowns, known))
+            state, pose = (self.inverse.select_values(sample.values, c) for c in (block.system.unknowns, known))
             matrix = block.kernel.matrix(state, pose, self.geometry.values)
             if Rank.of(matrix).value < matrix.shape[1]:
                 names = ", ".join(c.name for c in block.system.unknowns)

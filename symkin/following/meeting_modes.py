@@ -100,7 +100,9 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
 def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     """The pose that the known coordinates of an inverse problem make."""
     problem = build_problem(trajectory.mechanism, "inverse")
-    return pose_of(problem.closure, problem.assemble(problem.take(problem.closure.reference, problem.system.unknowns), known))
+    return pose_of(
+        problem.closure, problem.join_values(problem.select_values(problem.closure.reference, problem.system.unknowns), known)
+    )
 
 
 def _turns(walk: Walk) -> bool:

@@ -51,9 +51,14 @@ class Sample:
         return make_solution(self.problem, self.values)
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units."""
         return [self.joints[c.name] for c in self.problem.mechanism.actuated]
+
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
 
     def to_dict(self) -> dict[str, Any]:
         return {

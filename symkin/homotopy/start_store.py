@@ -112,7 +112,7 @@ def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
     if start.z.shape[1] == 1:
         return start
     closed = closed_configurations(problem.closure, start.seed)[:_TARGETS]
-    targets = [known_values(problem, problem.take(values, problem.known_coordinates)) for values in closed]
+    targets = [known_values(problem, problem.select_values(values, problem.known_coordinates)) for values in closed]
     if len(targets) < 2:
         return start
     targets = [aligned(system, targets[0], target).real for target in targets]
@@ -232,7 +232,7 @@ def redundant_rows(problem: Problem, block: System) -> int:
     system = free_system(problem, block)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
-        _, jacobian = system.linearise_one(problem.take(values, system.unknowns), np.zeros(0))
+        _, jacobian = system.linearise_one(problem.select_values(values, system.unknowns), np.zeros(0))
         ranks.append(Rank.of(jacobian).value)
     return int(block.rows.shape[0]) - max(ranks)
 
@@ -246,7 +246,7 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
     missing = np.zeros((system.width, 0), dtype=complex)
     settings = TrackSettings(tolerance=1e-5)
     for values in closed_configurations(problem.closure, seed)[:_INSTANCES]:
-        known = problem.take(values, problem.known_coordinates)
+        known = problem.select_values(values, problem.known_coordinates)
         k = known_values(problem, known)
         tracked = track(system, start.z, start.k, k, settings)
         if not tracked.arrived.any():

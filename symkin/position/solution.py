@@ -54,10 +54,15 @@ class Solution(Result):
         return {name: value for name, value in self._user_values().items() if not name.startswith("pose.")}
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)` takes."""
         values = self.joints
         return [values[c.name] for c in self.mechanism.actuated]
+
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
 
     @property
     def position(self) -> np.ndarray:
@@ -125,8 +130,8 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
     """A canonical, checked solution from a full vector of variables."""
     values = canonical(problem.closure, values)
     closure, system = problem.closure, problem.system
-    unknown = problem.take(values, system.unknowns)
-    known = problem.take(values, problem.known_coordinates)
+    unknown = problem.select_values(values, system.unknowns)
+    known = problem.select_values(values, problem.known_coordinates)
     condition = system.condition(unknown, known)
     named: dict[str, Any] = {}
     for c in closure.coordinates:

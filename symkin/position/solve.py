@@ -212,14 +212,14 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
         return None, left
     system = problem.system
     z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
-    solution = make_solution(problem, problem.assemble(z, given.values), notes=given.notes)
+    solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
     return (solution, solution.residual) if solution.residual <= ACCEPTED * system.size else (None, solution.residual)
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:
     steps = []
     for z in path:
-        values = problem.assemble(z, known)
+        values = problem.join_values(z, known)
         if np.all(np.isfinite(values)):
             steps.append(
                 Iterate(values, pose_of(problem.closure, values), problem.system.residual(problem.system.unit(z), known))

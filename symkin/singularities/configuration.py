@@ -57,5 +57,5 @@ def _descended(problem: Problem, given: Given, begin: np.ndarray) -> Solution | 
     if not system.width:
         return None
     batch = levenberg_marquardt(system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60)
-    solution = make_solution(problem, problem.assemble(system.unit(batch.points[0]), given.values), notes=given.notes)
+    solution = make_solution(problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes)
     return solution if solution.residual <= ACCEPTED * problem.closure.size else None
