@@ -54,7 +54,7 @@ def modes(
 
     mechanism = load(mech)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     with progress_bar("solutions") as progress:
@@ -68,9 +68,7 @@ def modes(
             progress=progress,
         )
     if plot is not None:
-        from symkin.plots.plot import draw_modes
-
-        draw_modes(found, plot)
+        found.plot(plot)
     print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 

@@ -75,7 +75,7 @@ def singularities(
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     unit = mechanism.angle_unit
@@ -103,9 +103,7 @@ def singularities(
         count = DEFAULT_STARTS if starts is None else starts
         loci = singular_loci(solution, names, ranges=sides, starts=count, seed=0 if seed is None else seed)
     if plot is not None:
-        from symkin.plots.loci_plot import draw_loci
-
-        draw_loci(loci, plot)
+        loci.plot(plot)
     print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
 
 

@@ -77,7 +77,7 @@ def sweep(
     if slices is not None and plot is None:
         raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     with _kept_when_interrupted(output), _progress() as progress:

@@ -47,7 +47,7 @@ def track(
     mechanism = load(mech)
     check_output(output, mech, csv)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     if csv is not None:
@@ -64,9 +64,7 @@ def track(
         write_track(found, output)
     drawn = plot if found.samples else None
     if drawn is not None:
-        from symkin.plots.track_plot import draw_track
-
-        draw_track(found, drawn)
+        found.plot(drawn)
     files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
     print_result(as_json, found.to_dict, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)
