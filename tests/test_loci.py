@@ -27,10 +27,11 @@ from symkin.cli.app import main
 from symkin.plots.loci_plot import figure_of_loci
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
-from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.classification import classify
+from symkin.singularities.loci import Loci
 from symkin.singularities.locus_system import locus_systems, plane_of
 from symkin.singularities.self_motion import has_self_motion
-from symkin.singularities.singularity import classify
+from symkin.singularities.singular_loci import singular_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:

@@ -14,7 +14,7 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from symkin import InputError, Pose
-from symkin.singularities.singularity import classify
+from symkin.singularities.classification import classify
 from symkin.sweeps.found import COMPLETENESS
 from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep

@@ -89,14 +89,14 @@ def singularities(
         say(error)
         raise typer.Exit(3) from None
     if plane is None:
+        from symkin.singularities.classification import classify
         from symkin.singularities.output import make_output
-        from symkin.singularities.singularity import classify
 
         names = None if output is None else [name.strip() for name in output.split(",")]
         found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
         print_result(as_json, found.to_dict, lambda: str(found))
         return
-    from symkin.singularities.loci import DEFAULT_STARTS, singular_loci
+    from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
     names = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):

@@ -52,14 +52,10 @@ def figure_of(result: object, **_: Any) -> Figure:
 
 figure_of.register(Jacobian, figure_of_jacobian)
 figure_of.register(Loci, figure_of_loci)
+figure_of.register(Mobility, lambda found: figure_of_sketch(found.closure.mechanism))
 figure_of.register(ModeGraph, figure_of_mode_graph)
 figure_of.register(Modes, figure_of_modes)
 figure_of.register(Singularity, figure_of_singularity)
 figure_of.register(Solution, figure_of_solution)
 figure_of.register(SolveResult, figure_of_solve)
 figure_of.register(Track, figure_of_track)
-
-
-@figure_of.register
-def _(result: Mobility) -> Figure:
-    return figure_of_sketch(result.closure.mechanism)

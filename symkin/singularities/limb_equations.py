@@ -9,7 +9,7 @@ depends neither on how the closure is written nor on units. Twists are t = (velo
 angular velocity) on the coordinates of the platform's motion, rates of angles are times the size. The rows a_i are the
 wrenches that the limb can exert while its actuated joints are held; those with b_i = 0 are its constraints.
 
-This is not the elimination of `motion.velocity_matrices`, which takes every rank from generic configurations, so that
+This is not the elimination of `velocity.matrices`, which takes every rank from generic configurations, so that
 Jacobians vary smoothly, and refuses a configuration where one is lost. Here ranks are counted at the configuration itself:
 where one is lost there is more to say, and rows of unit length make distances that do not depend on the closure's rows.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,21 @@ class Locus:
     @property
     def is_point(self) -> bool:
         """The curve stands in one point of the plane."""
-        return stands(self.points)
+        return is_one_place(self.points)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The curve in the JSON of `Loci`, but for its loose ends, which depend on the window."""
+        return {
+            "kind": self.kind,
+            "limb": self.limb,
+            "closed": self.closed,
+            "points": self.points.tolist(),
+            "cusps": self.cusps.tolist(),
+            "in_mode": self.in_mode.tolist(),
+            "largest_row": self.largest_row,
+            "hits": self.hits,
+            "self_motion": self.self_motion,
+        }
 
     def loose_ends(self, ranges: Sequence[Sequence[float]]) -> np.ndarray:
         """Ends (n, 2) of an open curve inside the window, where tracing could not go on; cusps are not counted."""
@@ -73,13 +88,21 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
     names = (*(c.name for c in system.free), *system.plane.names)
     points = curve.points[:, system.uv] * factors
     return Locus(
-        kind, system.limb, points, curve.closed, in_mode, points[cusps if kind == "type 2" else cusps[:0]],
-        names, curve.points[:, : system.uv.stop], float(np.max(np.abs(values))), hits,
-        stands(points) and has_self_motion(system, curve.points[len(points) // 2]),
-    )  # fmt: skip
+        kind=kind,
+        limb=system.limb,
+        points=points,
+        closed=curve.closed,
+        in_mode=in_mode,
+        cusps=points[cusps if kind == "type 2" else cusps[:0]],
+        names=names,
+        configurations=curve.points[:, : system.uv.stop],
+        largest_row=float(np.max(np.abs(values))),
+        hits=hits,
+        self_motion=is_one_place(points) and has_self_motion(system, curve.points[len(points) // 2]),
+    )
 
 
-def stands(points: np.ndarray) -> bool:
+def is_one_place(points: np.ndarray) -> bool:
     """Whether points (n, 2) of a curve are one place of the plane."""
     return bool(np.ptp(points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(points).max())))
 

@@ -16,9 +16,9 @@ import numpy as np
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.singularities.classification import TOLERANCE
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
-from symkin.singularities.singularity import TOLERANCE
 from symkin.sweeps.found import COMPLETENESS, Found
 
 QUANTITIES = ("modes", "conditioning", "reach")

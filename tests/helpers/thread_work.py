@@ -22,7 +22,7 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.plots.calibration_plot import png, residual_figure
 from symkin.position.describe import describe
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8
