@@ -120,7 +120,7 @@ def test_a_gross_error_makes_no_others():
         data = measured(random_geometry(geometry(NOMINAL), HELD, 0.005, rng), rng, noisy=True)
         joints = data.joints.copy()
         joints[7, 2] += 0.005
-        found = [o.posture for o in calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD).outliers]
+        found = [o.configuration for o in calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD).outliers]
         assert found[0] == 7
         others += len(found) - 1
     assert others <= 1
@@ -134,7 +134,7 @@ def test_many_bad_readings_are_found_or_the_fit_is_refused():
     joints = data.joints.copy()
     joints[::3, 2] += 2e-4 * rng.choice([-1, 1], 14)
     fit = calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD)
-    found = {o.posture for o in fit.outliers}
+    found = {o.configuration for o in fit.outliers}
     if fit.refused is None:
         assert found >= set(range(0, 40, 3))
         assert len(found) <= 16

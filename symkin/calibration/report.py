@@ -43,7 +43,7 @@ class FitReport:
     suspicions: tuple[str, ...]
     notes: tuple[str, ...]
     sigma: PoseSigma
-    gone: Departure
+    departure: Departure
     refusal: str | None = None
     held_out: HeldOut | None = None
 
@@ -71,7 +71,7 @@ class FitReport:
             sure = (
                 "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
             )
-            other = f"; {describe_other_machine(self.fit, self.gone)}" if is_other_machine(self.fit, self.gone) else ""
+            other = f"; {describe_other_machine(self.fit, self.departure)}" if is_other_machine(self.fit, self.departure) else ""
             if self.held_out is not None and self.held_out.p_value is not None:
                 shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
                 link = "and" if self.fit.p_value is not None else "but"
@@ -131,7 +131,7 @@ class FitReport:
         return self.fit.status == "ok" and self.refusal is None
 
     def _beyond(self) -> tuple[str, ...]:
-        """What is known of poses outside the measured postures, where they are many."""
+        """What is known of poses outside the measured configurations, where they are many."""
         sigma, m = self.sigma.about_home, self.fit.mechanism
         if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
             return ()
@@ -185,7 +185,7 @@ class FitReport:
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
         lines.append(
-            f"  the geometry's poses differ from the file's by {100 * self.gone.share:.2g} % of their spread (frames aligned)"
+            f"  the geometry's poses differ from the file's by {100 * self.departure.share:.2g} % of their spread (frames aligned)"
         )
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]]
         if changed:
@@ -233,7 +233,7 @@ class FitReport:
         return "residuals, rms: " + ", ".join(parts)
 
     def held_out_texts(self) -> list[str]:
-        """What the held-out postures say of the prediction; none where none were held out."""
+        """What the held-out configurations say of the prediction; none where none were held out."""
         held = self.held_out
         if held is None:
             return []
@@ -270,8 +270,8 @@ class FitReport:
                 "clear": self.sequence.clear,
             },
             "departure": {
-                "share": _finite(self.gone.share), "position": self.gone.position, "angle": m.angle_out(self.gone.angle), "open": self.gone.open,
-                "postures": self.gone.postures,
+                "share": _finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.open,
+                "postures": self.departure.configurations,
             },
             "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
             "base_set": list(found.base_set),
@@ -304,11 +304,11 @@ class FitReport:
         for r in self.fit.residuals:
             value = out(r.value) if r.kind in ANGULAR else r.value
             yield {
-                "posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": value, "normalised": _finite(r.normalised)
+                "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": _finite(r.normalised)
             }  # fmt: skip
 
     def json_text(self) -> bytes:
-        """`to_json` as a file's content, residuals a line each: of many postures their objects would take more room than all else."""
+        """`to_json` as a file's content, residuals a line each: of many configurations their objects would take more room than all else."""
         head = json.dumps(self.to_json(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
         rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.residual_rows())

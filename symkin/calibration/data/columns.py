@@ -26,13 +26,13 @@ SEQUENCES = tuple(
 """The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
 INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
-"""Columns of a plan that a measurement file may keep; they say how the posture was meant, not what was read."""
+"""Columns of a plan that a measurement file may keep; they say how the configuration was meant, not what was read."""
 DISTANCE = "distance_"
 """Beginning of the columns of distances."""
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
 _EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _MAX_LISTED_GROUPS = 5
-"""Most groups of one posture that a message lists."""
+"""Most groups of one configuration that a message lists."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 Measure = Literal["length", "angle"]

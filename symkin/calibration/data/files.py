@@ -52,7 +52,7 @@ DistancePoints = tuple[Sequence[float], Sequence[float]]
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """What a file holds: measurements in radians and the mechanism's length unit, the line of each posture, the names of
+    """What a file holds: measurements in radians and the mechanism's length unit, the line of each configuration, the names of
     its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
     orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations, `euler` the Euler angles
     of any sequence, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
@@ -130,13 +130,22 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(
-        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, reader.copies
-    )  # fmt: skip
+        path=str(path),
+        measurements=measurements,
+        lines=table.lines,
+        groups=labels,
+        sequence=sequence,
+        open_euler=open_euler,
+        wedges=wedges,
+        notes=tuple(reader.notes),
+        euler=angles,
+        copies=reader.copies,
+    )
 
 
 def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
     values, sigma = reader.distance(name)
-    return Distance(platform, base, values, sigma, DISTANCE + name)
+    return Distance(platform=platform, base=base, values=values, sigma=sigma, name=DISTANCE + name)
 
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:

@@ -25,7 +25,7 @@ CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each posture, -1: none."""
+    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each configuration, -1: none."""
 
     rows: np.ndarray
     group: np.ndarray
@@ -47,7 +47,7 @@ class Candidates:
 
 
 class ExchangeSearch:
-    """A choice among candidates: greedy construction, then exchange of single postures until none helps."""
+    """A choice among candidates: greedy construction, then exchange of single configurations until none helps."""
 
     def __init__(self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float) -> None:
         self.candidates, self.wedges, self.criterion, self.prior = candidates, wedges, criterion, prior
@@ -88,7 +88,7 @@ class ExchangeSearch:
         return np.asarray(c - sign * spread.T @ np.linalg.solve(inner, spread))
 
     def greedy(self, count: int, allowed: set[int]) -> list[int]:
-        """Candidates one by one, each the best to add; none twice. A wedge's first posture says nothing yet, so that each
+        """Candidates one by one, each the best to add; none twice. A wedge's first configuration says nothing yet, so that each
         wedge is given one to begin with, as far as two of each can be had."""
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         begun = sorted(allowed)[: count // 2] if self.wedges else []
@@ -102,7 +102,7 @@ class ExchangeSearch:
         return chosen
 
     def improve(self, chosen: list[int], allowed: set[int], passes: int = 6) -> list[int]:
-        """Take each posture out in turn and put the best candidate in its place, until a whole pass changes nothing."""
+        """Take each configuration out in turn and put the best candidate in its place, until a whole pass changes nothing."""
         chosen = list(chosen)
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         for _ in range(passes):
@@ -146,7 +146,7 @@ class ExchangeSearch:
         return best
 
     def _fewer(self, count: int, groups: int) -> set[int]:
-        """Backward elimination: the wedge whose postures tell least goes, again and again."""
+        """Backward elimination: the wedge whose configurations tell least goes, again and again."""
         allowed = set(range(self.wedges))
         while len(allowed) > groups:
             chosen = self.greedy(count, allowed)

@@ -53,20 +53,20 @@ def check_readings(readings: Sequence[str]) -> None:
             raise InputError(f"readings: {kind!r} is unknown; allowed: {', '.join(READING_CHOICES)}")
 
 
-def group_numbers(postures: int, groups: int) -> np.ndarray:
-    """Numbers 0, 0, ..., 1, 1, ...: `postures` in `groups` as equal as may be, each of two at least."""
-    if not 1 <= postures <= MAX_CONFIGURATIONS:
-        raise InputError(f"{postures} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
+def group_numbers(configurations: int, groups: int) -> np.ndarray:
+    """Numbers 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each of two at least."""
+    if not 1 <= configurations <= MAX_CONFIGURATIONS:
+        raise InputError(f"{configurations} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
     if groups < 0:
         raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
-    if groups > postures // 2:
+    if groups > configurations // 2:
         raise InputError(
-            f"{groups} groups for {postures} posture{'s' * (postures != 1)}, and two postures in each are needed: at least {2 * groups} "
+            f"{groups} groups for {configurations} posture{'s' * (configurations != 1)}, and two postures in each are needed: at least {2 * groups} "
             f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
         )
     if groups == 0:
-        return np.full(postures, NO_GROUP)
-    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(postures), groups)])
+        return np.full(configurations, NO_GROUP)
+    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)])
 
 
 def random_configurations(
@@ -89,11 +89,11 @@ def planned_configurations(
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, ClosedConfigurations]:
     """Group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at its joints,
-    each turned to its group's inclination (with the noise of that). Raises InputError for postures that cannot be taken."""
+    each turned to its group's inclination (with the noise of that). Raises InputError for configurations that cannot be taken."""
     model = build_model(nominal, plan, ())
-    postures = solve_configurations(model, plan, np.zeros(0))
-    if not postures.solved.all():
-        label = plan.labels[int(np.argmin(postures.solved))]
+    configurations = solve_configurations(model, plan, np.zeros(0))
+    if not configurations.solved.all():
+        label = plan.labels[int(np.argmin(configurations.solved))]
         raise InputError(f"the plan's posture of {label} does not close at the nominal geometry of {nominal.name}")
     groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
     held = None
@@ -101,7 +101,7 @@ def planned_configurations(
         if wedges is None:
             raise InputError("the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` wrote")
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(model.poses(postures.z, np.zeros(0)), held)
+    made, closed = workspace.at(model.poses(configurations.z, np.zeros(0)), held)
     if not closed.all():
         raise InputError(
             f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by {workspace.mechanism.name}"
@@ -144,5 +144,11 @@ def simulate_readings(
     for name, (platform, base) in (distances or {}).items():
         ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
         values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(noise.distance, (count,), rng)
-        made = replace(made, distances=(*made.distances, Distance(platform, base, values, noise.distance or None, name)))
+        made = replace(
+            made,
+            distances=(
+                *made.distances,
+                Distance(platform=platform, base=base, values=values, sigma=noise.distance or None, name=name),
+            ),
+        )
     return made

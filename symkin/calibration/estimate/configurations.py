@@ -19,13 +19,13 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_euler
 
 CLOSURE_TOLERANCE = 1e-10
-"""A posture is solved when its largest closure row, over the size, is below this."""
+"""A configuration is solved when its largest closure row, over the size, is below this."""
 ROUGH_CLOSURE_TOLERANCE = 1e-6
 """The same where an estimator goes on from there and corrects what is left to first order."""
 _MAX_STEP = 0.3
 """Longest Newton step, in sizes."""
 _RANDOM_STARTS = 12
-"""Random starts for a posture that neither the reference nor its neighbours reach."""
+"""Random starts for a configuration that neither the reference nor its neighbours reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ def newton_configurations(
     tolerance: float = CLOSURE_TOLERANCE,
     iterations: int = 20,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Newton or Gauss-Newton with a bounded step for all postures: points and which of them closed."""
+    """Newton or Gauss-Newton with a bounded step for all configurations: points and which of them closed."""
     size = model.closure.size
     largest = np.full(len(z), np.inf)
     for _ in range(iterations):
@@ -77,7 +77,7 @@ def solve_configurations(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, *, z: np.ndarray | None = None, seed: int = 0,
     tolerance: float = CLOSURE_TOLERANCE,
 ) -> SolvedConfigurations:  # fmt: skip
-    """Solve F(z; q, p) = 0 for every posture, from `z` if given, else from the measurements' starts, the measured poses
+    """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
     start = start_points(model, measurements) if z is None else z
     joints = measurements.joints
@@ -129,7 +129,7 @@ def start_points(model: ConfigurationModel, measurements: Measurements, *, measu
 
 
 def known_poses(measurements: Measurements, *, measured: bool = False) -> list[np.ndarray | None]:
-    """A whole pose of each posture: its start (unless `measured`), else what was measured."""
+    """A whole pose of each configuration: its start (unless `measured`), else what was measured."""
     poses: list[np.ndarray | None] = [None] * len(measurements)
     both = (measurements.position, measurements.orientation)
     read = None if any(part is None for part in both) else np.hstack(both)  # type: ignore[arg-type]
@@ -152,7 +152,7 @@ def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, c
 def _solve_from_many(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, k: int, starts: np.ndarray, seed: int
 ) -> np.ndarray | None:
-    """A solution of one posture nearest to its first start, or None."""
+    """A solution of one configuration nearest to its first start, or None."""
     system: System = model.system
     rng = np.random.default_rng([seed, k])
     steps = 0.2 * model.closure.size * rng.normal(size=(_RANDOM_STARTS, system.freedom))
@@ -204,7 +204,7 @@ def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarra
 
 
 class _ClosureNewton:
-    """Gauss-Newton with rows and derivatives mapped over postures; each posture has its own known values."""
+    """Gauss-Newton with rows and derivatives mapped over configurations; each configuration has its own known values."""
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -244,7 +244,7 @@ class JointsOfPose:
         self._newton = _ClosureNewton(System(unknowns, unknown, pose, rows, closure.bound(closure.errors), closure.size))
 
     def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Joints by Newton from those in the values, and which postures closed."""
+        """Joints by Newton from those in the values, and which configurations closed."""
         return self._newton.newton(values[:, : self.width], values[:, self.width :])
 
     def solve(self, values: np.ndarray) -> np.ndarray:

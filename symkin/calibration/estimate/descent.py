@@ -139,7 +139,7 @@ class Descent:
         return False
 
     def _tried(self) -> State | None:
-        """The state after a bent step; None where it bends too much, a posture has no solution, or one passes a singularity."""
+        """The state after a bent step; None where it bends too much, a configuration has no solution, or one passes a singularity."""
         step = self._bent()
         trial = None if step is None else restored_after(self._moved, self.state, step, self.null_space)
         return trial if trial is not None and np.array_equal(trial.determinant_signs, self.state.determinant_signs) else None

@@ -38,7 +38,7 @@ class NonlinearProgram:
 def estimate_by_ipopt(
     problem: CalibrationProblem, z: np.ndarray, *, max_iterations: int = 200, p: np.ndarray | None = None
 ) -> Estimate:
-    """The least-squares estimate by IPOPT from p (default: nominal) and postures z, polished by Gauss-Newton; maximum
+    """The least-squares estimate by IPOPT from p (default: nominal) and configurations z, polished by Gauss-Newton; maximum
     likelihood takes the covariance of joint noise at the estimate by the means."""
     state = closed_state(problem, problem.model.nominal if p is None else p, z, "means", None)
     steps = 0
@@ -59,7 +59,7 @@ def estimate_by_ipopt(
 
 
 def build_program(problem: CalibrationProblem, state: State, covariance: np.ndarray | None, limit: int) -> NonlinearProgram:
-    """The program at a start with closed postures; `covariance` is that of joint noise for maximum likelihood."""
+    """The program at a start with closed configurations; `covariance` is that of joint noise for maximum likelihood."""
     model, readings = problem.model, problem.readings
     count, width = state.z.shape
     step, z = ca.MX.sym("dp", len(model.names)), ca.MX.sym("z", width, count)

@@ -42,7 +42,7 @@ COMPONENTS = {
 
 
 _VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "pose": (0,)}
-"""Outputs that are columns, for each function of a posture."""
+"""Outputs that are columns, for each function of a configuration."""
 
 _INTERPRETED_BEFORE_COMPILING = 30000
 """A library is compiled when each of its instructions has been interpreted this often: about as long as compiling it."""
@@ -64,7 +64,7 @@ int {name}_map(int n, const int* stride, const double** in, double** out) {{
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Values at n postures: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K, P)."""
+    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K, P)."""
 
     rows: np.ndarray
     rows_z: np.ndarray
@@ -76,7 +76,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationModel:
-    """One posture as expressions: `system` holds closure and tangent space, `known` stacks joints, parameters and the
+    """One configuration as expressions: `system` holds closure and tangent space, `known` stacks joints, parameters and the
     measured quaternion; `columns` names each reading (kind, component)."""
 
     mechanism: Mechanism
@@ -157,7 +157,7 @@ class ConfigurationModel:
 
 
 def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> ConfigurationModel:
-    """The model of a posture with the readings that `measurements` has, over the named parameters; all others keep
+    """The model of a configuration with the readings that `measurements` has, over the named parameters; all others keep
     their nominal values."""
     kinds = tuple(k for k in READING_KINDS if _is_taken(measurements, k))
     distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
@@ -192,9 +192,20 @@ def _build_model(
     types = tuple(table[n][1] for n in names)
     scales = np.array([1.0 if kind == "length" else 1.0 / closure.size for kind in types])
     return ConfigurationModel(
-        mechanism, closure, system, names, types, np.array([table[n][0] for n in names]), scales, readings_of_joints,
-        parameters, quaternion, readings, columns, pose,
-    )  # fmt: skip
+        mechanism=mechanism,
+        closure=closure,
+        system=system,
+        names=names,
+        kinds=types,
+        nominal=np.array([table[n][0] for n in names]),
+        scales=scales,
+        joints=readings_of_joints,
+        parameters=parameters,
+        quaternion=quaternion,
+        readings=readings,
+        columns=columns,
+        pose=pose,
+    )
 
 
 def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
@@ -301,7 +312,7 @@ class CompiledLibrary:
 
 @dataclass(frozen=True, eq=False)
 class MappedFunction:
-    """A function with dense outputs, at n postures at once: inputs (n, width) or (width,) for all; outputs (n, columns,
+    """A function with dense outputs, at n configurations at once: inputs (n, width) or (width,) for all; outputs (n, columns,
     rows), the columns of each output one after another."""
 
     function: ca.Function
@@ -346,7 +357,7 @@ class MappedFunction:
 
 
 def map_functions(functions: Sequence[ca.Function]) -> list[MappedFunction]:
-    """The functions as maps over postures, of one library."""
+    """The functions as maps over configurations, of one library."""
     engine = CompiledLibrary(functions)
     return [MappedFunction(f, engine) for f in functions]
 

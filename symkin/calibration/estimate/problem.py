@@ -27,7 +27,7 @@ from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
-"""Postures beyond which derivatives are not kept but made anew part by part, and how many a part has: derivatives of 10,000 postures
+"""Configurations beyond which derivatives are not kept but made anew part by part, and how many a part has: derivatives of 10,000 configurations
 of a hexapod take some 100 MB, as much as a program may."""
 
 _COMPARED_CONFIGURATIONS = 24
@@ -77,13 +77,13 @@ class CalibrationProblem:
 
     @property
     def is_large(self) -> bool:
-        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all postures."""
+        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all configurations."""
         system = self.model.system
         return len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of postures and the problem of these alone, members of a group together and what is known beside the readings left
+        """Numbers of configurations and the problem of these alone, members of a group together and what is known beside the readings left
         out; one part where the problem is not large."""
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
@@ -143,7 +143,15 @@ def build_calibration(
     if tolerance is not None and not readings.known:
         raise InputError("a tolerance is weighed against the noise, and standard deviations of readings are missing: give them")
     prior = None if tolerance is None else _prior(model, *tolerance)
-    return CalibrationProblem(mechanism, measurements, model, readings, tuple(fixed), residual, prior)
+    return CalibrationProblem(
+        mechanism=mechanism,
+        measurements=measurements,
+        model=model,
+        readings=readings,
+        fixed=tuple(fixed),
+        form=residual,
+        prior=prior,
+    )
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
@@ -157,7 +165,7 @@ def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray
 
 
 def _split_rows(readings: Readings) -> list[np.ndarray]:
-    """Numbers of postures in parts of `PART_ROWS`, or of a group where one has more."""
+    """Numbers of configurations in parts of `PART_ROWS`, or of a group where one has more."""
     order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
     heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(int)
     cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]

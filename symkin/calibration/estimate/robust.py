@@ -56,7 +56,7 @@ def loss_note(loss: str) -> str:
 
 
 def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str) -> RobustEstimate:
-    """The estimate with a robust loss from p and postures z."""
+    """The estimate with a robust loss from p and configurations z."""
     known, state = problem.readings.known, evaluate(problem, p, z, "means")
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):

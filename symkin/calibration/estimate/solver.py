@@ -61,7 +61,7 @@ _COST_ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Where an estimation ended: `state` with closed postures; status "ok", "max_iterations" or "stalled"."""
+    """Where an estimation ended: `state` with closed configurations; status "ok", "max_iterations" or "stalled"."""
 
     state: State
     status: str
@@ -72,7 +72,7 @@ class Estimate:
 def estimate(
     problem: CalibrationProblem, z: np.ndarray, *, method: str = "nested", max_iterations: int = 60, p: np.ndarray | None = None
 ) -> Estimate:
-    """Least squares from p (default: nominal) and postures z; maximum likelihood begins with the means and then takes
+    """Least squares from p (default: nominal) and configurations z; maximum likelihood begins with the means and then takes
     the covariance of joint noise at the estimate, twice."""
     begin = problem.model.nominal if p is None else p
     with np.errstate(all="ignore"):
@@ -98,7 +98,9 @@ def _minimise(
     null_space = null_directions(error_free_design(problem, state))
     if is_rounding(problem, state):
         return Estimate(closed_state(problem, p, z, form, covariance), "ok", 0, null_space)
-    search = _Search(problem, form, covariance, method, null_space, state, state)
+    search = _Search(
+        problem=problem, form=form, covariance=covariance, method=method, null_space=null_space, state=state, best=state
+    )
     status, iterations = search.run(limit)
     best = closed_state(problem, search.best.p, search.best.z, form, covariance)
     result = Estimate(best, status, iterations, null_space)
@@ -110,14 +112,14 @@ def finish_by_descent(
     problem: CalibrationProblem, result: Estimate, form: Form, covariance: np.ndarray | None = None
 ) -> Estimate:
     """On from where an iteration ended to a minimum over all that is told there (see `descent`)."""
-    descent = Descent(problem, form, covariance, result.state)
+    descent = Descent(problem=problem, form=form, covariance=covariance, state=result.state)
     status, steps = descent.run(_MAX_DESCENT_STEPS)
     state = closed_state(problem, descent.state.p, descent.state.z, form, covariance) if steps else result.state
     return Estimate(state, status, result.iterations + steps, descent.null_space)
 
 
 def descend_from(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, result: Estimate) -> Estimate | None:
-    """The minimum that the descent alone reaches from p and postures z; None where nothing was released on the way to a `result`,
+    """The minimum that the descent alone reaches from p and configurations z; None where nothing was released on the way to a `result`,
     which is when the first iteration, with what is held there, may have led it into another valley."""
     if problem.form == "maximum likelihood":
         return None
@@ -202,7 +204,7 @@ class _Search:
         return step + half if np.linalg.norm(lengths * half) < _MAX_ACCELERATION * np.linalg.norm(lengths * step) else step
 
     def _tried(self, step: np.ndarray, length: float) -> State | None:
-        """The state after a step, postures moved along and rows left over met again; None where the step is too long, or a direct
+        """The state after a step, configurations moved along and rows left over met again; None where the step is too long, or a direct
         problem has no solution."""
         if self.method == "nested" and length > _MAX_PARAMETER_STEP:
             return None

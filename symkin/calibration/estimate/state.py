@@ -19,11 +19,11 @@ import numpy as np
 from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determinant_signs, newton_configurations, solve_systems
 from symkin.calibration.estimate.model import Evaluation
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise, wrapped
 from symkin.numeric.rank import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
-"""A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+"""A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
 CONSTRAINT_WEIGHT = 1e6
 """Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
 _RESTORATION_STEPS = 2
@@ -50,7 +50,7 @@ class State:
     determinant_signs: np.ndarray
 
     def follow(self, step: np.ndarray) -> np.ndarray:
-        """Tangent steps (n, f) that keep the postures closed while the scaled parameters take a step."""
+        """Tangent steps (n, f) that keep the configurations closed while the scaled parameters take a step."""
         return np.asarray(-self.pending - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0])
 
     @property
@@ -66,11 +66,11 @@ def evaluate(
         return _evaluate_parts(problem, p, z, form, covariance)
     e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
     pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
-    readings, reading_slopes_at, leftover = _condensed(e, pending)
-    fit = linearise(form, problem.readings, readings, reading_slopes_at, covariance)
+    readings, slopes, leftover = _condensed(e, pending)
+    fit = linearise(form, problem.readings, readings, slopes, covariance)
     if problem.prior is not None:
         fit = replace(fit, prior=problem.prior_rows(p))
-    return State(p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
+    return State(p=p, z=z, fit=fit, values=e, pending=pending, leftover=leftover, determinant_signs=determinant_signs(e.rows_z))
 
 
 def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
@@ -102,7 +102,7 @@ def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np
 
 
 def reading_slopes_at(e: Evaluation) -> np.ndarray:
-    """dh/dp (n, K, P) with the postures following."""
+    """dh/dp (n, K, P) with the configurations following."""
     return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]
 
 
@@ -142,7 +142,7 @@ def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form
 def state_after(
     problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
 ) -> State | None:
-    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
+    """The state after a step in p, configurations moved along; None where a direct problem has no solution there."""
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
@@ -160,7 +160,7 @@ def state_after(
 def restored_after(
     move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray, null_space: np.ndarray
 ) -> State | None:
-    """The state after a step that `move` makes, with the rows left over met again; None where a posture has no solution."""
+    """The state after a step that `move` makes, with the rows left over met again; None where a configuration has no solution."""
     trial = move(state, step)
     for _ in range(_RESTORATION_STEPS):
         if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
@@ -187,12 +187,12 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
     return evaluate(other, state.p, z, "means")
 
 
-# --- many postures -------------------------------------------------------------------------------------------------
+# --- many configurations -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class LargeState(State):
-    """A state of a large problem, without the derivatives of single postures: `values` is empty, and `fit` condensed."""
+    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `fit` condensed."""
 
     problem: CalibrationProblem
 
@@ -219,13 +219,13 @@ def _evaluate_parts(
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
     fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
     nothing = np.zeros(0)
-    values = Evaluation(nothing, nothing, nothing, nothing, nothing, nothing)
-    return LargeState(p, z, fit, values, pending, None, side, problem)
+    values = Evaluation(rows=nothing, rows_z=nothing, rows_p=nothing, readings=nothing, readings_z=nothing, readings_p=nothing)
+    return LargeState(p=p, z=z, fit=fit, values=values, pending=pending, leftover=None, determinant_signs=side, problem=problem)
 
 
 def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
     """The problem with joint readings moved least (with the unknown coordinates, angles times the size) so that at p the
-    postures close and every group has one inclination; and the unknown coordinates there."""
+    configurations close and every group has one inclination; and the unknown coordinates there."""
     readings, model = problem.readings, problem.model
     if not readings.groups:
         return problem, z
@@ -237,7 +237,7 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
         rows, rows_z, rows_q, h, h_z = model.tangent(z, joints, p)
         gap, grouped = np.zeros((len(z), 2)), size * h_z[:, columns]
         gap[inside] = h[inside][:, columns] - h[first][:, columns]
-        gap, grouped[apart] = size * (np.remainder(gap + np.pi, 2 * np.pi) - np.pi), 0.0
+        gap, grouped[apart] = size * wrapped(gap), 0.0
         if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < CLOSURE_TOLERANCE * size:
             break
         free = rows_z.shape[2]

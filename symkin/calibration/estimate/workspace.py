@@ -43,12 +43,12 @@ DEFAULT_TILT = math.radians(20)
 _ARM_SWING = math.radians(60)
 """Half range of an arm's angle that has no limits."""
 _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
-"""Least number of postures drawn at once, and the draws without a new posture after which no more are made."""
+"""Least number of configurations drawn at once, and the draws without a new configuration after which no more are made."""
 
 _POORER_CONDITION = 3.0
 """The example is home where the reference is conditioned worse by this factor."""
 _SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
-"""Condition of the direct problem above which home counts as singular, and how many times home's that of a posture may be."""
+"""Condition of the direct problem above which home counts as singular, and how many times home's that of a configuration may be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class Workspace:
         return Workspace(mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.size] * 3), **options)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle the description alone: what closes postures holds functions, and is made again where it is needed."""
+        """Pickle the description alone: what closes configurations holds functions, and is made again where it is needed."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @cached_property
@@ -100,7 +100,7 @@ class Workspace:
     def draw(
         self, inclinations: np.ndarray, rng: np.random.Generator, *, held: bool = True, edge: float = 1.0
     ) -> ClosedConfigurations:
-        """One posture for each (alpha, beta); with `held` every posture has exactly its inclination. With `edge` above 1
+        """One configuration for each (alpha, beta); with `held` every configuration has exactly its inclination. With `edge` above 1
         positions and turns are drawn from so many times the workspace and brought back to its border.
 
         Raises InputError where too few draws close within the limits."""
@@ -149,7 +149,7 @@ class Workspace:
         return self.closing.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Which postures of a platform have their middle within the box (n,); an arm's workspace is its joints' range."""
+        """Which configurations of a platform have their middle within the box (n,); an arm's workspace is its joints' range."""
         if self.mechanism.serial:
             return np.ones(len(made), dtype=bool)
         at_home = self.home.apply(self.centre)
@@ -190,7 +190,7 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 
 class ClosureSolver:
-    """Newton on the closure for many postures at once: first the joints for the pose, then all coordinates together."""
+    """Newton on the closure for many configurations at once: first the joints for the pose, then all coordinates together."""
 
     def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
         self.mechanism, self.closure, self.home, self.margin = mechanism, build_closure(mechanism), home, margin

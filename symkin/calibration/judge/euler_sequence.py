@@ -8,14 +8,14 @@ twenty-four remain for columns in a given order; those that give the same rotati
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from symkin.calibration.data.columns import SEQUENCES
 from symkin.calibration.data.files import DataFile, euler_quaternions
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import newton_configurations, start_points
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
@@ -29,19 +29,19 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
 _TRIAL_ROWS = 60
-"""Postures that the trial fits use, spread evenly over the file."""
+"""Configurations that the trial fits use, spread evenly over the file."""
 _FITTED_SEQUENCES = 4
 """Sequences, the best by their residuals before the fit, that are fitted."""
 _CLEAR_RATIO = 4.0
 """The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
 _UNCLOSED_MISFIT = 0.1
-"""A posture that does not close counts as one whose readings are off by this share of the size (angles: radians), and no posture
-counts as more: the sequence that explains most of the postures is wanted, and not the one that leaves out what it does not."""
+"""A configuration that does not close counts as one whose readings are off by this share of the size (angles: radians), and no configuration
+counts as more: the sequence that explains most of the configurations is wanted, and not the one that leaves out what it does not."""
 
 
 @dataclass(frozen=True)
 class SequenceTrial:
-    """A trial fit: chi-square over all postures, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
+    """A trial fit: chi-square over all configurations, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
     whether standard deviations are known."""
 
     chi_square: float
@@ -64,14 +64,14 @@ class SequenceTrial:
 @dataclass(frozen=True)
 class SequenceChoice:
     """The sequence that fits and those that read the same from these data; the trial fits of it and of the runner-up (None where
-    no other could be fitted), over the same `postures`."""
+    no other could be fitted), over the same `configurations`."""
 
     sequence: str
     same: tuple[str, ...]
     best: SequenceTrial
     runner_up: str | None
     second: SequenceTrial | None
-    postures: int
+    configurations: int
 
     @property
     def chi_square(self) -> float:
@@ -110,7 +110,7 @@ class SequenceChoice:
         )
         return (
             f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: chi-square {self.chi_square:.4g} with "
-            f"{self.best.degrees} degrees of freedom over {self.postures} postures, {other}{doubt}"
+            f"{self.best.degrees} degrees of freedom over {self.configurations} postures, {other}{doubt}"
         )
 
 
@@ -129,7 +129,7 @@ def find_sequence(
     Raises InputError where no sequence leads to a fit."""
     if data.open_euler is None:
         raise InputError(f"{data.path}: the file has no Euler angles of unknown sequence")
-    rows = np.unique(np.linspace(0, len(data.measurements) - 1, _TRIAL_ROWS).astype(int))
+    rows = spread_rows(len(data.measurements), _TRIAL_ROWS)
     families = _equal_sequences(data.open_euler)
     trials = {family[0]: data.with_sequence(family[0]).subset(rows) for family in families}
     starts = {s: _trial_start(mechanism, trials[s], options) for s in trials}
@@ -155,7 +155,31 @@ def find_sequence(
     best, *others = sorted(fitted, key=lambda s: fitted[s].score)
     same = next(family for family in families if family[0] == best)[1:]
     second = others[0] if others else None
-    return SequenceChoice(best, same, fitted[best], second, None if second is None else fitted[second], len(rows))
+    return SequenceChoice(
+        sequence=best,
+        same=same,
+        best=fitted[best],
+        runner_up=second,
+        second=None if second is None else fitted[second],
+        configurations=len(rows),
+    )
+
+
+def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
+    """A sentence where the Euler angles fit another sequence than the one that the header names, or none; `options` are those of
+    `calibrate`."""
+    if data.sequence is None or data.euler is None:
+        return ()
+    try:
+        choice = find_sequence(mechanism, replace(data, open_euler=data.euler), **options)
+    except InputError:
+        return ()
+    if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
+        return ()
+    return (
+        f"the Euler angles look to be of another sequence than {data.sequence}, which the header names: {describe_sequence(choice.sequence)} fits, with "
+        f"chi-square {choice.chi_square:.4g} at {choice.best.degrees} degrees of freedom",
+    )
 
 
 def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
@@ -175,8 +199,8 @@ def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class _TrialStart:
-    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, postures z there, which of
-    them close, and how badly the readings fit (angles times the size; a posture that does not close counts as one size)."""
+    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, configurations z there, which of
+    them close, and how badly the readings fit (angles times the size; a configuration that does not close counts as one size)."""
 
     measurements: Measurements
     p: np.ndarray
@@ -185,7 +209,7 @@ class _TrialStart:
     misfit: float
 
     def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> SequenceTrial | None:
-        """A fit over the postures that close, the others counted as misfit; None where all readings leave no degree of freedom."""
+        """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of freedom."""
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
         if not np.all(np.isfinite(state.fit.vector)):
@@ -200,7 +224,7 @@ class _TrialStart:
 
 
 def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
-    """What each posture counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their standard deviations."""
+    """What each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their standard deviations."""
     weights = [1.0 if kind in ANGULAR else problem.model.closure.size for kind, _ in problem.model.columns]
     return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * np.array(weights)) ** 2, axis=1))
 
@@ -222,4 +246,10 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
     weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)
-    return _TrialStart(measurements, p, z, solved, float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)))
+    return _TrialStart(
+        measurements=measurements,
+        p=p,
+        z=z,
+        solved=solved,
+        misfit=float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)),
+    )

@@ -78,33 +78,33 @@ def identifiability(
     mechanism: Mechanism, measurements: Measurements, *, parameters: Sequence[str] | None = None, fixed: Sequence[str] = (),
     residual: str = "means",
 ) -> Identifiability:  # fmt: skip
-    """Identifiability at the nominal geometry, over the postures whose direct problem is solved there."""
+    """Identifiability at the nominal geometry, over the configurations whose direct problem is solved there."""
     problem = build_calibration(mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual)
-    postures = solve_configurations(problem.model, measurements, problem.model.nominal)
-    if not postures.solved.any():
+    configurations = solve_configurations(problem.model, measurements, problem.model.nominal)
+    if not configurations.solved.any():
         raise InputError(f"{mechanism.name}: the direct problem of no posture has a solution at the nominal geometry")
-    if not postures.solved.all():
-        some = measurements.subset(postures.solved)
+    if not configurations.solved.all():
+        some = measurements.subset(configurations.solved)
         problem = build_calibration(mechanism, some, parameters=parameters, fixed=fixed, residual=residual)
-    state = estimate(problem, postures.z[postures.solved], max_iterations=0).state
+    state = estimate(problem, configurations.z[configurations.solved], max_iterations=0).state
     return identifiability_at(problem, state)
 
 
 def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiability:
-    """Identifiability at any state with closed postures: what the readings tell, without tolerances."""
+    """Identifiability at any state with closed configurations: what the readings tell, without tolerances."""
     state = error_free_state(replace(problem, prior=None), state)
     matrix = design(state)
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        problem.names,
-        state.fit.matrix,
-        found.values,
-        found.rank,
-        found.gap,
-        found.null_space,
-        named,
-        _advice(problem, state, named),
+        names=problem.names,
+        jacobian=state.fit.matrix,
+        singular_values=found.values,
+        rank=found.rank,
+        gap=found.gap,
+        null_space=found.null_space,
+        unobservable=named,
+        advice=_advice(problem, state, named),
     )
 
 
@@ -179,7 +179,7 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
 
 
 def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[str]) -> tuple[str, ...]:
-    """What to measure besides, from what the postures have in common."""
+    """What to measure besides, from what the configurations have in common."""
     advice = []
     kinds = {kind for kind, _ in problem.model.columns}
     unusual = [text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text]

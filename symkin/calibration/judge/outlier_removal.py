@@ -37,7 +37,7 @@ ReadingKey = tuple[int, str]
 
 @dataclass(frozen=True, eq=False)
 class StartValues:
-    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all postures, NaN where none are known."""
+    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations, NaN where none are known."""
 
     p: np.ndarray
     z: np.ndarray
@@ -154,15 +154,26 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     t = normalised_residuals(problem, problem, state) / scale
     bad, gross, count = list[Outlier](), 0, 0
     kinds = reading_kinds(problem)
-    total = sum(len(postures) for _, postures, _ in kinds)
-    for kind, postures, rows in kinds:
-        columns = rows[0] - postures[0] * t.shape[1]
-        for i in postures:
+    total = sum(len(configurations) for _, configurations, _ in kinds)
+    for kind, configurations, rows in kinds:
+        columns = rows[0] - configurations[0] * t.shape[1]
+        for i in configurations:
             inside = columns[problem.readings.taken[i, columns]]
             statistic, count = float(t[i, inside] @ t[i, inside]), count + 1
             gross += statistic > _GROSS_RATIO**2 * len(inside)
             if chi_square_tail(statistic, len(inside)) < level / total:
-                bad.append(Outlier(int(found.used[i]), "", kind, (), statistic, len(inside), 0.0, ""))
+                bad.append(
+                    Outlier(
+                        configuration=int(found.used[i]),
+                        label="",
+                        kind=kind,
+                        shift=(),
+                        statistic=statistic,
+                        degrees=len(inside),
+                        probability=0.0,
+                        reason="",
+                    )
+                )
     return bad, gross / max(count, 1)
 
 
@@ -183,7 +194,7 @@ def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, l
     if not made.screening.outliers:
         return made
     outliers = _retest(measurements, made.found, made.screening.outliers)
-    total = sum(len(postures) for _, postures, _ in reading_kinds(made.found.problem)) + len(outliers)
+    total = sum(len(configurations) for _, configurations, _ in reading_kinds(made.found.problem)) + len(outliers)
     kept = [o for o in outliers if o.probability < level / total]
     if len(kept) < len(outliers):
         again = fit(_without(measurements, kept), StartValues.of(made.found, len(measurements)))
@@ -195,7 +206,7 @@ def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, l
 
 
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
-    """Readings that were taken out, less what the fit predicts; as they were judged where their posture does not close."""
+    """Readings that were taken out, less what the fit predicts; as they were judged where their configuration does not close."""
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
     begin = start_points(problem.model, measurements)
@@ -206,7 +217,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
         noise = joint_covariance(problem, there)
     gap = _less_means(problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers)
     spread = 1.0 if problem.readings.known else _per_reading(found)
-    return [_retest_outlier(problem, gap, noise, o, spread) if closed[o.posture] else o for o in outliers]
+    return [_retest_outlier(problem, gap, noise, o, spread) if closed[o.configuration] else o for o in outliers]
 
 
 def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProblem:
@@ -219,7 +230,7 @@ def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProble
 def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence[Outlier]) -> np.ndarray:
     """Deviations of grouped readings from the mean of those of their group that are not taken out."""
     readings = problem.readings
-    out = {o.posture for o in outliers if o.kind == "group"}
+    out = {o.configuration for o in outliers if o.kind == "group"}
     for g in range(readings.groups):
         members = np.flatnonzero(readings.group == g)
         kept = [i for i in members if i not in out] or list(members)
@@ -234,27 +245,27 @@ def _retest_outlier(problem: CalibrationProblem, gap: np.ndarray, noise: np.ndar
         for k, (kind, component) in enumerate(problem.model.columns)
         if o.kind in (kind, component if kind == "distance" else kind)
     ]
-    columns = np.array([k for k in named if problem.readings.taken[o.posture, k]], dtype=int)
+    columns = np.array([k for k in named if problem.readings.taken[o.configuration, k]], dtype=int)
     if len(columns) == 0:
         return o
-    block = noise[o.posture][np.ix_(columns, columns)] + np.diag(problem.readings.sigma[o.posture, columns] ** 2)
-    shift = -gap[o.posture, columns]
+    block = noise[o.configuration][np.ix_(columns, columns)] + np.diag(problem.readings.sigma[o.configuration, columns] ** 2)
+    shift = -gap[o.configuration, columns]
     statistic = float(shift @ np.linalg.solve(spread * block, shift))
     return describe_outlier(
-        problem, o.posture, o.kind, columns, shift, statistic, len(columns), chi_square_tail(statistic, len(columns))
+        problem, o.configuration, o.kind, columns, shift, statistic, len(columns), chi_square_tail(statistic, len(columns))
     )
 
 
 def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
     for o in outliers:
-        measurements = measurements.without(o.posture, o.kind)
+        measurements = measurements.without(o.configuration, o.kind)
     return measurements
 
 
 def _renumbered(screening: Screening, used: np.ndarray) -> Screening:
-    """The screening with the numbers that postures have in the file."""
+    """The screening with the numbers that configurations have in the file."""
     return Screening(
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.outliers),
+        tuple(replace(o, configuration=int(used[o.configuration])) for o in screening.outliers),
         tuple((int(used[k]), kind) for k, kind in screening.unchecked),
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.given_up),
+        tuple(replace(o, configuration=int(used[o.configuration])) for o in screening.given_up),
     )

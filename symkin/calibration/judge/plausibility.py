@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, newton_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
@@ -66,7 +67,7 @@ _NAMED_CHANGES = 3
 """Changes that are named."""
 
 _COMPARED_CONFIGURATIONS = 80
-"""Postures that are compared, spread evenly over those used."""
+"""Configurations that are compared, spread evenly over those used."""
 _MAX_ALIGNMENT_STEPS = 30
 """Most Gauss-Newton steps of the frames."""
 
@@ -146,7 +147,7 @@ def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequen
         else f"{p.name} {p.change:+.3g}{f' {m.length_unit}' if p.kind == 'length' else ''}"
         for p in largest
     )  # fmt: skip
-    unclosed = f"; {gone.open} of {gone.postures} postures the file's geometry cannot take there" if gone.open else ""
+    unclosed = f"; {gone.open} of {gone.configurations} postures the file's geometry cannot take there" if gone.open else ""
     cause = f"{suspicions[0]}; its" if suspicions else "its"
     return (
         f"another machine than {m.name} describes: {cause} poses are {100 * gone.share:.2g} % of their spread away from the file's at the same "
@@ -168,10 +169,10 @@ def large_changes(fit: Calibration) -> list[Parameter]:
 
 
 def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
-    """Root mean square of a posture's residuals, angles times the size (length unit), over the better four fifths."""
+    """Root mean square of a configuration's residuals, angles times the size (length unit), over the better four fifths."""
     squares: dict[int, float] = {}
     for r in residuals:
-        squares[r.posture] = squares.get(r.posture, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
+        squares[r.configuration] = squares.get(r.configuration, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
     return rms_of_better_part(np.array(list(squares.values())))
 
 
@@ -192,24 +193,24 @@ def _relative_change(fit: Calibration, p: Parameter) -> float:
 @dataclass(frozen=True)
 class Departure:
     """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `open` the number
-    of postures, of `postures`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
+    of configurations, of `configurations`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
 
     share: float
     position: float
     angle: float
     open: int
-    postures: int
+    configurations: int
 
 
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
-    """The departure of a fit from the nominal geometry, over the postures fitted."""
+    """The departure of a fit from the nominal geometry, over the configurations fitted."""
     model = problem.model
-    rows = np.unique(np.linspace(0, len(state.z) - 1, _COMPARED_CONFIGURATIONS).astype(int))
+    rows = spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
     fitted = platform_poses(problem, state.p, state.z[rows])
     whole = np.all(np.isfinite(fitted), axis=1)
     rows, fitted = rows[whole], fitted[whole]
     if not len(rows):
-        return Departure(1.0, 0.0, 0.0, 0, 0)
+        return Departure(share=1.0, position=0.0, angle=0.0, open=0, configurations=0)
     joints = problem.measurements.joints[rows]
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
@@ -217,16 +218,18 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     here = _PoseSet.at(fitted, centre, length)
     spread = here.spread
     if not np.any(closed) or not spread > 0.0:
-        return Departure(0.0 if np.any(closed) else 1.0, 0.0, 0.0, int(np.sum(~closed)), len(rows))
+        return Departure(
+            share=0.0 if np.any(closed) else 1.0, position=0.0, angle=0.0, open=int(np.sum(~closed)), configurations=len(rows)
+        )
     there = _PoseSet.at(platform_poses(problem, model.nominal, z[closed]), centre, length)
     off = _aligned_difference(here.take(closed), there)
     squares = np.concatenate([np.sum(off**2, axis=1), np.full(int(np.sum(~closed)), spread**2)])
     return Departure(
-        rms_of_better_part(squares) / spread,
-        float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
-        float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length,
-        int(np.sum(~closed)),
-        len(rows),
+        share=rms_of_better_part(squares) / spread,
+        position=float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
+        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length,
+        open=int(np.sum(~closed)),
+        configurations=len(rows),
     )
 
 

@@ -58,7 +58,7 @@ class PoseSigma:
 
 
 def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
-    """Standard deviations over random poses of the region that was measured, else at the postures measured; and about home."""
+    """Standard deviations over random poses of the region that was measured, else at the configurations measured; and about home."""
     identified = with_parameters(replace(fit.mechanism, example=None), fit.values)
     made, where = _measured_region(identified, fit, seed)
     about_home = None
@@ -82,14 +82,14 @@ def _pose_sigma_at(fit: Calibration, identified: Mechanism, made: ClosedConfigur
     blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > np.clip(spread, *_UNDETERMINED_SLOPES))
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
-    return PoseSigma(made.poses, sigma, blind, where, outside)
+    return PoseSigma(poses=made.poses, sigma=sigma, blind=blind, where=where, outside=outside)
 
 
 # --- poses -----------------------------------------------------------------------------------------------------------
 
 
 def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tuple[ClosedConfigurations, str]:
-    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the postures measured."""
+    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the configurations measured."""
     joints = fit.measurements.joints[list(fit.used)]
     rng = np.random.default_rng(seed)
     if identified.serial:
@@ -106,7 +106,7 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
 
 
 def _between_measured(fit: Calibration, rng: np.random.Generator) -> np.ndarray:
-    """Variables of the closure (k, width) between pairs of measured postures, quaternions by the shorter way."""
+    """Variables of the closure (k, width) between pairs of measured configurations, quaternions by the shorter way."""
     measured = np.hstack([fit.problem.measurements.joints, fit.state.z])
     first, second = measured[rng.integers(len(measured), size=(2, _DRAWN_POSES))]
     share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
@@ -135,8 +135,8 @@ def _at_joints(mechanism: Mechanism, joints: np.ndarray, starts: np.ndarray | No
     """Closed configurations at joint values, those that are solved."""
     m = Measurements(joints, starts=starts)
     model = build_model(mechanism, m, ())
-    postures = solve_configurations(model, m, np.zeros(0))
-    z, joints = postures.z[postures.solved], joints[postures.solved]
+    configurations = solve_configurations(model, m, np.zeros(0))
+    z, joints = configurations.z[configurations.solved], joints[configurations.solved]
     return ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, np.zeros(0)))
 
 
@@ -153,13 +153,13 @@ def pose_sigma(calibration: Calibration, joints: np.ndarray, starts: np.ndarray 
     measured = Measurements(joints, position=np.zeros((len(joints), 3)), orientation=np.tile([1.0, 0, 0, 0], (len(joints), 1)))
     measured.check(calibration.mechanism)
     model = build_model(calibration.mechanism, measured, problem.names)
-    postures = solve_configurations(model, Measurements(joints, starts=starts), p)
-    if not postures.solved.all():
+    configurations = solve_configurations(model, Measurements(joints, starts=starts), p)
+    if not configurations.solved.all():
         raise InputError(
-            f"the direct problem of joint readings {int(np.argmin(postures.solved)) + 1} has no solution near its start"
+            f"the direct problem of joint readings {int(np.argmin(configurations.solved)) + 1} has no solution near its start"
         )
-    poses = model.poses(postures.z, p)
-    by_p = reading_slopes_at(model.evaluate(postures.z, joints, p, poses[:, 3:]))
+    poses = model.poses(configurations.z, p)
+    by_p = reading_slopes_at(model.evaluate(configurations.z, joints, p, poses[:, 3:]))
     free = calibration.covariance[: len(p), : len(p)] / np.outer(model.scales, model.scales)
     covariance = by_p @ free @ by_p.transpose(0, 2, 1)
     return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 0.0)))

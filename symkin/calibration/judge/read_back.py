@@ -18,7 +18,7 @@ from symkin.calibration.data.parameters import is_writable, nominal_parameters, 
 from symkin.calibration.estimate.configurations import newton_configurations
 from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.estimate.residuals import ANGULAR, wrapped
 from symkin.calibration.estimate.state import State, closed_state, joint_covariance
 from symkin.errors import SymkinError
 from symkin.model.file import parse
@@ -99,7 +99,7 @@ def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray
     ours = problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions).readings
     units = np.array([1.0 if kind in ANGULAR else size for kind, _ in problem.model.columns])
     gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
-    gap = np.where(readings.turning, np.abs(np.remainder(gap + np.pi, 2 * np.pi) - np.pi), gap)
+    gap = np.where(readings.turning, np.abs(wrapped(gap)), gap)
     known = _READING_AGREEMENT[0] * readings.sigma if readings.known else np.zeros_like(gap)
     off = np.any(~(gap <= np.maximum(known, _READING_AGREEMENT[1] * units)), axis=1)
     if not off.any():

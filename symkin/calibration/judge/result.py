@@ -36,10 +36,10 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """One reading less its model: posture number, kind and component; `value` in radians or the length unit (a group's
+    """One reading less its model: configuration number, kind and component; `value` in radians or the length unit (a group's
     from its mean), `normalised` over the deviation that the reading's own noise and the fit leave it."""
 
-    posture: int
+    configuration: int
     kind: str
     component: str
     value: float
@@ -49,12 +49,12 @@ class Residual:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A fit. `problem` holds what was fitted: the postures `used` (numbers in `measurements`) without outliers.
+    """A fit. `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without outliers.
 
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
-    `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are postures whose
+    `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are configurations whose
     direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped in silence.
-    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out, `silent` postures
+    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out, `silent` configurations
     without any reading beside the joints, which are not used. All figures are those of the file with the `corrected` geometry, written
     and read back (see `written`); `refused` says why it must not be written, None where nothing speaks against it.
     """
@@ -76,10 +76,10 @@ class Calibration:
     unsolved: tuple[int, ...]
     changed_mode: tuple[int, ...]
     poses: np.ndarray
-    method: str
     status: str
     iterations: int
-    elapsed_s: float
+    method: str = "nested"
+    elapsed_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
     given_up: tuple[Outlier, ...] = ()
     silent: tuple[int, ...] = ()
@@ -101,7 +101,7 @@ class Calibration:
 
     @property
     def believable(self) -> bool:
-        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains (neither larger
+        """Converged, with a rank that is clear, every configuration solved, and residuals that the stated noise explains (neither larger
         nor smaller than it lets expect), but for some outliers."""
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None

@@ -54,7 +54,7 @@ DOUBTFUL_CURVATURE = 0.5
 _WEAKEST_DIRECTIONS = 3
 """Directions that are tried: with those that are told better curvature falls by the square of their deviation."""
 _BETTER_SHARE = 0.8
-"""Share of the postures, those that fit better, by which fits are compared: single bad rows do not count."""
+"""Share of the configurations, those that fit better, by which fits are compared: single bad rows do not count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +110,7 @@ class LinearModel:
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
-    """The linear model of all readings at a state with closed postures."""
+    """The linear model of all readings at a state with closed configurations."""
     readings, free = problem.readings, determined_directions(problem, state)
     known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
     by_known = by_known @ free
@@ -139,7 +139,15 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
     own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
-    return LinearModel(flat - shared @ along, own_columns, group, shared, taken, whiten, float(along @ along))
+    return LinearModel(
+        residuals=flat - shared @ along,
+        own=own_columns,
+        group=group,
+        shared=shared,
+        taken=taken,
+        whiten=whiten,
+        within_reach=float(along @ along),
+    )
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
@@ -302,7 +310,7 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
 
 def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
     """For each free parameter (P,), the largest change that curvature makes of it along the weakest directions, as a share of
-    its standard deviation; inf where postures have no solution there, 0 where a closure leaves rows to the parameters.
+    its standard deviation; inf where configurations have no solution there, 0 where a closure leaves rows to the parameters.
     `spread` scales the stated variances."""
     found = np.zeros(len(problem.names))
     if state.leftover is not None:
@@ -326,7 +334,7 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
 def _departure_gradient(
     problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
 ) -> np.ndarray | None:
-    """(dr/dp)^T d (P,) of the departure d, part by part; None where postures do not close."""
+    """(dr/dp)^T d (P,) of the departure d, part by part; None where configurations do not close."""
     total = np.zeros(len(step))
     for rows, part in problem.parts:
         some = None if noise is None else noise[rows]
@@ -339,7 +347,7 @@ def _departure_gradient(
 
 
 def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
-    """d = r(p + step) - r(p) - (dr/dp) step, postures closed again; None where they do not close."""
+    """d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do not close."""
     z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
