@@ -117,7 +117,7 @@ def rods(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = 
     """Leg lengths of random poses above the base."""
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
-        return {"joints": symkin.solve(mechanism, pose=random_pose(mechanism, rng)).solution.actuated}
+        return {"joints": symkin.solve(mechanism, pose=random_pose(mechanism, rng)).solution.actuated_values}
 
     return Case(name, mechanism, "direct", count, draw, shipped, six_distances=True)
 

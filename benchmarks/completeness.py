@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -85,7 +85,7 @@ def platforms(count: int, rng: np.random.Generator) -> None:
             rods = [symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(6)]
             platform = symkin.Mechanism("platform", rods, platform_position=(0, 0, 1.5))
             pose = random_pose(rng, 1.0, 0.0, 10.0)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated), 40, pose
+            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 40, pose
 
     report("random 6-6", found())
 
@@ -96,7 +96,7 @@ def legs(count: int, rng: np.random.Generator) -> None:
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
         for _ in range(count):
             pose = random_pose(rng, 80.0, 300.0, 0.2)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated), 28, pose
+            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 28, pose
 
     report("zhang2009, random legs", found())
 

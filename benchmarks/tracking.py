@@ -84,7 +84,7 @@ def faults(found: Track, path: np.ndarray) -> list[str]:
     wrong = []
     for sample in (samples[0], samples[-1]):
         solution = sample.solution
-        every = symkin.modes(problem.mechanism, joints=solution.actuated)
+        every = symkin.modes(problem.mechanism, joints=solution.actuated_values)
         if min((apart(problem, solution, mode) for mode in every), default=math.inf) > _SAME:
             wrong.append("lost")
     end = fine(problem, samples[0].solution, path[: len(samples)])
@@ -108,7 +108,7 @@ def random_configuration(mechanism: symkin.Mechanism, rng: np.random.Generator) 
         if inverse.solution is None:
             continue
         pose = inverse.solution.pose
-        direct = symkin.solve(mechanism, joints=inverse.solution.actuated, start=pose, check=False)
+        direct = symkin.solve(mechanism, joints=inverse.solution.actuated_values, start=pose, check=False)
         if direct.solution is not None and direct.solution.condition < 1e3:
             return direct.solution
 
@@ -141,7 +141,7 @@ def newton(problem: Problem, start: Solution, path: np.ndarray, steps: int) -> S
             z = system.polish(z, known, steps=6)
             if system.residual(z, known) > 1e-9 * system.size or np.max(np.abs(z - before)) > 0.05 * system.size:
                 return None
-    return make_solution(problem, problem.assemble(z, path[-1]))
+    return make_solution(problem, problem.join_values(z, path[-1]))
 
 
 def apart(problem: Problem, a: Solution, b: Solution) -> float:

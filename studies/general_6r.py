@@ -27,7 +27,7 @@ import symkin
 from enumerated import certified, largest_residual, statement
 from report import Report, options_parser
 from small_multiples import draw_small_multiples
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 from symkin.spatial.rotation import quaternion_from_matrix
 
 DH = ((0.0, 0.3, 90), (0.0, 1.0, 1), (0.2, 0.0, 90), (0.0, 1.5, 1), (0.0, 0.0, 90), (0.0, 0.0, 1))
@@ -122,7 +122,7 @@ def forward_error(arm: symkin.Mechanism, found: Modes, pose: symkin.Pose) -> flo
     """Largest difference of a pose computed forwards, entry by entry of position and rotation."""
     worst = 0.0
     for mode in found:
-        end = symkin.solve(arm, joints=mode.actuated).solution
+        end = symkin.solve(arm, joints=mode.actuated_values).solution
         parts = (end.position - np.asarray(pose.position), end.rotation - np.asarray(pose.rotation))
         worst = max(worst, *(float(np.abs(part).max()) for part in parts))
     return worst
@@ -147,7 +147,7 @@ def report_counts(report: Report, which: str, poses: int, rng: np.random.Generat
 
 def caption(mode: Solution) -> str:
     """Joint values in degrees, three in a line."""
-    values = [f"{round(v, 1) + 0.0:.1f}°" for v in mode.actuated]
+    values = [f"{round(v, 1) + 0.0:.1f}°" for v in mode.actuated_values]
     return ", ".join(values[:3]) + "\n" + ", ".join(values[3:])
 
 

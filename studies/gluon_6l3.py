@@ -267,12 +267,14 @@ def report_from_zero(report: Report, arm: symkin.Mechanism, system: Equations, T
         report.row(f"{search.name} from zero joints ends at", None, ended, place=place, run=trial)
     for solver in ("newton", "ipopt"):
         result = symkin.solve(arm, pose=symkin.Pose.from_matrix(T), start=zero, solver=solver)
-        report.row(f"symkin.solve, {solver}, from zero joints", None, result.solution.actuated, "deg", place=place, run=result)
+        report.row(
+            f"symkin.solve, {solver}, from zero joints", None, result.solution.actuated_values, "deg", place=place, run=result
+        )
         noted = next((n for n in result.notes if "singular" in n), "-")
         report.row(f"symkin.solve, {solver}, what it says of the start", None, noted, place=place, run=result)
     for solver, start in (("newton", [10.0, 10.0, 20.0, 10.0, 20.0, 10.0]), ("ipopt", [0.0, 20.0, 0.0, 20.0, 0.0, 0.0])):
         result = symkin.solve(arm, pose=symkin.Pose.from_matrix(T), solver=solver, start=start)
-        report.row(f"symkin.solve, {solver}, from {start}", None, result.solution.actuated, "deg", place=place, run=result)
+        report.row(f"symkin.solve, {solver}, from {start}", None, result.solution.actuated_values, "deg", place=place, run=result)
     report.outside("the printed result of ikine", "listing 2", "a picture, missing in the copy at hand")
 
 

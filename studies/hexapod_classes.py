@@ -24,7 +24,7 @@ import symkin
 from enumerated import certified
 from incidence import IncidenceClass, all_classes, from_list, random_points
 from report import Report, new_figure, options_parser
-from symkin.position.solution import Modes
+from symkin import Modes
 
 NAMED: dict[str, tuple[str, int]] = {
     "6-6": ("B1P1 B2P2 B3P3 B4P4 B5P5 B6P6", 40),
@@ -52,7 +52,7 @@ def modes_at_random_pose(hexapod: symkin.Mechanism, rng: np.random.Generator) ->
     """All modes of the leg lengths of a random pose."""
     turn = rng.normal(size=4)
     pose = symkin.Pose(rng.normal(size=3) + [0, 0, 1.5], turn / np.linalg.norm(turn))
-    return symkin.modes(hexapod, joints=symkin.solve(hexapod, pose=pose).solution.actuated)
+    return symkin.modes(hexapod, joints=symkin.solve(hexapod, pose=pose).solution.actuated_values)
 
 
 def hexagon(half_gap: float | np.ndarray, radius: float) -> np.ndarray:

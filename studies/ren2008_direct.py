@@ -18,7 +18,7 @@ from guesses import attempt, least_squares, report_trials, rootfinder
 from ren2008_method import poses_of, random_postures
 from ren2008_model import Case, angles_of, closure, direct, inverse
 from report import Report
-from symkin.position.solution import Modes, SolveResult
+from symkin import Modes, SolveResult
 from written import written
 
 PLACE = "1.3, (1)"
@@ -96,7 +96,7 @@ def report_inverse(report: Report, case: Case, postures: np.ndarray) -> None:
     branches = symkin.modes(case.nominal, pose=case.nominal.reference_pose)
     report.row("inverse at home: solutions", None, len(branches), place=PLACE, run=branches)
     solved = Solved([symkin.solve(case.nominal, pose=pose) for pose in poses_of(postures)])
-    lengths = np.array([result.solution.actuated for result in solved.results])
+    lengths = np.array([result.solution.actuated_values for result in solved.results])
     report.row(
         f"inverse at {len(postures)} poses: symkin less the formula, largest", 0, float(np.abs(lengths - inverse(postures, eta)).max()),
         "m", place=PLACE, run=(solved, inverse), tolerance=1e-12,

@@ -165,10 +165,12 @@ def report_solutions(report: Report, arm: symkin.Mechanism) -> list[np.ndarray]:
         run=(found, inverse),
     )
     near = symkin.solve(arm, pose=pose, start=list(PRINTED))
-    row("symkin.solve from the printed answer", PRINTED, near.solution.actuated, "deg, mm", run=near)
+    row("symkin.solve from the printed answer", PRINTED, near.solution.actuated_values, "deg, mm", run=near)
     for solver in ("newton", "ipopt"):
         far = symkin.solve(arm, pose=pose, start=[0.0] * 6, solver=solver)
-        reached = [k for k, q in enumerate(solutions, start=1) if far.solution is not None and same(far.solution.actuated, q)]
+        reached = [
+            k for k, q in enumerate(solutions, start=1) if far.solution is not None and same(far.solution.actuated_values, q)
+        ]
         row(f"symkin.solve by {solver} from zero joints: status; solution reached", None, [far.status, *reached], run=far)
     return solutions
 

@@ -69,7 +69,7 @@ from zhang2009_unknowns import (
 def report_introduction(report: Report, platform: symkin.Mechanism, found: symkin.Modes) -> None:
     single = symkin.modes(platform, pose=quaternion_pose(EVIDENT_POSE))
     report.row("'inverse easy, direct very difficult': solutions of inverse (lengths > 0), direct (complex)", None,
-               [sum(all(length > 0 for length in mode.actuated) for mode in single), found.complex_count],
+               [sum(all(length > 0 for length in mode.actuated_values) for mode in single), found.complex_count],
                place="1", run=(single, found))  # fmt: skip
     six, many = third_derivative(six_unknowns()), third_derivative(quadratic_unknowns())
     report.row("third derivatives of 'quadratic equations in six unknowns': largest", 0.0, six, place="1", run=third_derivative,
@@ -231,7 +231,7 @@ def report_printed_update(report: Report, system: Equations) -> Path:
 
 def report_table_1(report: Report, platform: symkin.Mechanism, system: Equations) -> None:
     inverse = symkin.solve(platform, pose=quaternion_pose(EVIDENT_POSE))
-    own = inverse.solution.actuated
+    own = inverse.solution.actuated_values
     report.row("limb lengths at (119, 88, 72; 10, 21, 15)", TABLE_1, leg_lengths(system, EVIDENT_POSE), "mm", place="(1), table 1",
                run=leg_lengths)  # fmt: skip
     report.row("the same by symkin's inverse", TABLE_1, own, "mm", place="(1), table 1", run=inverse)

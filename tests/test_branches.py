@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 import symkin
 from symkin import Joint, Limb, Mechanism
 from symkin.homotopy.branches import complex_count, cover, real_candidates, uncovered
-from symkin.homotopy.dyads import two_angles
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import algebraic_systems
+from symkin.homotopy.universal_joints import two_angles
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
 

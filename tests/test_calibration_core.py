@@ -206,7 +206,7 @@ def test_full_poses_identify_a_platform_from_far_away():
         q = np.append(1.0, 0.15 * rng.uniform(-1, 1, 3))
         pose = np.concatenate([np.array(NOMINAL.platform_position) + rng.uniform(-0.15, 0.15, 3), q / np.linalg.norm(q)])
         poses.append(pose)
-        rows.append(symkin.solve(true, pose=pose, start=[0.2] * 6).solution.actuated)
+        rows.append(symkin.solve(true, pose=pose, start=[0.2] * 6).solution.actuated_values)
     data = Measurements(
         np.array(rows), position=np.array(poses)[:, :3], orientation=np.array(poses)[:, 3:], position_sigma=1e-5,
         orientation_sigma=1e-5,

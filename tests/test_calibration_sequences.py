@@ -75,7 +75,7 @@ def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     assert not report.usable
     assert "the angles fit" not in report.summary()
     assert "no Euler sequence led to a fit that can be used" in report.summary()
-    assert report.to_json()["euler_sequence"] is None
+    assert report.to_dict()["euler_sequence"] is None
 
 
 @pytest.mark.parametrize(

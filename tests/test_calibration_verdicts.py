@@ -131,7 +131,7 @@ def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
     report = fitted(tmp_path / "data.csv", RODS, replace(grouped, group_sigma=np.radians(0.01)))
     assert report.fit.p_value > 0.999
     assert not report.believable
-    assert not report.to_json()["believable"]
+    assert not report.to_dict()["believable"]
     assert "the stated noise is too large" in report.verdict
     assert any("the stated noise is too large" in note for note in report.fit.notes)
     times = float(re.search(r"the residuals are (\S+) times as large", report.sigma_text())[1])
@@ -175,7 +175,7 @@ def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
 
     report = fit_file(RODS, read_measurements(rows_changed(path, empty), RODS))
     assert "39 of 40 postures" in report.summary()
-    assert report.to_json()["silent"] == ["line 6"]
+    assert report.to_dict()["silent"] == ["line 6"]
     assert any("line 6 holds no reading" in note for note in report.fit.notes)
     others = fitted(path, RODS, grouped.subset(np.arange(40) != 4))
     assert report.fit.degrees == others.fit.degrees

@@ -333,7 +333,7 @@ def test_random_platforms_are_certified_whole():
         platform = hexapod(rng.normal(size=(6, 3)), 0.6 * rng.normal(size=(6, 3)), 1.5)
         q = rng.normal(size=4)
         pose = symkin.Pose(rng.normal(size=3), q / np.linalg.norm(q))
-        legs = symkin.solve(platform, pose=pose).solution.actuated
+        legs = symkin.solve(platform, pose=pose).solution.actuated_values
         problem = build_problem(platform, "direct")
         (system,) = algebraic_systems(problem)
         start, _ = start_of(problem, system, problem.blocks[0])

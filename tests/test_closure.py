@@ -192,7 +192,7 @@ def test_each_row_takes_a_freedom_of_the_platform(kinds, rng):
     mechanism = random_mechanism(rng, [kinds])
     problem = build_problem(mechanism, "direct")
     values = variables(problem.closure, forward_configuration(rng, mechanism))
-    z, known = problem.take(values, problem.system.unknowns), problem.take(values, problem.known_coordinates)
+    z, known = problem.select_values(values, problem.system.unknowns), problem.select_values(values, problem.known_coordinates)
     _, jacobian = problem.system.linearise_one(z, known)
     assert np.linalg.matrix_rank(jacobian[:, -6:], tol=1e-6) == CUTS[kinds][1]
 
@@ -262,7 +262,7 @@ def test_jacobian_is_the_differential_of_the_rows(kind, rng):
     problem = build_problem(random_mechanism(rng, [*rng.permutation(list(CUTS))[:4], "SPS"]), kind)
     system = problem.system
     values = random_values(problem.closure.coordinates, problem.closure.size, rng)
-    z, known = problem.take(values, system.unknowns), problem.take(values, problem.known_coordinates)
+    z, known = problem.select_values(values, system.unknowns), problem.select_values(values, problem.known_coordinates)
     _, jacobian = system.linearise_one(z, known)
 
     def rows(step):
@@ -299,8 +299,8 @@ def test_batched_rows_are_those_of_each_point(name):
     problem = build_problem(symkin.load(name), "inverse")
     rng = np.random.default_rng(0)
     values = np.array([random_values(problem.closure.coordinates, problem.closure.size, rng) for _ in range(131)])
-    known = problem.take(values[0], problem.known_coordinates)
-    points = np.array([problem.take(v, problem.system.unknowns) for v in values])
+    known = problem.select_values(values[0], problem.known_coordinates)
+    points = np.array([problem.select_values(v, problem.system.unknowns) for v in values])
     rows, jacobians = problem.system.linearise(points, known)
     for k in (0, 1, 127, 128, 130):
         one, jacobian = problem.system.linearise_one(points[k], known)

@@ -14,7 +14,7 @@ import symkin
 from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose, RodLimb
 from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
-from symkin.closure.walk import vectorise
+from symkin.closure.numpy_code import vectorise
 from symkin.homotopy import start_store
 from symkin.homotopy.instance import instance
 from symkin.homotopy.six_distances import universal_system
@@ -166,7 +166,7 @@ def test_random_platforms_lose_nothing(cache):
         platform = hexapod(rng.normal(size=(6, 3)), 0.6 * rng.normal(size=(6, 3)), 1.5)
         q, t = rng.normal(size=4), rng.normal(size=3)
         pose = Pose(t, q / np.linalg.norm(q))
-        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
         assert (found.complex_count, found.unresolved_paths, len(found) % 2) == (40, 0, 0)
         errors = [max(np.max(np.abs(m.position - t)), np.max(np.abs(m.rotation - pose.rotation))) for m in found]
         assert min(errors) < 1e-8
@@ -179,7 +179,7 @@ def test_random_legs_of_a_symmetric_platform():
     for _ in range(12):
         q = np.array([1.0, 0, 0, 0]) + 0.2 * rng.normal(size=4)
         pose = Pose(rng.normal(size=3) * 80 + [0, 0, 300], q / np.linalg.norm(q))
-        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
         assert (found.complex_count, found.unresolved_paths) == (28, 0)
         heights = sorted(m.position[2] for m in found)
         np.testing.assert_allclose(heights, [-h for h in reversed(heights)], atol=1e-6)

@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from helpers.samples import tied_platform
-from symkin.errors import SolveError
+from symkin import SolveError
 
 
 def exechon() -> symkin.Mechanism:
@@ -45,7 +45,7 @@ def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
     assert found.completeness == "probability one"
     assert found.complex_count == 8
     assert any("projected" in note for note in found.notes)
-    assert min(np.max(np.abs(np.array(mode.actuated) - given)) for mode in found) < 0.01
+    assert min(np.max(np.abs(np.array(mode.actuated_values) - given)) for mode in found) < 0.01
     assert all(mode.residual < 1e-9 * machine.size for mode in found)
     one = symkin.solve(machine, pose=_printed(pose))
     assert np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.size
@@ -72,7 +72,7 @@ def test_random_feasible_poses_come_back_through_rounding():
     for joints in rng.uniform(-12, 12, (6, 3)):
         pose = symkin.solve(machine, joints=joints).solution.pose
         back = symkin.solve(machine, pose=_printed(pose), start=joints).solution
-        assert np.max(np.abs(np.array(back.actuated) - joints)) < 0.02
+        assert np.max(np.abs(np.array(back.actuated_values) - joints)) < 0.02
 
 
 def test_a_platform_of_six_freedoms_is_never_projected():

@@ -222,7 +222,7 @@ def test_two_modes_of_a_platform_merge_at_a_singular_pose(seed):
     """Where the six lines are dependent two of the 40 roots are one, and it is that pose: 38 regular, one double."""
     platform, rng = random_platform(seed)
     pose = fold_pose(platform, rng)
-    problem, system, _, k, ends = mechanism_ends(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+    problem, system, _, k, ends = mechanism_ends(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
     singular = ends.singular
     assert (ends.z.shape[1], singular.multiplicity.tolist(), singular.turns.tolist()) == (38, [2], [2])
     assert singular.isolated.all()
@@ -237,7 +237,7 @@ def test_mirror_modes_merge_in_mirror_pairs(seed):
     """Base and platform in parallel planes: a singular pose and its mirror image, two double roots, 24 regular ones."""
     platform = symkin.load("zhang2009")
     pose = fold_pose(platform, np.random.default_rng(seed))
-    *_, ends = mechanism_ends(platform, joints=symkin.solve(platform, pose=pose).solution.actuated)
+    *_, ends = mechanism_ends(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
     assert (ends.z.shape[1], ends.singular.multiplicity.tolist()) == (24, [2, 2])
 
 
@@ -245,7 +245,7 @@ def test_mirror_modes_merge_in_mirror_pairs(seed):
 def test_near_a_singular_pose_nothing_is_lost(exponent):
     """Lengths changed by a share 10^-n: 40 paths end at finite roots, merged ones flagged, none unresolved."""
     platform, rng = random_platform(6)
-    lengths = np.array(symkin.solve(platform, pose=fold_pose(platform, rng)).solution.actuated)
+    lengths = np.array(symkin.solve(platform, pose=fold_pose(platform, rng)).solution.actuated_values)
     *_, ends = mechanism_ends(platform, joints=lengths * (1 + 10.0**-exponent * rng.uniform(-1, 1, 6)))
     assert (ends.z.shape[1] + ends.singular.multiplicity.sum(), ends.unresolved) == (40, ())
 

@@ -105,7 +105,7 @@ def test_platforms_take_another_geometry(name, tmp_path):
     for case in configurations(direct, closure.reference, 4, 6, spread=0.05, turn=0.1):
         z = system.polish(case.unknown, case.known, 8)
         assert system.residual(z, case.known) < 1e-10 * size
-        expected = pose_of(closure, direct.assemble(z, case.known))
+        expected = pose_of(closure, direct.join_values(z, case.known))
         guess = pose_of(closure, case.values)
         pose = (ctypes.c_double * 7)()
         start = _numbers([*guess.position, *guess.quaternion])

@@ -83,7 +83,7 @@ def test_slider_crank_stops_at_its_dead_centre():
 def test_three_rrr_stops_where_its_links_meet():
     """At the fold of a planar 3-RRR the lines of its three second links meet in one point (or are parallel)."""
     mechanism = three_rrr("planar")
-    q = np.array(symkin.solve(mechanism).solution.actuated)
+    q = np.array(symkin.solve(mechanism).solution.actuated_values)
     found = track(mechanism, joints=[q, q + [0.6, 0.78, 0.96]])
     assert found.stop is not None
     assert found.stop.kind == "turning point"
@@ -136,7 +136,7 @@ def test_random_smooth_paths_keep_their_mode(zhang):
     system = build_problem(zhang, "direct").system
     for _ in range(20):
         pose = [*rng.uniform(-60, 60, 2), rng.uniform(80, 160), 1.0, *(0.09 * rng.uniform(-1, 1, 3))]
-        q = np.array(symkin.solve(zhang, pose=pose).solution.actuated)
+        q = np.array(symkin.solve(zhang, pose=pose).solution.actuated_values)
         start = symkin.solve(zhang, joints=q, start=pose).solution
         a, b = rng.normal(size=(2, 6)) * 25
         t = np.linspace(0, 1, 9)[:, None]
@@ -168,7 +168,7 @@ def test_near_miss_of_a_flat_position_is_passed():
     assert found.certified
     side = []
     for sample in (found.samples[0], found.end):
-        angle = sample.actuated[0]
+        angle = sample.actuated_values[0]
         b = 40.0 * np.array([math.cos(angle), math.sin(angle)])
         tips = circles(b, coupler, np.array([100.0, 0.0]), 40.0)
         own = [same_angle(sample.joints["d"] + _rocker_at_reference(coupler), math.atan2(c[1], c[0] - 100.0)) for c in tips]
@@ -364,7 +364,7 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
 )
 def test_way_back_ends_at_the_start(mechanism):
     """A path and its way back end at the starting configuration; every sample closes all loops."""
-    q = np.array(symkin.solve(mechanism).solution.actuated)
+    q = np.array(symkin.solve(mechanism).solution.actuated_values)
     step = np.array([mechanism.angle_out(0.1) if c.is_angular else 0.05 * mechanism.size for c in mechanism.actuated])
     found = track(mechanism, joints=[q, q + step, q], samples=9)
     assert found.reached

@@ -13,7 +13,7 @@ def test_modes_of_redundant_rows_say_what_is_proved_of_them():
     """No certificate, but an exact root of rows as many as their rank, and a bound of the others that holds of the residual."""
     found = symkin.modes(symkin.load("zhao2000_links"))
     for mode in found:
-        ground = mode.to_json()["ground"]
+        ground = mode.to_dict()["ground"]
         assert mode.certified is False
         assert 0 < ground["independent"] < ground["rows"]
         assert 0.0 < ground["radius"] < 1e-9
@@ -42,14 +42,14 @@ def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(s
 def test_certified_modes_need_no_other_ground():
     for mode in symkin.modes(symkin.load("zhang2009")):
         assert mode.certified
-        assert mode.to_json()["ground"] is None
+        assert mode.to_dict()["ground"] is None
 
 
 def test_a_count_below_the_generic_one_says_where_the_others_are():
     """A platform of 28 generic solutions, at a regular pose and where it is turned by a quarter."""
     machine = symkin.load("zhang2009")
     for pose in ([10, 20, 300, 1, 0, 0, 0], [0, 0, 250, np.sqrt(0.5), 0, 0, np.sqrt(0.5)]):
-        found = symkin.modes(machine, joints=symkin.solve(machine, pose=pose).solution.actuated)
+        found = symkin.modes(machine, joints=symkin.solve(machine, pose=pose).solution.actuated_values)
         told = [note for note in found.notes if "generic complex solutions" in note]
         assert bool(told) == (found.complex_count < 28)
 
@@ -58,7 +58,7 @@ def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
     """Not certified, and the bound that it states holds of every sample's residual within what the residual adds."""
     machine = symkin.load("zhao2000_links")
     first = symkin.modes(machine)[0]
-    begin = list(first.actuated)
+    begin = list(first.actuated_values)
     end = [v + d for v, d in zip(begin, (0.5, -0.4, 0.3, 0.6), strict=True)]
     track = symkin.track(machine, joints=[begin, end], start=first)
     assert track.certified is False

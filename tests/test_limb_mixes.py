@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError, Joint, Limb, Mechanism
+from symkin import InputError, Joint, Limb, Mechanism, Modes, Solution
 from symkin.homotopy.quadratic_form import quadratic_form
 from symkin.homotopy.start_store import redundant_rows
 from symkin.homotopy.systems import system_of
 from symkin.position.problem import build_problem
-from symkin.position.solution import Modes, Solution
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from plain_closure import PlainMechanism
@@ -121,7 +120,7 @@ def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
     values = [0.3 * (k + 1) for k in range(len(spec))]
     found = symkin.modes(arm, pose=symkin.solve(arm, joints=values).solution.pose)
     assert len(found) == 1
-    assert np.allclose(found[0].actuated, values)
+    assert np.allclose(found[0].actuated_values, values)
 
 
 def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows_and_no_quadratic_form():

@@ -146,7 +146,7 @@ def elbow_sides(point: np.ndarray, configuration: np.ndarray, names: tuple[str, 
 def test_the_number_of_modes_changes_at_the_locus_and_nowhere_else(rrr_inputs: Loci) -> None:
     """Beside a point of the locus (not near a cusp) the numbers of real modes, by complete enumeration, differ by two."""
     mechanism, rng = three_rrr("planar"), np.random.default_rng(3)
-    q3 = rrr_inputs.solution.actuated[2]
+    q3 = rrr_inputs.solution.actuated_values[2]
     curve = max(rrr_inputs.curves, key=lambda c: len(c.points))
     for k in rng.choice(np.arange(5, len(curve.points) - 5), 6, replace=False):
         along = curve.points[k + 1] - curve.points[k - 1]
@@ -167,7 +167,7 @@ def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
             pose = curve.configurations[k, [place["pose.x"], place["pose.y"], place["pose.gamma"]]]
             counts = set()
             for turn in np.linspace(0, 2 * math.pi, 40, endpoint=False):
-                joints = [*(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])), rrr_inputs.solution.actuated[2]]
+                joints = [*(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])), rrr_inputs.solution.actuated_values[2]]
                 modes = symkin.modes(mechanism, joints=joints)
                 near = [np.linalg.norm(mode.position[:2] - pose[:2]) < 15 for mode in modes]
                 counts.add(sum(near))
@@ -280,7 +280,7 @@ def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
 
 def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
     """The JSON goes through json, the text names each curve, the picture is a PNG."""
-    content = json.loads(json.dumps(bars.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(bars.to_dict(), allow_nan=False))
     assert content["plane"] == ["q1", "q2"]
     assert len(content["curves"]) == len(bars.curves) == str(bars).count("type 2")
     draw_loci(bars, tmp_path / "loci.png")

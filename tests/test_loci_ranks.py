@@ -175,7 +175,7 @@ def test_no_curve_says_that_some_may_be_missing(tmp_path: Path) -> None:
     loci = loci_at(scara("P"), [0.0, math.pi / 2, 0.0, 0.0], ("j1", "j3"), starts=10)
     assert loci.curves == ()
     assert NONE_MET in loci.notes
-    assert NONE_MET in json.loads(json.dumps(loci.to_json()))["notes"]
+    assert NONE_MET in json.loads(json.dumps(loci.to_dict()))["notes"]
     assert "raise --starts" in str(loci)
     (axes,) = figure_of_loci(loci).axes
     assert "raise --starts" in axes.get_xlabel()

@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from helpers.laws import configuration
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 SEED = 5
 CASES = [
@@ -26,7 +26,7 @@ def given(name: str, kind: str) -> dict[str, Any]:
     mechanism = symkin.load(name)
     example = mechanism.example
     if name.startswith("ren2008"):
-        lengths = np.array(symkin.solve(mechanism, pose=mechanism.reference_pose).solution.actuated)
+        lengths = np.array(symkin.solve(mechanism, pose=mechanism.reference_pose).solution.actuated_values)
         joints = {"joints": tuple(lengths + [0.03, -0.02, 0.05, 0.01, -0.04, 0.02])}
     else:
         joints = {"joints": example.joints} if example.joints is not None else {"pose": example.pose}

@@ -56,7 +56,7 @@ def test_the_two_modes_of_a_five_bar_do_not_connect(planar: Mechanism, graph: Mo
 
 def side(solution: Solution) -> bool:
     """Whether the end point lies to the left of the line from elbow 1 to elbow 2."""
-    q1, q2 = (math.radians(v) for v in solution.actuated)
+    q1, q2 = (math.radians(v) for v in solution.actuated_values)
     first = 60 * np.array([math.cos(q1), math.sin(q1)])
     second = np.array([100.0, 0.0]) + 60 * np.array([math.cos(q2), math.sin(q2)])
     line, end = second - first, solution.position[:2] - first
@@ -84,7 +84,7 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     draw_mode_graph(graph, tmp_path / "graph.png", graph.path(0, 0))
     assert (tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
     assert "2 sheets" in str(graph)
-    assert graph.to_json()["groups"] == [[0], [1]]
+    assert graph.to_dict()["groups"] == [[0], [1]]
 
 
 def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
@@ -114,7 +114,7 @@ def sign(solution: Solution) -> int:
     """Sign of det dF/dX of the direct problem."""
     system = build_problem(solution.mechanism, "direct").system
     unknown = np.array([solution.values[c.name] for c in system.unknowns])
-    _, jacobian = system.linearise_one(unknown, np.array(solution.actuated))
+    _, jacobian = system.linearise_one(unknown, np.array(solution.actuated_values))
     return int(np.sign(np.linalg.det(jacobian)))
 
 

@@ -66,7 +66,7 @@ def test_the_example_of_the_gluon_page_from_zero_joints(solver):
     pose = symkin.solve(arm, joints=EXAMPLE).solution.pose
     for start in ([0.0] * 6, None, [1e-3] * 6):
         found = symkin.solve(arm, pose=pose, start=start, solver=solver)
-        assert np.abs(dh_product(np.array(found.solution.actuated)) - dh_product(np.array(EXAMPLE))).max() < 1e-6
+        assert np.abs(dh_product(np.array(found.solution.actuated_values)) - dh_product(np.array(EXAMPLE))).max() < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -108,11 +108,11 @@ def test_platforms_from_the_plane_of_their_base(name, solver):
     """Rods in one plane have rank 3 or less of 6 where all their joints lie in it; the solution is the direct problem's."""
     platform = symkin.load(name)
     pose = symkin.solve(platform).solution.pose if name == "zhang2009" else platform.reference_pose
-    joints = symkin.solve(platform, pose=pose).solution.actuated
+    joints = symkin.solve(platform, pose=pose).solution.actuated_values
     flat = [*map(float, platform.platform_position[:2]), 0.0, 1.0, 0.0, 0.0, 0.0]
     found = symkin.solve(platform, joints=joints, start=flat, solver=solver)
     again = symkin.solve(platform, pose=found.solution.pose).solution
-    assert np.allclose(again.actuated, joints, atol=1e-8 * platform.size)
+    assert np.allclose(again.actuated_values, joints, atol=1e-8 * platform.size)
 
 
 def test_a_moved_pose_is_named_as_a_pose():
@@ -139,7 +139,7 @@ def test_a_start_that_solves_the_problem_stays():
     for start in ([0.0] * 6, None):
         found = symkin.solve(arm, pose=pose, start=start)
         assert found.iterations == 0
-        assert np.abs(found.solution.actuated).max() < 1e-6
+        assert np.abs(found.solution.actuated_values).max() < 1e-6
         assert not any("began at" in n for n in found.notes)
 
 
@@ -186,7 +186,7 @@ def test_singular_poses_are_classified_where_the_start_means_them():
     printed = np.round([*pose.position, *pose.quaternion], 3)
     found = symkin.singularity(arm, pose=printed, start=joints)
     assert found.is_singular
-    assert found.solution.actuated == pytest.approx(joints, abs=0.15)
+    assert found.solution.actuated_values == pytest.approx(joints, abs=0.15)
     assert same_pose(found.solution.pose, pose, arm.size, 2e-3)
 
 

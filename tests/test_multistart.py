@@ -150,10 +150,10 @@ def test_a_wrist_partitioned_arm_has_eight_solutions():
     pose = symkin.solve(arm, joints=q).solution.pose
     modes = check(arm, sampled(arm, pose=pose))
     assert len(modes) == 8
-    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated, q, strict=True)) for mode in modes)
+    assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated_values, q, strict=True)) for mode in modes)
     for mode in modes:
-        assert same_pose(symkin.solve(arm, joints=mode.actuated).solution, pose, arm.size)
-        a, b, c, d, e, f = mode.actuated
+        assert same_pose(symkin.solve(arm, joints=mode.actuated_values).solution, pose, arm.size)
+        a, b, c, d, e, f = mode.actuated_values
         flipped = (a, b, c, d + math.pi, -e, f + math.pi)
         assert any(all(same_angle(x, y, 1e-6) for x, y in zip(o.actuated, flipped, strict=True)) for o in modes)
 
@@ -344,7 +344,7 @@ def test_a_seed_decides_the_result(name):
     """The same seed, the same JSON but for the time; another seed, the same modes."""
     mechanism = symkin.load(name)
     first, again, other = (sampled(mechanism, seed=s) for s in (3, 3, 4))
-    drop = lambda r: {k: v for k, v in r.to_json().items() if k != "elapsed_s"}  # noqa: E731
+    drop = lambda r: {k: v for k, v in r.to_dict().items() if k != "elapsed_s"}  # noqa: E731
     assert json.dumps(drop(first)) == json.dumps(drop(again))
     assert first.seed == 3
     assert len(first) == len(other)
@@ -409,7 +409,7 @@ def test_angles_are_moved_into_limits():
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least, for result and mode; no NaN; angles in (-180, 180]."""
-    result = sampled(symkin.load(name), starts=300).to_json()
+    result = sampled(symkin.load(name), starts=300).to_dict()
     assert result.keys() >= KEYS
     assert result["completeness"] in ("proved", "probability one", "incomplete", "sampled")
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -454,7 +454,7 @@ def test_without_a_solution_the_smallest_residual_is_told(case):
     assert not result.positive_dimensional
     assert result.smallest_residual > 1e-3
     assert "no real solution" in str(result)
-    assert json.loads(json.dumps(result.to_json(), allow_nan=False))["modes"] == []
+    assert json.loads(json.dumps(result.to_dict(), allow_nan=False))["modes"] == []
 
 
 def test_the_smallest_residual_of_a_five_bar_that_cannot_close():
@@ -526,7 +526,7 @@ def test_features_are_equal_where_configurations_are(rng):
     """Whole turns of angles and signs of quaternions change no feature; other steps, and turns of a screw joint, do."""
     problem = build_problem(MIXED, "direct")
     system = problem.system
-    z = problem.take(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
+    z = problem.select_values(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
     same, other = z.copy(), z.copy()
     c, place = list(zip(system.unknowns, system.slices, strict=True))[rng.integers(len(system.unknowns))]
     step = {"quaternion": lambda v: -v, "angle": lambda v: v + 2 * math.pi * rng.integers(-2, 3)}.get(c.kind, lambda v: v)

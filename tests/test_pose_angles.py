@@ -95,7 +95,7 @@ def test_what_angles_mean_is_said() -> None:
     from symkin.plots.loci_plot import figure_of_loci
 
     loci = loci_of([20.0, 10.0, 150.0, 1, 0, 0, 0], ("rx", "z"), (60, 60), 1)
-    assert "one rotation vector in the base frame" in loci.to_json()["angles"]
+    assert "one rotation vector in the base frame" in loci.to_dict()["angles"]
     assert "orientation (1, 0, 0, 0) turned by (rx, 0, 0)" in str(loci)
     assert "rx, ry, rz: one rotation vector" in str(loci)
     axes = figure_of_loci(loci).axes[0]

@@ -57,7 +57,7 @@ def test_no_finite_map_leads_from_the_joints_of_a_loose_platform(loose: Singular
     distances leave out."""
     assert math.isinf(loose.condition)
     assert math.isinf(loose.manipulability)
-    content = json.loads(json.dumps(loose.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(loose.to_dict(), allow_nan=False))
     assert content["condition"] is None
     assert content["everywhere"] == {"type 2": 2}
 

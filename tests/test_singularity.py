@@ -478,7 +478,7 @@ def test_verdict_and_distances_agree_near_two_kinds(off: float) -> None:
 def test_json_holds_no_infinity() -> None:
     """An infinite manipulability is null, and the object goes through JSON."""
     found = singularity(hexagons(), pose=[0, 0, 120, math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert content["kinds"] == ["type 2"]
     assert content["manipulability"] is None
     assert content["twists"][0]["name"] == "screw"

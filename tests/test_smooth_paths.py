@@ -45,7 +45,7 @@ def test_the_check_notices_a_changed_mode() -> None:
     mechanism = symkin.load("zhang2009")
     rng = np.random.default_rng(2)
     every = symkin.modes(mechanism)
-    path = np.array(every[0].actuated) + np.linspace(0.0, 2.0, 3)[:, None] * rng.normal(size=6)
+    path = np.array(every[0].actuated_values) + np.linspace(0.0, 2.0, 3)[:, None] * rng.normal(size=6)
     found = tracking.track(mechanism, joints=path, start=every[0], name_modes=False)
     other = tracking.track(mechanism, joints=path, start=every[1], name_modes=False)
     assert tracking.faults(found, path) == []

@@ -51,10 +51,10 @@ def test_direct_undoes_inverse(name, rng):
     inverse = symkin.solve(mechanism, pose=pose).solution
     assert same_pose(inverse, pose, mechanism.size, 1e-12)
     assert closes(mechanism, inverse)
-    direct = symkin.solve(mechanism, joints=inverse.actuated, start=pose).solution
+    direct = symkin.solve(mechanism, joints=inverse.actuated_values, start=pose).solution
     assert closes(mechanism, direct)
     assert same_pose(direct, pose, mechanism.size, 1e-7)
-    assert direct.actuated == pytest.approx(inverse.actuated, abs=1e-12)
+    assert direct.actuated_values == pytest.approx(inverse.actuated_values, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", [*SERIAL, "pieper"])
@@ -157,7 +157,7 @@ def test_solvers_agree(case):
         assert result.status == "ok"
         assert closes(mechanism, result.solution)
         assert same_pose(result.solution, results[0].solution, mechanism.size, 1e-6)
-        assert result.solution.actuated == pytest.approx(results[0].solution.actuated, rel=1e-6, abs=1e-5)
+        assert result.solution.actuated_values == pytest.approx(results[0].solution.actuated_values, rel=1e-6, abs=1e-5)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -196,7 +196,7 @@ def test_a_start_at_a_mode_stays_there(name):
     """Started at each assembly mode, Newton returns that mode, not another."""
     mechanism = symkin.load(name)
     for mode in symkin.modes(mechanism):
-        again = symkin.solve(mechanism, joints=mode.actuated, start=mode.pose)
+        again = symkin.solve(mechanism, joints=mode.actuated_values, start=mode.pose)
         assert same_pose(again.solution, mode, mechanism.size, 1e-7)
 
 
@@ -224,8 +224,8 @@ def test_a_start_of_joints_chooses_the_working_mode():
     """yao2020: from each of its modes, turned by a degree, the inverse problem returns that mode."""
     mechanism = symkin.load("yao2020")
     for mode in symkin.modes(mechanism):
-        again = symkin.solve(mechanism, pose=mode.pose, start=np.array(mode.actuated) + 1.0).solution
-        assert np.allclose(again.actuated, mode.actuated, atol=1e-5)
+        again = symkin.solve(mechanism, pose=mode.pose, start=np.array(mode.actuated_values) + 1.0).solution
+        assert np.allclose(again.actuated_values, mode.actuated_values, atol=1e-5)
 
 
 @settings(max_examples=10)
@@ -310,7 +310,7 @@ def test_huge_values_end_in_a_status(solver, huge):
     mechanism = symkin.load("zhang2009")
     for given_ in ({"start": [huge, 2, 90, 0.8, 0.6, 0, 0]}, {"joints": [huge] * 6}, {"pose": [huge, 0, 0, 1, 0, 0, 0]}):
         result = symkin.solve(mechanism, **given_, solver=solver, check=False)
-        json.dumps(result.to_json(), allow_nan=False)
+        json.dumps(result.to_dict(), allow_nan=False)
         if result.solution is not None:
             scale = max(1.0, max(abs(v) for v in result.solution.position) / mechanism.size)
             assert result.solution.residual <= 1e-8 * scale * mechanism.size
@@ -425,9 +425,9 @@ def test_joints_take_numpy_ints_and_pose_values():
     """Lists, tuples, arrays, integers and Pose objects are the same input."""
     mechanism = symkin.load("zhang2009")
     pose = Pose(np.array([1.0, 2.0, 100.0]), np.array([1.0, 0, 0, 0]))
-    expected = symkin.solve(mechanism, pose=pose).solution.actuated
+    expected = symkin.solve(mechanism, pose=pose).solution.actuated_values
     for given_ in ([1, 2, 100, 1, 0, 0, 0], (1.0, 2.0, 100.0, 1.0, 0, 0, 0), np.array([1, 2, 100, -1, 0, 0, 0])):
-        assert symkin.solve(mechanism, pose=given_).solution.actuated == pytest.approx(expected)
+        assert symkin.solve(mechanism, pose=given_).solution.actuated_values == pytest.approx(expected)
 
 
 # --- restricted motions -------------------------------------------------------------------------------------------
@@ -479,7 +479,7 @@ def test_a_pose_that_no_limb_allows_is_infeasible():
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least; numbers finite or null; dumps without NaN and loads back equal."""
     mechanism = symkin.load(name)
-    result = symkin.solve(mechanism).to_json()
+    result = symkin.solve(mechanism).to_dict()
     assert result.keys() >= KEYS
     assert result["solution"].keys() >= SOLUTION_KEYS
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -494,7 +494,7 @@ def test_json_has_the_contract_keys(name):
 def test_json_of_a_failure(status):
     """solution null, the status, and still no NaN."""
     make, given_, _ = FAILURES[status]
-    result = symkin.solve(make(), **given_, check=False).to_json()
+    result = symkin.solve(make(), **given_, check=False).to_dict()
     assert result["solution"] is None
     assert result["status"] == status
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -513,9 +513,9 @@ def test_results_print_themselves():
 def test_same_input_same_result():
     """Two solves give the same bits, also after others in between."""
     mechanism = symkin.load("zhao2000_links")
-    first = symkin.solve(mechanism).to_json()
+    first = symkin.solve(mechanism).to_dict()
     symkin.solve(mechanism, joints=[90.0, 210.0, 330.0, 100.0], check=False)
-    again = symkin.solve(mechanism).to_json()
+    again = symkin.solve(mechanism).to_dict()
     assert {k: v for k, v in first.items() if k != "elapsed_s"} == {k: v for k, v in again.items() if k != "elapsed_s"}
 
 

@@ -262,7 +262,7 @@ def test_gluon_inverse_is_that_of_eaik(method):
         options = {"starts": 2000} if method == "multistart" else {}
         modes = symkin.modes(arm, pose=pose, method=method, **options)
         assert modes.method == method
-        found = [np.radians(s.actuated) for s in modes]
+        found = [np.radians(s.actuated_values) for s in modes]
         assert len(found) == len(exact)
         assert all(min(turned(a, b) for b in exact) < 1e-6 for a in found)
         assert all(min(turned(a, b) for b in found) < 1e-6 for a in exact)

@@ -104,7 +104,7 @@ def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
 def test_passive_joints_of_every_kind_are_written(tmp_path):
     """A closure with quaternions and angles: each written row, read back, is the sample."""
     mechanism = symkin.load("zhao2000_links")
-    q = symkin.solve(mechanism).solution.actuated
+    q = symkin.solve(mechanism).solution.actuated_values
     found = track(mechanism, joints=[q, [q[0] + 1, *q[1:]]])
     assert all(closes(mechanism, sample.solution) for sample in found.samples)
     write_track(found, tmp_path / "t.csv")
@@ -117,7 +117,7 @@ def test_passive_joints_of_every_kind_are_written(tmp_path):
             column = table.columns[name]
             assert table.numbers(name, unit[column.unit], column.unit)[-1] == value
     again = read_trajectory(mechanism, tmp_path / "t.csv")
-    assert again["joints"] == [sample.actuated for sample in found.samples]
+    assert again["joints"] == [sample.actuated_values for sample in found.samples]
 
 
 def test_repeated_rows_stand_still(tmp_path, capsys):

@@ -70,7 +70,7 @@ def test_the_nearest_place_of_any_path(kind: str) -> None:
     mechanism = three_rrr("planar")
     rest = symkin.solve(mechanism).solution
     if kind == "joints":
-        rows = [list(rest.actuated), [v + d for v, d in zip(rest.actuated, (0.25, -0.1, 0.15), strict=True)]]
+        rows = [list(rest.actuated_values), [v + d for v, d in zip(rest.actuated_values, (0.25, -0.1, 0.15), strict=True)]]
     else:
         pose = [*rest.position, *rest.quaternion]
         rows = [pose, [pose[0] + 12.0, pose[1] - 9.0, *pose[2:]]]
@@ -84,7 +84,7 @@ def test_the_nearest_place_of_any_path(kind: str) -> None:
 
 def test_the_summary_and_the_json_name_it() -> None:
     found = track(four_bar()[0], joints=[[1.0], [1.2]])
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))["nearest"]
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))["nearest"]
     assert set(content) == {"parameter", "time", "smallest_singular_value", "distances"}
     assert content["distances"] == symkin.singularity(found.nearest.solution).distances
     assert f"nearest to a singularity at {content['parameter']:.9g} of the path" in str(found)
@@ -94,4 +94,4 @@ def test_an_arm_whose_pose_is_a_formula_has_none() -> None:
     arm = symkin.load("gluon_6l3")
     found = track(arm, joints=[[10.0] * 6, [20.0] * 6])
     assert found.nearest is None
-    assert found.to_json()["nearest"] is None
+    assert found.to_dict()["nearest"] is None

@@ -108,8 +108,8 @@ def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | Non
     rng, epsilon, size = np.random.default_rng(seed), Real(options.real).epsilon, mechanism.size
     reach = reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS)
     walker, ask = Walker(problem), asking(mechanism, options)
-    first, pose = problem.take(home, problem.system.unknowns), pose_of(problem.closure, home)
-    zs, begins = np.tile(first, (count, 1)), np.tile(problem.take(home, problem.known_coordinates), (count, 1))
+    first, pose = problem.select_values(home, problem.system.unknowns), pose_of(problem.closure, home)
+    zs, begins = np.tile(first, (count, 1)), np.tile(problem.select_values(home, problem.known_coordinates), (count, 1))
     guesses = np.tile([*pose.position, *pose.quaternion], (count, 1))
     home_rows = zs.copy(), begins.copy(), guesses.copy()
     totals = []
@@ -121,7 +121,7 @@ def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | Non
         z, shortest = walker.reached(zs, begins, goals)
         right = np.zeros(count, dtype=bool)
         for k in np.flatnonzero(ok & (shortest > 0.0)):
-            reached = pose_of(problem.closure, problem.assemble(z[k], goals[k]))
+            reached = pose_of(problem.closure, problem.join_values(z[k], goals[k]))
             near = 2e-7 + 16 * epsilon * problem.system.condition(z[k], goals[k])
             right[k] = _distance(poses[k], reached, size) < near * size
         within = (shortest >= REGULAR) & (status != 4)

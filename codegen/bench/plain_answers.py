@@ -101,7 +101,7 @@ class Both:
 
     def _of_unknowns(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         problem = self.plain.problem
-        return self._flat(pose_of(problem.closure, problem.assemble(z, known)))
+        return self._flat(pose_of(problem.closure, problem.join_values(z, known)))
 
     def _flat(self, pose: Pose) -> np.ndarray:
         return np.concatenate([pose.position, self.plain.problem.closure.size * pose.rotation.ravel()])

@@ -17,7 +17,6 @@ import numpy as np
 from symkin.assembly.proofs import Prover
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.branches import complex_count, real_candidates
-from symkin.homotopy.dyads import dyads_of, with_dyads
 from symkin.homotopy.ends import Ends
 from symkin.homotopy.engine import engine_of
 from symkin.homotopy.instance import instance
@@ -25,6 +24,7 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.start_store import TIED, start_of
 from symkin.homotopy.systems import squared, system_of
+from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
@@ -94,7 +94,7 @@ def _block_roots(
     prover = Prover.of(problem, algebraic, block, ends.z, given)
     possible = np.concatenate([ends.z[:, ~prover.not_real(ends.z.shape[1])], ends.singular.z], axis=1)
     real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
-    named = [values for root in real for values in with_dyads(problem, given.values, root)]
+    named = [values for root in real for values in with_universal_angles(problem, given.values, root)]
     found = _polished(block, given.values, named)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
@@ -109,7 +109,7 @@ def _block_roots(
     points = points[first]
     roots = Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(dyads_of(problem)),
+        complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(replaced_universal_joints(problem)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
         missing=_missing(ends),
     )  # fmt: skip

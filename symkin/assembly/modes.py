@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
@@ -22,7 +23,7 @@ from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import ACCEPTED, Completeness, Modes, Solution, make_solution
+from symkin.position.solution import ACCEPTED, Solution, make_solution
 from symkin.position.starts import start_values
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
@@ -135,7 +136,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
     if problem.is_explicit:
         search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
-        values = problem.assemble(start_values(problem, given, None), given.values)
+        values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
         if not solution.residual <= ACCEPTED * problem.closure.size:
@@ -160,7 +161,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         search.refuse_unless_multistart(
             f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
         )
-        solution = make_solution(problem, problem.assemble(np.zeros(0), given.values), notes=given.notes)
+        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
         return Modes(
             problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
         )

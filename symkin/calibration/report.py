@@ -252,7 +252,7 @@ class FitReport:
             lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _MAX_SHOWN)}")
         return lines
 
-    def to_json(self, *, residuals: bool = True) -> dict[str, Any]:
+    def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
         """All of it, or without `residuals`; lengths in the mechanism's unit, angles in its angle unit."""
         fit, m = self.fit, self.fit.mechanism
         found = fit.identifiability
@@ -308,8 +308,8 @@ class FitReport:
             }  # fmt: skip
 
     def json_text(self) -> bytes:
-        """`to_json` as a file's content, residuals a line each: of many configurations their objects would take more room than all else."""
-        head = json.dumps(self.to_json(residuals=False), indent=1, allow_nan=False)
+        """`to_dict` as a file's content, residuals a line each: of many configurations their objects would take more room than all else."""
+        head = json.dumps(self.to_dict(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
         rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.residual_rows())
         return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from symkin.closure.parameters import ParameterTable, snapped
+from symkin.closure.parameters import ParameterTable
 from symkin.closure.pose_forms import PlatformPose
+from symkin.closure.snapping import snapped_constants
 from symkin.model.joint import Joint
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -156,7 +157,12 @@ class JointSymbols:
 
     def snapped(self, size: float) -> JointSymbols:
         """The same joint with constants free of rounding noise."""
-        return replace(self, point=snapped(self.point, size), axis=snapped(self.axis), axis2=snapped(self.axis2))
+        return replace(
+            self,
+            point=snapped_constants(self.point, size),
+            axis=snapped_constants(self.axis),
+            axis2=snapped_constants(self.axis2),
+        )
 
     def steps(self, values: Sequence[ca.SX]) -> tuple[Step, ...]:
         """The displacement for coordinate values, one SX per coordinate of the joint."""

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property, lru_cache
-from symkin.closure.rows import Dyad, PoseForm, Row, RowBuilder
+from symkin.closure.rows import PoseForm, ReplacedUniversalJoint, Row, RowBuilder
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -80,7 +80,7 @@ class AlgebraicClosure:
     own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
     point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
     point of each row (7 numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated` gives the
-    values of actuated joints that were cut by the others, `dyads` stand for universal joints that distances replace.
+    values of actuated joints that were cut by the others, `replaced_universal_joints` are those that distances replace.
     """
 
     closure: Closure
@@ -91,7 +91,7 @@ class AlgebraicClosure:
     distances: ca.SX | None
     coordinates: tuple[Coordinate, ...]
     eliminated: tuple[tuple[Coordinate, ca.SX], ...]
-    dyads: tuple[Dyad, ...]
+    replaced_universal_joints: tuple[ReplacedUniversalJoint, ...]
 
 
 @lru_cache(maxsize=128)
@@ -114,12 +114,12 @@ def numbered_rows(closure: Closure) -> ca.SX:
 
 @lru_cache(maxsize=128)
 def build_algebraic_closure(
-    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, dyads: bool = True
+    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
 ) -> AlgebraicClosure:
     """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
-    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `dyads`, universal
+    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `replace_universal`, universal
     joints before spherical ones are left out where the pose is unknown."""
-    builder = RowBuilder(mechanism, form, eliminate=eliminate, dyads=dyads)
+    builder = RowBuilder(mechanism, form, eliminate=eliminate, replace_universal=replace_universal)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))
 
@@ -134,11 +134,20 @@ def _assemble(builder: RowBuilder) -> Closure:
     variables = ca.vertcat(*(pair[1] for pair in pairs))
     symbols, names, values = _used_parameters(builder)
     kept = _nonzero_rows(builder, coordinates, variables, symbols, values)
-    rows, sources = ca.vertcat(*(builder.rows[k] for k in kept)), tuple(builder.sources[k] for k in kept)
     return Closure(
-        builder.mechanism, coordinates, variables, symbols, names, values, rows, sources,
-        _without_unused(builder, names), builder.pose, builder.forward, tuple(text for text in builder.idle if text),
-    )  # fmt: skip
+        mechanism=builder.mechanism,
+        coordinates=coordinates,
+        variables=variables,
+        parameters=symbols,
+        parameter_names=names,
+        parameter_values=values,
+        rows=ca.vertcat(*(builder.rows[k] for k in kept)),
+        row_sources=tuple(builder.sources[k] for k in kept),
+        errors=_without_unused(builder, names),
+        pose=builder.pose,
+        forward=builder.forward,
+        idle=tuple(text for text in builder.idle if text),
+    )
 
 
 def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.ndarray]:
@@ -190,7 +199,15 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
     all_distances = len(builder.distances) == len(builder.rows) and not any(c.role == "passive" for c in coordinates)
     distances = ca.vertcat(*builder.distances) if all_distances else None
     return AlgebraicClosure(
-        closure, joints, pose, rows, builder.form, distances, coordinates, tuple(builder.eliminated), tuple(builder.dyads)
+        closure=closure,
+        joints=joints,
+        pose=pose,
+        rows=rows,
+        form=builder.form,
+        distances=distances,
+        coordinates=coordinates,
+        eliminated=tuple(builder.eliminated),
+        replaced_universal_joints=tuple(builder.replaced_universal_joints),
     )
 
 

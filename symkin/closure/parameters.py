@@ -6,10 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
-import numpy as np
-
-_NOISE = 4e-15
-"""cos(pi / 2) is 6e-17 in double precision; some products of such numbers gather a little more."""
 
 
 @dataclass
@@ -36,13 +32,3 @@ class ParameterTable:
         """Three parameters, normalised in the formula, so that calibration may move each of them."""
         raw = self.vector(path, value)
         return raw / ca.sqrt(ca.dot(raw, raw))
-
-
-def snapped(numbers: ca.SX | None, scale: float = 1.0) -> ca.SX | None:
-    """Constants without the rounding noise of trigonometry: what is within 4e-15 of 0, 1 or -1 times the scale is that.
-    Symbols stay as they are."""
-    if numbers is None or not numbers.is_constant():
-        return numbers
-    values = np.asarray(ca.DM(numbers)) / scale
-    nearest = np.clip(np.round(values), -1.0, 1.0)
-    return ca.SX(ca.DM(scale * np.where(np.abs(values - nearest) < _NOISE, nearest, values)))

@@ -19,8 +19,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Step
-from symkin.closure.parameters import ParameterTable, snapped
+from symkin.closure.parameters import ParameterTable
 from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, UnitPose
+from symkin.closure.snapping import snapped_constants
 from symkin.model.dh import reference_frames
 from symkin.model.joint import Coordinate, Joint
 from symkin.model.limb import Limb, RodLimb
@@ -43,10 +44,11 @@ PoseForm = Literal["study", "homogeneous"]
 
 
 @dataclass(frozen=True, eq=False)
-class Dyad:
-    """A passive universal joint and the spherical joint beyond it, as one distance. The joint's angles follow from
-    Turn(axis, first) Turn(axis2, second) arm = target, which has two solutions; `arm` and `target` are expressions of the
-    known joints and the pose, in the frame before the universal joint."""
+class ReplacedUniversalJoint:
+    """A passive universal joint that one distance, from its centre to that of the spherical joint beyond it, replaces.
+
+    Its angles follow from Turn(axis, first) Turn(axis2, second) arm = target, which has two solutions; `arm` and `target` are
+    expressions of the known joints and the pose, in the frame before the universal joint."""
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: ca.SX
@@ -68,12 +70,12 @@ class RowBuilder:
 
     def __init__(
         self, mechanism: Mechanism, form: PoseForm | None = None, *,
-        eliminate: bool = False, dyads: bool = True, bound: bool | None = None,
+        eliminate: bool = False, replace_universal: bool = True, bound: bool | None = None,
     ) -> None:  # fmt: skip
         self.mechanism = mechanism
         self.form = form if mechanism.motion in ("spatial", "spherical") else None
         self.eliminate = eliminate
-        self.use_dyads = dyads
+        self.replace_universal = replace_universal
         self.table = ParameterTable(bound=form is not None if bound is None else bound)
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
@@ -82,7 +84,7 @@ class RowBuilder:
         self.idle: list[str] = []
         self.distances: list[ca.SX] = []
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
-        self.dyads: list[Dyad] = []
+        self.replaced_universal_joints: list[ReplacedUniversalJoint] = []
         self.forward: Pose | None = None
 
     def build_rows(self) -> None:
@@ -91,7 +93,7 @@ class RowBuilder:
         joints = {name: [symbols.moved(self._shift(symbols.joint)) for symbols in chain] for name, chain in joints.items()}
         if self.table.bound:
             joints = {name: [symbols.snapped(m.size) for symbols in chain] for name, chain in joints.items()}
-            tool = Pose(snapped(tool.position, m.size), snapped(tool.quaternion))
+            tool = Pose(snapped_constants(tool.position, m.size), snapped_constants(tool.quaternion))
         self.limb_joints = joints
         self._declare_pose(tool)
         for limb in m.limbs:
@@ -212,9 +214,9 @@ class RowBuilder:
             self._two_balls(limb, joints, balls[0], balls[-1])
             return
         cut = _cut_index(joints)
-        hinge = _dyad_index(joints, cut) if self.form == "study" and self.use_dyads else None
+        hinge = _replaceable_universal_joint(joints, cut) if self.form == "study" and self.replace_universal else None
         if hinge is not None and cut is not None:
-            self._dyad(limb, joints, hinge, cut)
+            self._universal_as_distance(limb, joints, hinge, cut)
             return
         eliminated = cut is None and self.eliminate
         if eliminated:
@@ -251,7 +253,7 @@ class RowBuilder:
         self._distance(limb.name, (platform.local(joints[last].point), base), ca.sqrt(squared), squared)
         self.idle.append(f"{limb.name}: {joints[first].joint.name}, {joints[last].joint.name} (cut)")
 
-    def _dyad(self, limb: Limb, joints: list[JointSymbols], hinge: int, ball: int) -> None:
+    def _universal_as_distance(self, limb: Limb, joints: list[JointSymbols], hinge: int, ball: int) -> None:
         """Universal joint, known joints, spherical joint: a distance between the centres."""
         before, symbols = Chain(self._steps(joints[:hinge])), joints[hinge]
         base = before.move(symbols.point)
@@ -263,7 +265,7 @@ class RowBuilder:
         assert symbols.axis is not None and symbols.axis2 is not None  # noqa: S101, PT018 - a universal joint has both
         first, second = symbols.joint.coordinates
         target = rotate(conjugate(before.quaternion), reach)
-        self.dyads.append(Dyad((first, second), symbols.axis, symbols.axis2, arm, target))
+        self.replaced_universal_joints.append(ReplacedUniversalJoint((first, second), symbols.axis, symbols.axis2, arm, target))
 
     def _platform_side(self, after: Sequence[Step]) -> PlatformSide:
         return PlatformSide(self.platform_pose, self.reference, tuple(step.inverse() for step in reversed(after)))
@@ -323,7 +325,7 @@ def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX
     return u, cross(axis, u)
 
 
-def _dyad_index(joints: Sequence[JointSymbols], cut: int | None) -> int | None:
+def _replaceable_universal_joint(joints: Sequence[JointSymbols], cut: int | None) -> int | None:
     """The only passive joint before a spherical cut, if it is universal."""
     if cut is None or joints[cut].joint.type != "S":
         return None

@@ -49,16 +49,16 @@ def _block_text(made: ClosedMechanism, block: Block, values: dict[str, object]) 
     kernel, real = block.kernel, made.real
     nc = int(kernel.known.shape[0])
     known = made.inverse.known_coordinates
-    states = [made.inverse.take(s.values, block.system.unknowns) for s in made.samples]
-    poses = [made.inverse.take(s.values, known) for s in made.samples]
+    states = [made.inverse.select_values(s.values, block.system.unknowns) for s in made.samples]
+    poses = [made.inverse.select_values(s.values, known) for s in made.samples]
     matrices = np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)])
     kappa = curvature(kernel, states, poses, made.geometry.values)
     source = kernel_source(
         kernel, made.name, real, made.geometry.names, matrices, line_target(real, nc, kernel.quaternion), kappa
     )
     reference = made.closure.reference
-    start = made.inverse.take(reference, block.system.unknowns)
-    at = made.inverse.take(reference, known)
+    start = made.inverse.select_values(reference, block.system.unknowns)
+    at = made.inverse.select_values(reference, known)
     freedom = int(block.sides.shape[1])
     emitter = Emitter(
         ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True}),

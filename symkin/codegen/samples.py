@@ -32,7 +32,7 @@ def configurations(
     singularity, or bring a limb past a dead centre, are left out."""
     rng = np.random.default_rng(seed)
     joints = direct.known_coordinates
-    begin_known, begin = direct.take(home, joints), direct.take(home, direct.system.unknowns)
+    begin_known, begin = direct.select_values(home, joints), direct.select_values(home, direct.system.unknowns)
     reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.size) for c in joints])
     signs, found = _limb_signs(direct, home), list[Configuration]()
     for _ in range(4 * count):
@@ -44,7 +44,7 @@ def configurations(
         z = followed(direct, begin, begin_known, goal)
         if z is None:
             continue
-        values = direct.assemble(z, goal)
+        values = direct.join_values(z, goal)
         if np.array_equal(_limb_signs(direct, values), signs):
             found.append(Configuration(values, z, goal))
     return found
@@ -53,8 +53,8 @@ def configurations(
 def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
     """Signs of the determinants of the limbs for a given pose: one changes where a limb has passed a dead centre."""
     inverse = build_problem(direct.mechanism, "inverse")
-    known = inverse.take(values, inverse.known_coordinates)
-    matrices = [b.linearise_one(inverse.take(values, b.unknowns), known)[1] for b in inverse.blocks]
+    known = inverse.select_values(values, inverse.known_coordinates)
+    matrices = [b.linearise_one(inverse.select_values(values, b.unknowns), known)[1] for b in inverse.blocks]
     return np.array([np.sign(np.linalg.det(m)) for m in matrices if m.shape[0] == m.shape[1]])
 
 

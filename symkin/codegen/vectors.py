@@ -103,11 +103,11 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> _Found:
     for number, case in enumerate(cases):
         given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
         z = direct.system.polish(case.unknown, given + _zero(kind), 6)
-        pose = pose_of(closure, direct.assemble(z, given + _zero(kind)))
+        pose = pose_of(closure, direct.join_values(z, given + _zero(kind)))
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
         guess = rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven))
         target = _tidy(stated(kind, pose), seven)
-        values = direct.assemble(z, given + _zero(kind))
+        values = direct.join_values(z, given + _zero(kind))
         inverse = _tidy(_inverse_at(kind, rounded_to(real, target), values), lengths)
         bound = _bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance)
         rows.append((given, guess, target, inverse, bound))
@@ -138,7 +138,7 @@ def _zero(kind: RodPlatform | ClosedMechanism) -> np.ndarray | float:
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
     """A configuration near a case: joints moved by a part of the size."""
     known = case.known + part * np.array([1.0 if c.is_angular else direct.closure.size for c in direct.known_coordinates])
-    return direct.assemble(direct.system.polish(case.unknown, known, 6), known)
+    return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
 
 
 def _inverse_at(kind: RodPlatform | ClosedMechanism, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -150,16 +150,19 @@ def _inverse_at(kind: RodPlatform | ClosedMechanism, numbers: np.ndarray, near: 
             pose = Pose(pose.position + kind.home.position, turned.quaternion)
         return kind.joint_values(pose)
     inverse = kind.inverse
-    known = inverse.take(near, inverse.known_coordinates)
-    unknown = inverse.system.polish(inverse.take(near, inverse.system.unknowns), known, 6)
-    values = inverse.assemble(unknown, known)
-    return inverse.take(values, kind.actuated)
+    known = inverse.select_values(near, inverse.known_coordinates)
+    unknown = inverse.system.polish(inverse.select_values(near, inverse.system.unknowns), known, 6)
+    values = inverse.join_values(unknown, known)
+    return inverse.select_values(values, kind.actuated)
 
 
 def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
     """Actuated joint rates by the twist (velocity; angular velocity), N x 6, from the closure's differential."""
     inverse = build_problem(closure.mechanism, "inverse")
-    unknown, known = inverse.take(values, inverse.system.unknowns), inverse.take(values, inverse.known_coordinates)
+    unknown, known = (
+        inverse.select_values(values, inverse.system.unknowns),
+        inverse.select_values(values, inverse.known_coordinates),
+    )
     _, by_joints = inverse.system.linearise_one(unknown, known)
     pose = System(
         inverse.known_coordinates,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.modes import modes_at_need
 from symkin.errors import SymkinError
 from symkin.following.block_walk import Walk
@@ -18,7 +19,7 @@ from symkin.following.trajectory import Trajectory
 from symkin.following.turning_point import SingularPoint
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Completeness, Modes, pose_of
+from symkin.position.solution import pose_of
 from symkin.spatial.pose import Pose
 
 _BEFORE = 1e-4
@@ -46,7 +47,7 @@ class Meeting:
     completeness: Completeness
     opposite_signs: bool | None = None
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "parameter": self.parameter, "given": self.given, "own": self.own, "others": list(self.others),
             "modes": self.count, "completeness": self.completeness, "opposite_signs": self.opposite_signs,
@@ -99,7 +100,9 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
 def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     """The pose that the known coordinates of an inverse problem make."""
     problem = build_problem(trajectory.mechanism, "inverse")
-    return pose_of(problem.closure, problem.assemble(problem.take(problem.closure.reference, problem.system.unknowns), known))
+    return pose_of(
+        problem.closure, problem.join_values(problem.select_values(problem.closure.reference, problem.system.unknowns), known)
+    )
 
 
 def _turns(walk: Walk) -> bool:

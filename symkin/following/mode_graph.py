@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
 from symkin.errors import InputError
 from symkin.following.track import track
@@ -23,7 +24,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.given import given_from
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
-from symkin.position.solution import Modes, Solution
+from symkin.position.solution import Solution
 
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are the same mode."""
@@ -92,7 +93,7 @@ class ModeGraph:
         moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
         return np.asarray(rows[np.append(True, moved)])
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
             "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],

@@ -76,7 +76,7 @@ def _track(
     unknown = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns] or [np.zeros(0)])
     watch = LimitWatch(problem, trajectory, off=not limits)
     first = Place(0, 0.0, unknown, None)
-    limit = watch.start(problem.assemble(unknown, trajectory.samples[0]))
+    limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
     if mode.condition >= SINGULAR or limit is not None:
         branch = Branch([first], first, (), "singular" if limit is None else "limit", limit=limit)
     else:
@@ -125,7 +125,7 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: Place, before: 
     """One configuration of the path with its checks; its quaternion continues the one before."""
     row, u, unknown = place.row, place.u, place.unknown
     known = trajectory.at(row, u)
-    values = problem.assemble(unknown, known)
+    values = problem.join_values(unknown, known)
     pose = pose_of(problem.closure, values)
     if before is not None and np.dot(pose.quaternion, before.pose.quaternion) < 0.0:
         pose = Pose(pose.position, -np.asarray(pose.quaternion))

@@ -75,6 +75,6 @@ def _row(sample: Sample, timed: bool) -> list[object]:
     row: list[object] = [sample.time] if timed else []
     for value in sample.joints.values():
         row += value if isinstance(value, list) else [value]
-    pose = sample.to_json()["pose"]
+    pose = sample.to_dict()["pose"]
     radius = "" if sample.radius is None else sample.radius
     return [*row, *pose["position"], *pose["quaternion"], sample.parameter, sample.residual, sample.smallest, radius]

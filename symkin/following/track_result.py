@@ -51,11 +51,16 @@ class Sample:
         return make_solution(self.problem, self.values)
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units."""
         return [self.joints[c.name] for c in self.problem.mechanism.actuated]
 
-    def to_json(self) -> dict[str, Any]:
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
+
+    def to_dict(self) -> dict[str, Any]:
         return {
             "parameter": self.parameter,
             "time": self.time,
@@ -91,17 +96,17 @@ class Stop:
     limit: Limit | None = None
     blocks: int = 1
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "kind": self.kind,
             "type": self.type,
             "kinds": list(self.kinds),
             "row": self.row + 1,
             "share": self.u,
-            "place": None if self.place is None else self.place.to_json(),
+            "place": None if self.place is None else self.place.to_dict(),
             "error": self.error,
             "limit": None if self.limit is None else self.limit.name,
-            "meeting": None if self.meeting is None else self.meeting.to_json(),
+            "meeting": None if self.meeting is None else self.meeting.to_dict(),
             "text": self.text or stop_text(self),
         }
 
@@ -151,7 +156,7 @@ class Track:
             return "reached the end of the path on one mode"
         return f"stopped: {self.stop.text or stop_text(self.stop)}"
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         trajectory = self.trajectory
         return {
             "mechanism": trajectory.mechanism.name,
@@ -161,13 +166,13 @@ class Track:
             "angle_unit": trajectory.mechanism.angle_unit,
             "reached": self.reached,
             "statement": self.statement,
-            "stop": None if self.stop is None else self.stop.to_json(),
+            "stop": None if self.stop is None else self.stop.to_dict(),
             "certified": self.certified,
             "ground": self.ground,
             "followed_to": self.followed_to,
             "steps": self.steps,
             "nearest": self._nearest_json(),
-            "samples": [sample.to_json() for sample in self.samples],
+            "samples": [sample.to_dict() for sample in self.samples],
             "elapsed_s": self.elapsed_s,
             "notes": list(trajectory.notes),
         }

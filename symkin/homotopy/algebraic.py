@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.closure.walk import vectorise
+from symkin.closure.numpy_code import vectorise
 from symkin.model.joint import Coordinate
 
 

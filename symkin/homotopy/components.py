@@ -44,7 +44,7 @@ def _real_roots(
     """Regular closed configurations z (width, n) with known values k (known, n), from starts anywhere, known coordinates
     free as well."""
     free = free_system(problem, block)
-    reference = problem.take(problem.closure.reference, problem.known_coordinates)
+    reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
     starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
     pairs = [_algebraic(problem, system, free, end) for end in batch.points[batch.converged][:REAL_POINTS]]

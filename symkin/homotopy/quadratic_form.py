@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from symkin.caching import lru_cache
-from symkin.closure.walk import vectorise
+from symkin.closure.numpy_code import vectorise
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 _DEGREES = (1, 2, 4, 8, 16, 32, 64)

@@ -13,8 +13,8 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.closure.closure import build_algebraic_closure
+from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
-from symkin.closure.walk import vectorise
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem
@@ -61,7 +61,7 @@ def chosen_distances(problem: Problem) -> tuple[int, ...]:
         return tuple(range(count))
     values = closed_configurations(problem.closure, 0)[0]
     pose = pose_of(problem.closure, values)
-    numbers = np.asarray(function(problem.take(values, problem.known_coordinates))).reshape(count, 7)
+    numbers = np.asarray(function(problem.select_values(values, problem.known_coordinates))).reshape(count, 7)
     arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
     lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
     lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)

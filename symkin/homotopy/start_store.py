@@ -42,7 +42,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.position.given import Given
-from symkin.position.mobility import analyse_mobility, closed_configurations
+from symkin.position.mobility import closed_configurations, mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import merge
@@ -112,7 +112,7 @@ def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
     if start.z.shape[1] == 1:
         return start
     closed = closed_configurations(problem.closure, start.seed)[:_TARGETS]
-    targets = [known_values(problem, problem.take(values, problem.known_coordinates)) for values in closed]
+    targets = [known_values(problem, problem.select_values(values, problem.known_coordinates)) for values in closed]
     if len(targets) < 2:
         return start
     targets = [aligned(system, targets[0], target).real for target in targets]
@@ -196,9 +196,9 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
-    mobility = analyse_mobility(problem.mechanism)
-    if problem.kind == "direct" and mobility.closed and mobility.direct_rank.value < mobility.rank.value:
-        return None, f"{_AGREEING}: {mobility.actuated} of them for {mobility.mobility} freedoms"
+    found = mobility(problem.mechanism)
+    if problem.kind == "direct" and found.closed and found.direct_rank.value < found.rank.value:
+        return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     rank = system.count - (redundant_rows(problem, block) if problem.kind == "direct" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -232,7 +232,7 @@ def redundant_rows(problem: Problem, block: System) -> int:
     system = free_system(problem, block)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
-        _, jacobian = system.linearise_one(problem.take(values, system.unknowns), np.zeros(0))
+        _, jacobian = system.linearise_one(problem.select_values(values, system.unknowns), np.zeros(0))
         ranks.append(Rank.of(jacobian).value)
     return int(block.rows.shape[0]) - max(ranks)
 
@@ -246,7 +246,7 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
     missing = np.zeros((system.width, 0), dtype=complex)
     settings = TrackSettings(tolerance=1e-5)
     for values in closed_configurations(problem.closure, seed)[:_INSTANCES]:
-        known = problem.take(values, problem.known_coordinates)
+        known = problem.select_values(values, problem.known_coordinates)
         k = known_values(problem, known)
         tracked = track(system, start.z, start.k, k, settings)
         if not tracked.arrived.any():

@@ -14,7 +14,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from symkin.closure.walk import vectorise
+from symkin.closure.numpy_code import vectorise
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.branches import SAME
 from symkin.homotopy.tracker import Tracked

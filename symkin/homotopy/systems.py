@@ -11,8 +11,8 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.closure.closure import AlgebraicClosure, build_algebraic_closure
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.dyads import dyads_of
 from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system
+from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, components
 from symkin.position.problem import KNOWN, Problem
@@ -24,22 +24,25 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     are lengths and points."""
     if is_universal(problem):
         return (universal_system(),)
-    return _build(problem, dyads=True)
+    return _build(problem, replace_universal=True)
 
 
 @lru_cache(maxsize=64)
 def whole_system(problem: Problem, block: System) -> AlgebraicSystem:
     """The algebraic system of a block with universal joints among its unknowns."""
-    if not dyads_of(problem):
+    if not replaced_universal_joints(problem):
         return system_of(problem, block)
-    (system,) = _build(problem, dyads=False)
+    (system,) = _build(problem, replace_universal=False)
     return system
 
 
-def _build(problem: Problem, *, dyads: bool) -> tuple[AlgebraicSystem, ...]:
+def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSystem, ...]:
     pose_unknown = problem.kind == "direct"
     algebraic = build_algebraic_closure(
-        problem.mechanism, "study" if pose_unknown else "homogeneous", eliminate=problem.kind == "inverse", dyads=dyads
+        problem.mechanism,
+        "study" if pose_unknown else "homogeneous",
+        eliminate=problem.kind == "inverse",
+        replace_universal=replace_universal,
     )
     size = problem.closure.size
     known_role = KNOWN[problem.kind]

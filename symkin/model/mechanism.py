@@ -144,7 +144,7 @@ class Mechanism:
 
     def to_toml(self) -> str:
         """The mechanism file (format 1) that describes this mechanism."""
-        from symkin.model.writer import mechanism_to_toml
+        from symkin.model.writer import mechanism_to_toml  # tomlkit takes a while to import, and few runs write
 
         return mechanism_to_toml(self)
 

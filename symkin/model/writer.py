@@ -1,27 +1,50 @@
-"""Writing mechanism files (contract 1)."""
+"""Write mechanism files (TOML, `format = 1`)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol
 
 import tomlkit
 
+from symkin.model.dh import DHTable
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
-from symkin.model.mechanism import Mechanism
 
 
-def mechanism_to_toml(mechanism: Mechanism) -> str:
-    """The file that describes the mechanism; reading it back gives an equal one."""
+class Description(Protocol):
+    """What the file says of a mechanism, as `Mechanism` has it: that class writes itself, so that this module cannot import it."""
+
+    @property
+    def motion(self) -> str: ...
+    @property
+    def angle_unit(self) -> str: ...
+    @property
+    def serial(self) -> bool: ...
+    @property
+    def limbs(self) -> Sequence[Limb | RodLimb]: ...
+    @property
+    def joints(self) -> Iterator[tuple[Limb, Joint]]: ...
+    @property
+    def dh(self) -> DHTable | None: ...
+    @property
+    def platform_position(self) -> Sequence[float]: ...
+    @property
+    def platform_quaternion(self) -> Sequence[float]: ...
+    @property
+    def example(self) -> object | None: ...
+
+
+def mechanism_to_toml(mechanism: Description) -> str:
+    """Write the file that describes the mechanism; reading it back gives an equal one."""
     document = tomlkit.document()
     document["format"] = 1
     for key in ("name", "title", "source", "length_unit", "angle_unit"):
         if getattr(mechanism, key):
             document[key] = getattr(mechanism, key)
     if mechanism.dh is not None:
-        document["dh"] = _dh(mechanism)
+        document["dh"] = _dh(mechanism, mechanism.dh)
     elif mechanism.serial:
         _frame(document, "tool", mechanism)
         document["joint"] = _tables([_joint(mechanism, joint) for _, joint in mechanism.joints])
@@ -34,14 +57,14 @@ def mechanism_to_toml(mechanism: Mechanism) -> str:
     return tomlkit.dumps(document)
 
 
-def _frame(document: tomlkit.TOMLDocument, key: str, mechanism: Mechanism) -> None:
+def _frame(document: tomlkit.TOMLDocument, key: str, mechanism: Description) -> None:
     table: dict[str, Any] = {"position": list(mechanism.platform_position), "quaternion": list(mechanism.platform_quaternion)}
     if mechanism.motion != "spatial":
         table["motion"] = mechanism.motion
     document[key] = table
 
 
-def _limb(mechanism: Mechanism, limb: Limb | RodLimb) -> dict[str, Any]:
+def _limb(mechanism: Description, limb: Limb | RodLimb) -> dict[str, Any]:
     if isinstance(limb, RodLimb):
         table: dict[str, Any] = {"name": limb.name, "type": limb.type, "base": list(limb.base), "platform": list(limb.platform)}
         if limb.offset:
@@ -55,7 +78,7 @@ def _limb(mechanism: Mechanism, limb: Limb | RodLimb) -> dict[str, Any]:
     return table | ({"rod": _tables(rods)} if rods else {})
 
 
-def _joint(mechanism: Mechanism, joint: Joint) -> dict[str, Any]:
+def _joint(mechanism: Description, joint: Joint) -> dict[str, Any]:
     angular = joint.type in ("R", "H")
     table: dict[str, Any] = {"name": joint.name, "type": joint.type, "point": list(joint.point)}
     for key in ("axis", "axis2"):
@@ -71,17 +94,16 @@ def _joint(mechanism: Mechanism, joint: Joint) -> dict[str, Any]:
     return table | _range([_angle(mechanism, v) for v in limits] if limits and angular else limits)
 
 
-def _dh(mechanism: Mechanism) -> dict[str, Any]:
-    assert mechanism.dh is not None  # noqa: S101 - the caller has looked
+def _dh(mechanism: Description, table: DHTable) -> dict[str, Any]:
     rows = tomlkit.array()
-    for row in mechanism.dh.rows:
-        table = tomlkit.inline_table()
-        table.update({"name": row.name, "type": row.type, "theta": _angle(mechanism, row.theta), "d": row.d, "a": row.a})
-        table.update({"alpha": _angle(mechanism, row.alpha)})
+    for row in table.rows:
+        entry = tomlkit.inline_table()
+        entry.update({"name": row.name, "type": row.type, "theta": _angle(mechanism, row.theta), "d": row.d, "a": row.a})
+        entry.update({"alpha": _angle(mechanism, row.alpha)})
         limits = row.limits
-        table.update(_range([_angle(mechanism, v) for v in limits] if limits and row.type == "R" else limits))
-        rows.append(table)
-    return {"convention": mechanism.dh.convention, "rows": rows.multiline(True)}
+        entry.update(_range([_angle(mechanism, v) for v in limits] if limits and row.type == "R" else limits))
+        rows.append(entry)
+    return {"convention": table.convention, "rows": rows.multiline(True)}
 
 
 def _range(limits: Sequence[float] | None) -> dict[str, Any]:
@@ -97,7 +119,7 @@ def _tables(tables: list[dict[str, Any]]) -> Any:
     return array
 
 
-def _angle(mechanism: Mechanism, radians: float) -> float:
+def _angle(mechanism: Description, radians: float) -> float:
     """The shortest number in the mechanism's angle unit that reads back as exactly these radians, if there is one."""
     if mechanism.angle_unit == "rad":
         return radians

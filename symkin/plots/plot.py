@@ -23,7 +23,8 @@ from symkin.quiet import warnings_ignored
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.position.solution import Modes, Solution
+    from symkin.assembly.mode_list import Modes
+    from symkin.position.solution import Solution
 
 _DPI = 150
 _NOT_DRAWN = ("pgf", "raw", "rgba")
@@ -217,7 +218,7 @@ def _nothing(modes: Modes) -> str:
 
 def _mode_text(modes: Modes, solution: Solution) -> str:
     """Where the mode is: the platform's pose, or for an inverse problem the actuated joints; and whether within limits."""
-    where = f"joints {_list(solution.actuated)}" if modes.problem.kind == "inverse" else _pose_text(solution)
+    where = f"joints {_list(solution.actuated_values)}" if modes.problem.kind == "inverse" else _pose_text(solution)
     limits = {None: "", True: "\n\N{CHECK MARK} within limits", False: "\n\N{BALLOT X} outside limits"}
     return where + limits[solution.within_limits]
 

@@ -138,4 +138,6 @@ def _whole(problem: Problem) -> System:
 
 
 def _take(problem: Problem, values: np.ndarray) -> np.ndarray:
-    return np.concatenate([problem.take(values, problem.system.unknowns), problem.take(values, problem.known_coordinates)])
+    return np.concatenate(
+        [problem.select_values(values, problem.system.unknowns), problem.select_values(values, problem.known_coordinates)]
+    )

@@ -97,7 +97,7 @@ def _within_limits(problem: Problem, points: np.ndarray) -> np.ndarray:
 
 def moved_note(problem: Problem, given: Given, rank: StartRank, moved: np.ndarray, which: str) -> str:
     """What was done, with the moved start as a user gives it: joints for an inverse problem, else a pose."""
-    mechanism, values = problem.mechanism, problem.assemble(moved, given.values)
+    mechanism, values = problem.mechanism, problem.join_values(moved, given.values)
     if given.kind == "inverse":
         numbers = [float(values[problem.closure.slices[c.name]][0]) for c in mechanism.actuated]
         pairs = zip(mechanism.actuated, numbers, strict=True)

@@ -70,7 +70,7 @@ class Problem:
         for _ in range(2):
             values = random_values(self.closure.coordinates, self.closure.size, rng)
             _, jacobian = self.system.linearise_one(
-                self.take(values, self.system.unknowns), self.take(values, self.known_coordinates)
+                self.select_values(values, self.system.unknowns), self.select_values(values, self.known_coordinates)
             )
             ranks.append(Rank.of(jacobian).value)
         return max(ranks)
@@ -95,12 +95,12 @@ class Problem:
             return None
         return np.asarray(self._forward(known)).ravel()
 
-    def take(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+    def select_values(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         """The part of a full vector of variables that belongs to some coordinates."""
         parts = [values[self.closure.slices[c.name]] for c in coordinates]
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def assemble(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
+    def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """A full vector of variables from its unknown and known parts."""
         values = np.empty(int(self.closure.variables.shape[0]))
         for coordinates, part in ((self.system.unknowns, unknown), (self.known_coordinates, known)):

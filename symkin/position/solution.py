@@ -1,35 +1,23 @@
-"""Solutions of position problems: values, their checks, and how they print."""
+"""One solution of a position problem: its values, their checks, and how they print."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
+from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
     from symkin.certificate.independent_rows import PartialProof
-
-Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
-Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
-
-REMEDIES: dict[str, str] = {
-    "ok": "the solution satisfies every closure row",
-    "max_iterations": "the iteration did not settle: start nearer, use the other solver (newton, ipopt), or list all with modes",
-    "singular": "the Jacobian lost rank on the way: start elsewhere, or look at the mechanism's singularities",
-    "infeasible": "no configuration near the start closes all loops: check the given values against the mechanism's reach",
-    "nonfinite": "the iteration met NaN or infinity: check the given values and start nearer",
-}
 
 ACCEPTED = 1e-9
 """A configuration is a solution when no closure error exceeds this times the size."""
@@ -38,8 +26,8 @@ SINGULAR = 1e8
 _SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Result):
     """One configuration that closes all loops, in radians and the mechanism's length unit.
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
@@ -66,10 +54,15 @@ class Solution:
         return {name: value for name, value in self._user_values().items() if not name.startswith("pose.")}
 
     @property
-    def actuated(self) -> list[float]:
+    def actuated_values(self) -> list[float]:
         """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)` takes."""
         values = self.joints
         return [values[c.name] for c in self.mechanism.actuated]
+
+    @property
+    def actuated(self) -> list[float]:
+        """Deprecated name of `actuated_values`."""
+        return self.actuated_values
 
     @property
     def position(self) -> np.ndarray:
@@ -94,8 +87,8 @@ class Solution:
                 out[name] = self.mechanism.angle_out(value) if c.is_angular else value
         return out
 
-    def to_json(self) -> dict[str, Any]:
-        """The object of contract 3."""
+    def to_dict(self) -> dict[str, Any]:
+        """One entry of `modes` in the JSON of `symkin modes --json`."""
         return {
             "pose": {
                 "position": self.position.tolist(),
@@ -104,13 +97,21 @@ class Solution:
             },
             "joints": self.joints,
             "residual": self.residual,
-            "condition": _finite(self.condition),
+            "condition": finite(self.condition),
             "certified": self.certified,
             "radius": self.radius,
             "ground": None if self.ground is None else asdict(self.ground),
             "within_limits": self.within_limits,
             "notes": list(self.notes),
         }
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """Pose, joints and checks, a row each."""
+        unit = self.mechanism.length_unit
+        pose = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True))
+        values = {**pose, **self.joints, f"residual, {unit}": self.residual, "condition": self.condition}
+        rows = [[name, f"{value:.7g}"] for name, value in values.items() if isinstance(value, float)]
+        return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
     def __str__(self) -> str:
         position = ", ".join(f"{v:.6g}" for v in self.position)
@@ -121,138 +122,16 @@ class Solution:
             f"{joints}; residual {self.residual:.1e}, condition {self.condition:.3g}"
         )
 
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """One step of an iteration: pose (or None for unknown joints only) and the largest closure row (length unit)."""
-
-    values: np.ndarray
-    pose: Pose
-    residual: float
-
-
-@dataclass(frozen=True, eq=False)
-class SolveResult:
-    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history."""
-
-    problem: Problem
-    given: dict[str, list[float]]
-    status: Status
-    solution: Solution | None
-    iterations: int
-    history: tuple[Iterate, ...]
-    smallest_residual: float | None
-    method: str
-    elapsed_s: float
-    notes: tuple[str, ...] = ()
-
-    @property
-    def message(self) -> str:
-        mechanism = self.problem.mechanism
-        left = "" if self.smallest_residual is None else f" (closure error {self.smallest_residual:.3g} {mechanism.length_unit})"
-        return f"{mechanism.name}: {self.status} after {self.iterations} iterations{left}; {REMEDIES[self.status]}"
-
-    def to_json(self) -> dict[str, Any]:
-        return {
-            **_heading(self.problem, self.given),
-            "solution": None if self.solution is None else self.solution.to_json(),
-            "status": self.status,
-            "iterations": self.iterations,
-            "smallest_residual": _finite(self.smallest_residual),
-            "method": self.method,
-            "elapsed_s": self.elapsed_s,
-            "notes": list(self.notes),
-        }
-
-    def __str__(self) -> str:
-        return self.message if self.solution is None else f"{self.solution} ({self.iterations} iterations)"
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """All solutions found for one set of given values, with a statement of completeness that is never too large.
-
-    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
-    one more start finds a new mode (both for multistart only); `engine` is what tracked the paths.
-    """
-
-    problem: Problem
-    given: dict[str, list[float]]
-    modes: tuple[Solution, ...]
-    completeness: Completeness
-    method: str
-    seed: int | None
-    elapsed_s: float
-    starts: int | None = None
-    estimated_unseen: float | None = None
-    next_new: float | None = None
-    complex_count: int | None = None
-    unresolved_paths: int | None = None
-    smallest_residual: float | None = None
-    positive_dimensional: bool = False
-    notes: tuple[str, ...] = field(default=())
-    engine: str | None = None
-
-    def __len__(self) -> int:
-        return len(self.modes)
-
-    def __iter__(self) -> Iterator[Solution]:
-        return iter(self.modes)
-
-    def __getitem__(self, index: int) -> Solution:
-        return self.modes[index]
-
-    @cached_property
-    def representatives(self) -> list[Solution]:
-        """The first mode at each distinct pose."""
-        size = self.problem.closure.size
-        kept: list[Solution] = []
-        known = np.zeros((0, 12))
-        for mode in self.modes:
-            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
-            if np.all(np.max(np.abs(known - feature), axis=1, initial=0.0) > 1e-6 * size):
-                kept.append(mode)
-                known = np.vstack([known, feature])
-        return kept
-
-    @property
-    def poses(self) -> int:
-        """Count of distinct poses among the modes."""
-        return len(self.representatives)
-
-    def to_json(self) -> dict[str, Any]:
-        """The object of contract 3, with `starts`, `hits`, `estimated_unseen`, `engine` and `notes` beside it."""
-        hits = [mode.hits for mode in self.modes]
-        return {
-            **_heading(self.problem, self.given),
-            "modes": [mode.to_json() for mode in self.modes],
-            "poses": self.poses,
-            "complex_count": self.complex_count,
-            "completeness": self.completeness,
-            "unresolved_paths": self.unresolved_paths,
-            "smallest_residual": _finite(self.smallest_residual),
-            "method": self.method,
-            "seed": self.seed,
-            "elapsed_s": self.elapsed_s,
-            "starts": self.starts,
-            "hits": hits if any(h is not None for h in hits) else None,
-            "estimated_unseen": self.estimated_unseen,
-            "engine": self.engine,
-            "notes": list(self.notes),
-        }
-
-    def __str__(self) -> str:
-        from symkin.position.table import modes_text
-
-        return modes_text(self)
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = None, notes: tuple[str, ...] = ()) -> Solution:
     """A canonical, checked solution from a full vector of variables."""
     values = canonical(problem.closure, values)
     closure, system = problem.closure, problem.system
-    unknown = problem.take(values, system.unknowns)
-    known = problem.take(values, problem.known_coordinates)
+    unknown = problem.select_values(values, system.unknowns)
+    known = problem.select_values(values, problem.known_coordinates)
     condition = system.condition(unknown, known)
     named: dict[str, Any] = {}
     for c in closure.coordinates:
@@ -338,12 +217,12 @@ def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return build_closure(mechanism).coordinates
 
 
-def _finite(value: float | None) -> float | None:
+def finite(value: float | None) -> float | None:
     """JSON has no infinity: null stands for it."""
     return value if value is not None and math.isfinite(value) else None
 
 
-def _heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
+def heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
     mechanism = problem.mechanism
     return {
         "mechanism": mechanism.name,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.errors import InputError, SolveError
+from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -23,14 +23,8 @@ from symkin.position.moved_starts import (
 )
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import (
-    ACCEPTED,
-    Iterate,
-    Solution,
-    SolveResult,
-    make_solution,
-    pose_of,
-)
+from symkin.position.solution import ACCEPTED, Solution, make_solution, pose_of
+from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
@@ -218,14 +212,14 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
         return None, left
     system = problem.system
     z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
-    solution = make_solution(problem, problem.assemble(z, given.values), notes=given.notes)
+    solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
     return (solution, solution.residual) if solution.residual <= ACCEPTED * system.size else (None, solution.residual)
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:
     steps = []
     for z in path:
-        values = problem.assemble(z, known)
+        values = problem.join_values(z, known)
         if np.all(np.isfinite(values)):
             steps.append(
                 Iterate(values, pose_of(problem.closure, values), problem.system.residual(problem.system.unit(z), known))

@@ -25,7 +25,7 @@ def start_notes(found: Solution, kind: Kind, start: Sequence[float] | Pose) -> t
         angle = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
     else:
         given = list(start)  # type: ignore[arg-type]
-        pairs = [(c, float(a) - float(b)) for c, a, b in zip(mechanism.actuated, given, found.actuated, strict=True)]
+        pairs = [(c, float(a) - float(b)) for c, a, b in zip(mechanism.actuated, given, found.actuated_values, strict=True)]
         away = max((abs(d) for c, d in pairs if not c.is_angular), default=0.0)
         turns = [abs(math.remainder(mechanism.angle_in(d), 2 * math.pi)) for c, d in pairs if c.is_angular]
         angle = max(turns, default=0.0)

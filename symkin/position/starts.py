@@ -27,7 +27,7 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
         pose_from(start, "start")
     forward = problem.forward(given.values)
     if forward is not None:
-        return np.concatenate([problem.take(values, closure.role("passive")), forward])
+        return np.concatenate([problem.select_values(values, closure.role("passive")), forward])
     if given.kind == "inverse":
         if start is not None:
             numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
@@ -35,7 +35,7 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
                 values[closure.slices[c.name]] = number
             _set(values, problem, closure.role("pose"), given.values)
             values = fit_passive(mechanism, values)
-        return problem.take(values, problem.system.unknowns)
+        return problem.select_values(values, problem.system.unknowns)
     if start is not None:
         coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
         if off > 1e-6 * mechanism.size:
@@ -45,7 +45,7 @@ def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose |
         _set(values, problem, closure.role("pose"), coordinates)
         _set(values, problem, closure.role("actuated"), given.values)
         values = fit_passive(mechanism, values)
-    return problem.take(values, problem.system.unknowns)
+    return problem.select_values(values, problem.system.unknowns)
 
 
 def _set(values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate], numbers: np.ndarray) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.errors import SolveError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.given import Given, given_from
@@ -15,6 +14,7 @@ from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import ACCEPTED, Solution, make_solution
 from symkin.position.solve import solve
+from symkin.position.solve_result import SolveError
 from symkin.position.starts import start_values
 from symkin.spatial.pose import Pose
 
@@ -57,5 +57,5 @@ def _descended(problem: Problem, given: Given, begin: np.ndarray) -> Solution | 
     if not system.width:
         return None
     batch = levenberg_marquardt(system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60)
-    solution = make_solution(problem, problem.assemble(system.unit(batch.points[0]), given.values), notes=given.notes)
+    solution = make_solution(problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes)
     return solution if solution.residual <= ACCEPTED * problem.closure.size else None

@@ -72,7 +72,7 @@ class Loci:
         """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of the plane (mechanism's units)."""
         return self.plane.given(point)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """One object: the window and, for each curve, kind, limb, points and cusps in the mechanism's units."""
         return {
             "mechanism": self.plane.mechanism.name,
@@ -80,7 +80,7 @@ class Loci:
             "units": list(self.units),
             "ranges": [list(r) for r in self.ranges],
             "angles": self.angles,
-            "configuration": self.solution.to_json(),
+            "configuration": self.solution.to_dict(),
             "curves": [
                 {
                     "kind": c.kind, "limb": c.limb, "closed": c.closed, "points": c.points.tolist(), "cusps": c.cusps.tolist(),

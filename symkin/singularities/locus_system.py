@@ -60,7 +60,7 @@ class Plane:
         varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
         if self.of_pose:
             return {"pose": pose_at(self.mechanism, (*self.solution.position, *self.solution.quaternion), varied)}
-        held = zip((c.name for c in self.mechanism.actuated), self.solution.actuated, strict=True)
+        held = zip((c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True)
         return {"joints": [varied.get(name, value) for name, value in held]}
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:

@@ -42,7 +42,7 @@ class Output:
         )
         return f"{', '.join(self.names)} of {where}"
 
-    def to_json(self) -> dict[str, list[str] | list[float]]:
+    def to_dict(self) -> dict[str, list[str] | list[float]]:
         return {"coordinates": list(self.names), "point": list(self.point)}
 
 

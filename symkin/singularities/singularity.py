@@ -134,11 +134,11 @@ class Singularity:
         s = self.singular_values
         return float(s[0] / s[-1]) if s.size and np.isfinite(s[0]) and s[-1] > 0.0 else float("inf")
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """One object; infinite numbers are null."""
-        from symkin.singularities.singularity_text import singularity_json
+        from symkin.singularities.singularity_text import singularity_dict
 
-        return singularity_json(self)
+        return singularity_dict(self)
 
     def __str__(self) -> str:
         from symkin.singularities.singularity_text import singularity_text

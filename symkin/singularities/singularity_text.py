@@ -54,7 +54,7 @@ def _beyond(found: Singularity, kind: str) -> str:
     return f" (from more than the {count} everywhere)" if count else ""
 
 
-def singularity_json(found: Singularity) -> dict[str, Any]:
+def singularity_dict(found: Singularity) -> dict[str, Any]:
     """The same as one object; infinite numbers are null."""
     mechanism = found.solution.mechanism
     return {
@@ -62,8 +62,8 @@ def singularity_json(found: Singularity) -> dict[str, Any]:
         "length_unit": mechanism.length_unit,
         "angle_unit": mechanism.angle_unit,
         "size": mechanism.size,
-        "output": None if found.output is None else found.output.to_json(),
-        "configuration": found.solution.to_json(),
+        "output": None if found.output is None else found.output.to_dict(),
+        "configuration": found.solution.to_dict(),
         "kinds": list(found.kinds),
         "conditions": list(found.conditions),
         "everywhere": found.everywhere,
@@ -72,8 +72,8 @@ def singularity_json(found: Singularity) -> dict[str, Any]:
         "manipulability": _finite(found.manipulability),
         "inverse_manipulability": _finite(found.inverse_manipulability),
         "singular_values": [_finite(float(value)) for value in found.singular_values],
-        "twists": [screw.to_json() for screw in found.twists],
-        "wrenches": [screw.to_json() for screw in found.wrenches],
+        "twists": [screw.to_dict() for screw in found.twists],
+        "wrenches": [screw.to_dict() for screw in found.wrenches],
         "inputs": list(found.inputs),
         "notes": list(found.notes),
     }

@@ -12,9 +12,9 @@ from symkin.caching import cached_property
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import real_candidates
-from symkin.homotopy.dyads import with_dyads
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import distance_data, is_universal
+from symkin.homotopy.universal_joints import with_universal_angles
 from symkin.homotopy.values import coordinate_scale, real_values
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
@@ -63,7 +63,7 @@ class BlockRoots:
                 continue
             for z in candidates.T:
                 root = real_values(self.problem, self.algebraic, z, k[:, i])
-                named = with_dyads(self.problem, known[i], root)
+                named = with_universal_angles(self.problem, known[i], root)
                 points += [np.concatenate([values[c.name] for c in self.block.unknowns])[None] for values in named]
                 owner += [i] * len(named)
         return self._checked(np.concatenate(points), np.array(owner, dtype=int), known, settled)

@@ -22,11 +22,11 @@ from symkin.caching import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.branches import complex_count
-from symkin.homotopy.dyads import dyads_of
 from symkin.homotopy.engine import engine_of
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of
+from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
@@ -70,7 +70,7 @@ class Enumerator:
             return 1
         if not self.parts:
             return None
-        angles = 1 << len(dyads_of(self.problem))
+        angles = 1 << len(replaced_universal_joints(self.problem))
         return prod([angles * complex_count(system, start.z) for _, system, start in self.parts], start=1)
 
     @cached_property

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.assembly.mode_list import Modes
 from symkin.closure.closure import Closure
-from symkin.position.solution import Modes, Solution
+from symkin.position.solution import Solution
 from symkin.velocity.velocity import variables_of
 
 COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.errors import SolveError
 from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.position.solve_result import SolveError
 
 if TYPE_CHECKING:
     from symkin.velocity.velocity import VelocityEquations
@@ -41,8 +41,7 @@ class VelocityMatrices:
         if e.freedom:
             raise SolveError(
                 f"{e.closure.mechanism.name}: the direct Jacobian is not defined; with its {self.actuated.shape[1]} actuated "
-                f"joints held, the platform keeps {e.freedom} of its freedoms: actuate more joints, or declare its motion",
-                self,
+                f"joints held, the platform keeps {e.freedom} of its freedoms: actuate more joints, or declare its motion"
             )
         twist = np.vstack([limb.twist for limb in self._eliminated])
         rates = np.vstack([limb.actuated for limb in self._eliminated])
@@ -113,7 +112,7 @@ class VelocityMatrices:
             return np.zeros(matrix.shape[::-1])
         left, singular, right = np.linalg.svd(matrix, full_matrices=False)
         if len(singular) < rank or not singular[rank - 1] > RANK_TOLERANCE * singular[0]:
-            raise SolveError(f"{self.equations.closure.mechanism.name}: {what}", self)
+            raise SolveError(f"{self.equations.closure.mechanism.name}: {what}")
         return np.asarray((right[:rank].T / singular[:rank]) @ left[:, :rank].T)
 
     def _unscaled(

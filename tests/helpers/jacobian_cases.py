@@ -113,7 +113,7 @@ def _condition(mechanism: Mechanism, values: np.ndarray) -> float:
     """Of the direct problem; of the inverse one for a serial arm."""
     problem = build_problem(mechanism, "inverse" if mechanism.serial else "direct")
     return problem.system.condition(
-        problem.take(values, problem.system.unknowns), problem.take(values, problem.known_coordinates)
+        problem.select_values(values, problem.system.unknowns), problem.select_values(values, problem.known_coordinates)
     )
 
 
@@ -129,12 +129,12 @@ def differences(f: Any, step: float) -> np.ndarray:
 def along_joint(c: Case, k: int, s: float) -> np.ndarray:
     """The closed configuration after actuated joint k has moved by s."""
     problem = build_problem(c.mechanism, "direct")
-    known = problem.take(c.values, problem.known_coordinates).copy()
+    known = problem.select_values(c.values, problem.known_coordinates).copy()
     known[k] += s
     if problem.is_explicit:
-        return problem.assemble(problem.forward(known), known)
-    start = problem.take(c.values, problem.system.unknowns)
-    return problem.assemble(problem.system.polish(start, known, 10), known)
+        return problem.join_values(problem.forward(known), known)
+    start = problem.select_values(c.values, problem.system.unknowns)
+    return problem.join_values(problem.system.polish(start, known, 10), known)
 
 
 def along_pose(c: Case, k: int, s: float) -> np.ndarray:
@@ -147,8 +147,8 @@ def along_pose(c: Case, k: int, s: float) -> np.ndarray:
     scale = [c.closure.size if x.is_angular or x.kind == "quaternion" else 1.0 for x in pose for _ in range(x.freedom)]
     step[0, first + k] = s * scale[k]
     moved = system.move(c.values[None], step)[0]
-    known = problem.take(moved, problem.known_coordinates)
-    return problem.assemble(problem.system.polish(problem.take(c.values, problem.system.unknowns), known, 10), known)
+    known = problem.select_values(moved, problem.known_coordinates)
+    return problem.join_values(problem.system.polish(problem.select_values(c.values, problem.system.unknowns), known, 10), known)
 
 
 def twist(c: Case, path: Any, step: float) -> np.ndarray:

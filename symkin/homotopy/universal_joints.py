@@ -1,4 +1,4 @@
-"""Angles of the universal joints that distances have replaced (see `closure_rows.Dyad`), at a real pose.
+"""Angles of the universal joints that distances have replaced (see `closure_rows.ReplacedUniversalJoint`), at a real pose.
 
 Turn(a, alpha) Turn(b, beta) v = w is the second subproblem of Paden and Kahan (Murray, Li, Sastry, A Mathematical
 Introduction to Robotic Manipulation, 1994, section 3.2): c = Turn(b, beta) v has a.c = a.w, b.c = b.v, |c| = |v|, which
@@ -26,7 +26,7 @@ _DOUBLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class _Angles:
-    """One dyad with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the first."""
+    """One replaced joint with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the first."""
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: np.ndarray
@@ -36,8 +36,8 @@ class _Angles:
 
 
 @lru_cache(maxsize=128)
-def dyads_of(problem: Problem) -> tuple[_Angles, ...]:
-    """The dyads of a direct problem; none for others."""
+def replaced_universal_joints(problem: Problem) -> tuple[_Angles, ...]:
+    """The universal joints that distances replace in a direct problem; none in others."""
     if problem.kind != "direct":
         return ()
     algebraic = build_algebraic_closure(problem.mechanism, "study")
@@ -50,23 +50,23 @@ def dyads_of(problem: Problem) -> tuple[_Angles, ...]:
             ca.Function("vectors", arguments, [d.arm, d.target]),
             algebraic.coordinates,
         )
-        for d in algebraic.dyads
+        for d in algebraic.replaced_universal_joints
     )
 
 
-def with_dyads(problem: Problem, known: np.ndarray, values: Values) -> list[Values]:
-    """The coordinates of a real root at given joints with every combination of the dyads' angles at its pose."""
-    dyads = dyads_of(problem)
-    if not dyads:
+def with_universal_angles(problem: Problem, known: np.ndarray, values: Values) -> list[Values]:
+    """The coordinates of a real root at given joints with every combination of the replaced joints' angles at its pose."""
+    replaced = replaced_universal_joints(problem)
+    if not replaced:
         return [values]
     given = dict(zip((c.name for c in problem.known_coordinates), known, strict=True))
-    joints = np.array([given[c.name] if c.name in given else values[c.name][0] for c in dyads[0].joints])
+    joints = np.array([given[c.name] if c.name in given else values[c.name][0] for c in replaced[0].joints])
     pose = pose_point(values, 1.0)
     choices: list[list[Values]] = []
-    for dyad in dyads:
-        arm, target = (np.asarray(v).ravel() for v in dyad.vectors(joints, pose))
-        first, second = (c.name for c in dyad.coordinates)
-        found = two_angles(dyad.axis, dyad.axis2, arm, target)
+    for joint in replaced:
+        arm, target = (np.asarray(v).ravel() for v in joint.vectors(joints, pose))
+        first, second = (c.name for c in joint.coordinates)
+        found = two_angles(joint.axis, joint.axis2, arm, target)
         choices.append([{first: np.array([alpha]), second: np.array([beta])} for alpha, beta in found])
     return [{**values, **{k: v for part in choice for k, v in part.items()}} for choice in product(*choices)]
 
