@@ -18,7 +18,7 @@ from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import deviations, group_basis, linearise
 from symkin.calibration.estimate.solver import estimate
-from symkin.calibration.estimate.state import evaluate_readings, reading_slopes_at
+from symkin.calibration.estimate.state import evaluate_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.judge.statistics import LinearModel, determined_directions, linear_model
 from symkin.cli.app import main
@@ -56,7 +56,7 @@ def dense_model(problem, state, model):
     count = readings.values.size
     e = evaluate_readings(problem, state)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
-    columns = [(model.whiten @ reading_slopes_at(e)).reshape(count, -1) @ determined_directions(problem, state)]
+    columns = [(model.whiten @ e.slopes).reshape(count, -1) @ determined_directions(problem, state)]
     basis = group_basis(readings, model.whiten)
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))

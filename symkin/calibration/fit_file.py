@@ -129,7 +129,7 @@ def fit_file(mechanism: Mechanism, data: DataFile, **keywords: Unpack[FileFitKey
 
 
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
-    """What is fitted, and what is held out of it (None where nothing is)."""
+    """Split the file into what is fitted, and what is held out of it (None where nothing is)."""
     if hold_out is None:
         return data, None
     held = draw_held_out(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed)
@@ -174,7 +174,7 @@ class _FileFit:
 
 
 def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
-    """The measurements with standard deviations (keys joint, group, ...) that the file does not give."""
+    """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
         if key != "joint" and not _is_read(data, key):
@@ -189,7 +189,7 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
 
 
 def _is_read(data: DataFile, key: str) -> bool:
-    """Whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
+    """Tell whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
     m = data.measurements
     if key == "distance":
         return bool(m.distances)
@@ -204,9 +204,9 @@ def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
 
 
 def match_parameters(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
-    """Parameter names that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every parameter
-    that moves poses (see `minimal`). What a declared motion binds is only matched by its whole name. Raises InputError for a pattern that matches
-    nothing."""
+    """Name the parameters that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every
+    parameter that moves poses (see `default_parameters`). What a declared motion binds is only matched by its whole name.
+    Raises InputError for a pattern that matches nothing."""
     bound = bound_by_motion(mechanism) - {part.strip() for part in patterns.split(",")}
     return tuple(name for name in _match_patterns(mechanism, patterns) if name not in bound)
 
@@ -226,7 +226,7 @@ def _match_patterns(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
 
 
 def _note_left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) -> tuple[str, ...]:
-    """A note on what the patterns match and the declared motion binds."""
+    """Note what the patterns match and the declared motion binds."""
     bound = bound_by_motion(mechanism) if patterns == ALL_PARAMETERS else frozenset(_match_patterns(mechanism, patterns))
     missing = [name for name in build_closure(mechanism).parameter_names if name in bound and name not in names]
     if not missing:
@@ -238,7 +238,7 @@ def _note_left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) ->
 
 
 def _list_names(names: Sequence[str]) -> str:
-    """Some names of each beginning and end, that the rest can be guessed from."""
+    """List some names of each beginning and end, from which the rest can be guessed."""
     if len(names) <= _MAX_LISTED_NAMES:
         return ", ".join(names)
     endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
@@ -249,9 +249,9 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
-    """Parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform frame
-    in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of the
-    first limb after the slash, x towards the second's, z against gravity."""
+    """Name the parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform
+    frame in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of
+    the first limb after the slash, x towards the second's, z against gravity."""
     if frames == LEAST_CHANGE:
         return ()
     kind, _, limbs = frames.partition(":")
@@ -264,7 +264,7 @@ def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
 
 
 def calibrated_mechanism(report: FitReport) -> Mechanism:
-    """The corrected mechanism; title and source say what it is."""
+    """Build the corrected mechanism; title and source say what it is."""
     fit, nominal = report.fit, report.fit.mechanism
     how = printable(f"calibrated from {len(fit.used)} postures of {report.data}: {report.verdict}")
     return replace(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.judge.assessment import is_exact
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.holdout import HeldOut
@@ -32,9 +32,9 @@ _FRAME_WORD = "frame"
 
 @dataclass(frozen=True, eq=False)
 class FitReport:
-    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, slips that
-    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why it is not
-    to be used."""
+    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, mistakes that
+    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why
+    it is not to be used."""
 
     fit: Calibration
     data: str
@@ -49,7 +49,8 @@ class FitReport:
 
     @property
     def usable(self) -> bool:
-        """Converged, every combination that moves poses was observable, and the readings fit the geometry (no `refusal`)."""
+        """Whether the fit converged, every combination that moves poses was observable, and the readings fit the geometry (no
+        `refusal`)."""
         fit = self.fit
         return fit.status == "ok" and fit.refused is None and not self.sigma.blind and bool(fit.used) and self.refusal is None
 
@@ -117,6 +118,7 @@ class FitReport:
 
     @property
     def all_notes(self) -> tuple[str, ...]:
+        """All notes, those on the data first."""
         return (*self._sequence(), *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
 
     def _sequence(self) -> tuple[str, ...]:
@@ -145,26 +147,28 @@ class FitReport:
 
     @property
     def frames(self) -> tuple[str, ...]:
+        """Unobservable combinations that are frames."""
         return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD in text)
 
     @property
     def unobservable(self) -> tuple[str, ...]:
+        """Unobservable combinations that are not frames."""
         return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD not in text)
 
     def changes(self) -> list[Parameter]:
-        """The mechanism's parameters by the size of their change, angles times the size."""
+        """List the mechanism's parameters by the size of their change, angles times the size."""
         size = self.fit.mechanism.size
         own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
         return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
 
     def measuring_frames(self) -> list[Parameter]:
-        """Frames between the mechanism and what was measured that were identified."""
+        """List the frames between the mechanism and what was measured that were identified."""
         return [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
 
     # --- text ------------------------------------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """What the terminal shows."""
+        """Write what the terminal shows."""
         fit, found = self.fit, self.fit.identifiability
         p = "" if fit.p_value is None else f", probability {fit.p_value:.3g}"
         lines = [
@@ -203,7 +207,7 @@ class FitReport:
         return "\n".join(lines)
 
     def sigma_text(self) -> str:
-        """What is known of poses after this fit; no figure where the fit is not usable."""
+        """Say what is known of poses after this fit; no figure where the fit is not usable."""
         m = self.fit.mechanism
         if not self.usable:
             return "standard deviation of poses: none, the fit is not usable"
@@ -220,7 +224,7 @@ class FitReport:
         )
 
     def residual_text(self) -> str:
-        """Root mean square of the residuals of each kind."""
+        """Write the root mean square of the residuals of each kind."""
         m, by_kind = self.fit.mechanism, dict[str, list[float]]()
         for r in self.fit.residuals:
             by_kind.setdefault(r.kind, []).append(r.value)
@@ -233,7 +237,7 @@ class FitReport:
         return "residuals, rms: " + ", ".join(parts)
 
     def held_out_texts(self) -> list[str]:
-        """What the held-out configurations say of the prediction; none where none were held out."""
+        """Say how well held-out configurations are predicted; nothing where none were held out."""
         held = self.held_out
         if held is None:
             return []
@@ -253,7 +257,8 @@ class FitReport:
         return lines
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
-        """All of it, or without `residuals`; lengths in the mechanism's unit, angles in its angle unit."""
+        """Return the JSON object of the report, with or without `residuals`; lengths in the mechanism's unit, angles in its
+        angle unit."""
         fit, m = self.fit, self.fit.mechanism
         found = fit.identifiability
         labels = fit.measurements.labels
@@ -299,7 +304,7 @@ class FitReport:
         }  # fmt: skip
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:
-        """The residuals in JSON, one by one."""
+        """Yield the residuals as JSON objects."""
         labels, out = self.fit.measurements.labels, self.fit.mechanism.angle_out
         for r in self.fit.residuals:
             value = out(r.value) if r.kind in ANGULAR else r.value
@@ -308,14 +313,15 @@ class FitReport:
             }  # fmt: skip
 
     def json_text(self) -> bytes:
-        """`to_dict` as a file's content, residuals a line each: of many configurations their objects would take more room than all else."""
+        """Write `to_dict` as a file's content, residuals a line each: objects of many configurations would take more memory
+        than all else."""
         head = json.dumps(self.to_dict(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
         rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.residual_rows())
         return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"
 
     def to_markdown(self, files: Sequence[Path]) -> str:
-        """The report; `files` are those that stand beside it, pictures among them."""
+        """Write the report; `files` are those that stand beside it, pictures among them."""
         fit, m = self.fit, self.fit.mechanism
         lines = [
             f"# Calibration of {m.name}",

@@ -52,10 +52,10 @@ DistancePoints = tuple[Sequence[float], Sequence[float]]
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """What a file holds: measurements in radians and the mechanism's length unit, the line of each configuration, the names of
-    its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
-    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations, `euler` the Euler angles
-    of any sequence, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
+    """The content of a file: measurements in radians and the mechanism's length unit, the line of each configuration, and the
+    names of its groups. `sequence` is the Euler sequence that the header names; where it names none, `open_euler` (n, 3)
+    holds the angles (radians) and the measurements have no orientation yet. `euler` holds the angles of any sequence,
+    `wedges` (n, 2) a plan's inclinations, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
 
     path: str
     measurements: Measurements
@@ -69,7 +69,7 @@ class DataFile:
     copies: tuple[tuple[int, int], ...] = ()
 
     def subset(self, rows: np.ndarray) -> DataFile:
-        """Some of the rows, by number from 0."""
+        """Keep some of the rows, by number from 0."""
 
         def part(table: np.ndarray | None) -> np.ndarray | None:
             return None if table is None else table[rows]
@@ -80,8 +80,8 @@ class DataFile:
         )  # fmt: skip
 
     def without_copies(self) -> DataFile:
-        """Without the rows that repeat an earlier one in every cell, and a note that names their lines: a copy is no new measurement,
-        and would make degrees of freedom too many and standard deviations too small."""
+        """Leave out rows that repeat an earlier one in every cell, with a note that names their lines: a copy is no new
+        measurement; it would make degrees of freedom too many and standard deviations too small."""
         if not self.copies:
             return self
         kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
@@ -92,7 +92,7 @@ class DataFile:
         return replace(self.subset(kept), notes=(note, *self.notes))
 
     def with_sequence(self, sequence: str) -> Measurements:
-        """The measurements with the open Euler angles read in a sequence."""
+        """Read the open Euler angles in a sequence, and return the measurements with them."""
         if self.open_euler is None:
             return self.measurements
         return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
@@ -149,7 +149,7 @@ def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: 
 
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
-    """Unit quaternions (n, 4) of Euler angles (n, 3) in radians; NaN stays NaN."""
+    """Convert Euler angles (n, 3) in radians to unit quaternions (n, 4); NaN stays NaN."""
     return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
 
 
@@ -165,8 +165,8 @@ def measurements_text(
     mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
     comments: Sequence[str] = (),
 ) -> str:  # fmt: skip
-    """Readings in the mechanism's units as CSV; orientations as quaternions or, with `sequence`, as Euler angles, whose
-    headers leave the sequence out when it is `hidden`."""
+    """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with `sequence`, as Euler angles,
+    whose headers leave the sequence out when it is `hidden`."""
     if sequence is not None and sequence not in SEQUENCES:
         raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
     table = CsvColumns(mechanism)
@@ -213,7 +213,7 @@ def _write_orientation(table: CsvColumns, quaternions: np.ndarray, sequence: str
 
 
 class CsvColumns:
-    """Columns gathered for a CSV text, numbers with all their digits, NaN as an empty cell."""
+    """Gathers columns for a CSV text: numbers with all their digits, NaN as an empty cell."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism

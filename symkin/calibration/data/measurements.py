@@ -25,7 +25,7 @@ _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
 SIGMA_WIDTHS = {
     "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3,
 }  # fmt: skip
-"""Numbers of one configuration's standard deviations; 0: as many as there are joints."""
+"""How many standard deviations one configuration has of each kind; 0: as many as there are joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,14 +103,15 @@ class Measurements:
         return len(self.joints)
 
     def sigma(self, key: str) -> np.ndarray | None:
-        """Standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if unknown."""
+        """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if
+        unknown."""
         value = getattr(self, f"{key}_sigma")
         width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
         return None if value is None else _broadcast(value, (len(self), width))
 
     @property
     def is_read(self) -> np.ndarray:
-        """Which configurations (n,) hold any reading beside the joints; a group of one configuration is none."""
+        """Tell which configurations (n,) hold any reading beside the joints; a group of one configuration is none."""
         tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
         found = np.zeros(len(self), dtype=bool)
         for table in (*tables, *(d.values[:, None] for d in self.distances)):
@@ -121,7 +122,7 @@ class Measurements:
         return found
 
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
-        """The readings of some configurations, by number from 0 or by mask."""
+        """Keep the readings of some configurations, by number from 0 or by mask."""
         index = np.arange(len(self))[np.asarray(configurations)]
         changes: dict[str, Any] = {"labels": tuple(self.labels[k] for k in index)}
         for item in fields(self):
@@ -137,8 +138,7 @@ class Measurements:
         return replace(self, **changes)
 
     def without(self, configuration: int, kind: str) -> Measurements:
-        """The same measurements less one reading: the kind is group, inclination, position, orientation or the name of a
-        distance."""
+        """Leave out one reading: the kind is group, inclination, position, orientation or the name of a distance."""
         if kind == "group" and self.groups is not None:
             groups = self.groups.copy()
             groups[configuration] = NO_GROUP
@@ -156,7 +156,7 @@ class Measurements:
         return replace(self, distances=tuple(made))
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuses readings of another number of joints than the mechanism has."""
+        """Refuse readings of another number of joints than the mechanism has."""
         if self.joints.shape[1] != len(mechanism.actuated):
             names = ", ".join(c.name for c in mechanism.actuated) or "none"
             raise InputError(
@@ -186,7 +186,7 @@ class Measurements:
 
 
 def spread_rows(count: int, most: int) -> np.ndarray:
-    """Numbers of at most so many of `count` rows, spread evenly."""
+    """Choose at most so many of `count` rows, spread evenly, by number."""
     return np.unique(np.linspace(0, count - 1, most).astype(int))
 
 

@@ -21,7 +21,7 @@ from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
 from symkin.calibration.design.simulation import Noise, check_readings, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_systems
+from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.residuals import build_readings, whitening
@@ -81,7 +81,7 @@ class Plan:
 
 
 def corner_wedges(tilt: float) -> np.ndarray:
-    """Level, then edges and corners of +-tilt in alpha and beta (9, 2)."""
+    """Return level, then edges and corners of +-tilt in alpha and beta (9, 2)."""
     steps = (0.0, -tilt, tilt)
     pairs = [(a, b) for a in steps for b in steps]
     return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2)) if tilt > 0 else np.zeros((1, 2))
@@ -181,7 +181,7 @@ class _Task:
         self.seed = int(self.rng.integers(2**31))
 
     def chosen_candidates(self) -> _Pool:
-        """Candidates by exchange, then each exchanged for random neighbours, nearer and nearer."""
+        """Choose candidates by exchange, then exchange each for random neighbours, nearer and nearer."""
         pool = self._drawn()
         slopes = self.candidates(pool.configurations, pool.wedge)
         self.observe(slopes)
@@ -196,7 +196,7 @@ class _Task:
         return pool
 
     def _drawn(self) -> _Pool:
-        """Random candidates, for each wedge as many."""
+        """Draw random candidates, for each wedge as many."""
         draw, rng = self.workspace.draw, self.rng
         if self.offered is None:
             count = min(_MAX_CANDIDATES, max(10 * _CANDIDATES_PER_WEDGE, 4 * self.count))
@@ -226,7 +226,7 @@ class _Task:
         return Candidates(made.parameters, made.group, wedge)
 
     def observe(self, slopes: Candidates) -> None:
-        """Keep the directions of parameter space that all candidates together tell."""
+        """Keep the directions of parameter space that all candidates together determine."""
         self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
         if self.directions.shape[1] == 0:
             raise InputError(f"{self.mechanism.name}: these readings tell nothing of the geometry; name other readings")
@@ -242,12 +242,12 @@ class _Task:
         return np.asarray(flat.T @ flat / len(self.pose))
 
     def random_accuracy(self) -> Accuracy:
-        """What as many random configurations in as many random groups would reach."""
+        """Predict what as many random configurations in as many random groups would reach."""
         numbers = group_numbers(self.count, self.options.groups)
         return self.accuracy(random_configurations(self.workspace, numbers, Noise(), self.rng), numbers)
 
     def accuracy(self, made: ClosedConfigurations, groups: np.ndarray) -> Accuracy:
-        """What a fit of readings at these configurations would reach, by linear propagation."""
+        """Predict what a fit of readings at these configurations would reach, by linear propagation."""
         seen, singular = _principal_directions(less_inclinations(self.candidates(made, groups), int(groups.max()) + 1))
         missing = self.directions - seen @ (seen.T @ self.directions)
         left, outside, _ = np.linalg.svd(missing, full_matrices=False)
@@ -270,7 +270,7 @@ class _Task:
 
 
 def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
-    """Rows (n K, P) of configurations, the unknown inclination of each group projected out."""
+    """Project the unknown inclination of each group out of the rows of configurations (n K, P)."""
     rows = np.array(slopes.rows)
     for w in range(wedges):
         inside = slopes.wedge == w
@@ -282,7 +282,7 @@ def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
 
 
 def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Directions (P, r) that rows tell, and their singular values."""
+    """Return the directions (P, r) that rows determine, and their singular values."""
     triangle = np.linalg.qr(rows, mode="r")
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
     seen = singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)
@@ -307,8 +307,8 @@ def reading_slopes(
     *,
     grouped: bool,
 ) -> ReadingSlopes:
-    """Slopes of the readings that would be taken at closed configurations. Raises InputError where a
-    reading is without a standard deviation."""
+    """Differentiate the readings that would be taken at closed configurations. Raises InputError where a reading is without a
+    standard deviation."""
     quiet = np.random.default_rng(0)
     groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
@@ -320,15 +320,14 @@ def reading_slopes(
     values, weights = build_readings(model, taken), noise.joints(mechanism)
     z = unknown_coordinates(mechanism, made)
     e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
-    slopes = e.readings_p - e.readings_z @ solve_systems(e.rows_z, e.rows_p)
-    by_joint = e.readings_z @ solve_systems(e.rows_z, model.rows_by_joint(z, made.joints, model.nominal)) * weights
+    by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
     basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ slopes, basis)
+    return ReadingSlopes(whiten @ e.slopes, basis)
 
 
 def plan_text(plan: Plan) -> str:
-    """A plan as CSV: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
+    """Write a plan as CSV: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
     table = CsvColumns(plan.mechanism)
     if len(plan.wedges):
         table.text("group", [str(g + 1) for g in plan.groups])
@@ -345,7 +344,7 @@ def plan_text(plan: Plan) -> str:
 
 
 def accuracy_text(mechanism: Mechanism, accuracy: Accuracy) -> str:
-    """Predicted errors in the mechanism's units."""
+    """Write predicted errors in the mechanism's units."""
     length, angle = mechanism.length_unit, mechanism.angle_unit
     return (
         f"rms {accuracy.position:.3g} {length} and {mechanism.angle_out(accuracy.angle):.3g} {angle}; largest of 200 test poses in "

@@ -19,7 +19,7 @@ from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
 """What may be read beside the joints; a pose is position and orientation. Groups need nothing of these."""
 MAX_CONFIGURATIONS = 100_000
-"""More rows than this are taken for a slip of the keyboard."""
+"""More rows than this are taken for a typing mistake."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def check_readings(readings: Sequence[str]) -> None:
 
 
 def group_numbers(configurations: int, groups: int) -> np.ndarray:
-    """Numbers 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each of two at least."""
+    """Number the groups 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each of two at least."""
     if not 1 <= configurations <= MAX_CONFIGURATIONS:
         raise InputError(f"{configurations} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
     if groups < 0:
@@ -72,7 +72,7 @@ def group_numbers(configurations: int, groups: int) -> np.ndarray:
 def random_configurations(
     workspace: Workspace, groups: np.ndarray, noise: Noise, rng: np.random.Generator, wedges: np.ndarray | None = None
 ) -> ClosedConfigurations:
-    """Random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
+    """Draw random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
     held = workspace.inclinations(int(groups.max()) + 1, rng) if wedges is None else wedges
@@ -88,8 +88,9 @@ def planned_configurations(
     noise: Noise,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, ClosedConfigurations]:
-    """Group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at its joints,
-    each turned to its group's inclination (with the noise of that). Raises InputError for configurations that cannot be taken."""
+    """Return the group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at
+    its joints, each turned to its group's inclination (with the noise of that). Raises InputError for configurations that
+    cannot be taken."""
     model = build_model(nominal, plan, ())
     configurations = solve_configurations(model, plan, np.zeros(0))
     if not configurations.solved.all():
@@ -118,8 +119,8 @@ def simulate_readings(
     rng: np.random.Generator,
     distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> Measurements:
-    """Readings of true configurations, with standard deviations where there is noise; `distances` are points of the platform
-    and of the base by the names of their columns."""
+    """Read true configurations, with standard deviations where there is noise; `distances` are points of the platform and of
+    the base by the names of their columns."""
     check_readings(readings)
     kinds = {part for kind in readings for part in (("position", "orientation") if kind == "pose" else (kind,))}
     count, joint_sigma = len(true), noise.joints(mechanism)

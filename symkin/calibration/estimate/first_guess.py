@@ -50,8 +50,8 @@ _MIN_COST_DECREASE = 1e-8
 
 
 def parameters_from_poses(model: ConfigurationModel, measurements: Measurements) -> np.ndarray | None:
-    """Parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or where
-    frames between mechanism and measurement are unknown."""
+    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or
+    where frames between mechanism and measurement are unknown."""
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
     if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
         return None
@@ -65,7 +65,7 @@ def parameters_from_poses(model: ConfigurationModel, measurements: Measurements)
 
 
 def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray | None:
-    """Gauss-Newton with halved steps; passive joints are condensed configuration by configuration."""
+    """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in each configuration."""
     p = model.nominal
 
     def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
@@ -99,8 +99,7 @@ def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
 
 
 def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
-    """Parameters (P,) with the free frames at their best for those of the configurations z (n, width) that are solved (n,), all others
-    as in `p`."""
+    """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all other parameters as in `p`."""
     free = np.array([k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int)
     if not len(free) or not solved.any():
         return p
@@ -120,7 +119,7 @@ def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarr
 def _fit_frames(
     problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int
 ) -> tuple[np.ndarray, float]:
-    """Levenberg-Marquardt in the free frames, configurations as they are: parameters and cost."""
+    """Fit the free frames by Levenberg-Marquardt, configurations as they are: parameters and cost."""
     model = problem.model
 
     def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -147,8 +146,8 @@ def _fit_frames(
 
 
 def _frame_starts(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Iterator[np.ndarray]:
-    """p, and with the world frame in the orientations of a cube where all of its rotation is free; the target's orientation is then
-    the mean of those that were read, where all of it is free."""
+    """Yield p, and p with the world frame in the orientations of a cube where all of its rotation is free; the target's
+    orientation is then the mean of those that were read, where all of it is free."""
     yield p
     places = {name: k for k, name in enumerate(problem.names)}
     world, target = ([places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target"))

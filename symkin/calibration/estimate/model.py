@@ -35,6 +35,8 @@ from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotatio
 
 READING_KINDS = ("group", "inclination", "position", "orientation")
 """Kinds of readings in the order of their columns; distances follow."""
+ANGULAR = ("group", "inclination", "orientation")
+"""Kinds of readings that are angles (radians); the others are lengths."""
 COMPONENTS = {
     "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
     "position": ("x", "y", "z"), "orientation": ("x", "y", "z"),
@@ -64,7 +66,8 @@ int {name}_map(int n, const int* stride, const double** in, double** out) {{
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K, P)."""
+    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K,
+    P)."""
 
     rows: np.ndarray
     rows_z: np.ndarray
@@ -73,11 +76,39 @@ class Evaluation:
     readings_z: np.ndarray
     readings_p: np.ndarray
 
+    def condensed(self, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        """Eliminate the unknown coordinates: readings corrected for closures that are off by `pending` steps (n, f), their
+        derivative dh/dp (n, K, P) with the configurations following, and what an overconstrained closure leaves of F and
+        dF/dp."""
+        if self.rows_z.shape[1] == self.rows_z.shape[2]:
+            weights = solve_systems(self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
+            return self.readings - (weights @ self.rows[:, :, None])[:, :, 0], self.readings_p - weights @ self.rows_p, None
+        follow = solve_systems(self.rows_z, self.rows_p)
+        left = self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0], self.rows_p - self.rows_z @ follow
+        return self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0], self.readings_p - self.readings_z @ follow, left
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """dh/dp (n, K, P) with the configurations following: h_p - h_z F_z^+ F_p."""
+        return self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[1]
+
+
+def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve n systems by least squares, matrix (n, m, f), right (n, m, k); not finite where a system is singular."""
+    if matrix.shape[1] == matrix.shape[2]:
+        try:
+            return np.asarray(np.linalg.solve(matrix, right))
+        except np.linalg.LinAlgError:
+            pass
+    if not np.all(np.isfinite(matrix)):
+        matrix = np.nan_to_num(matrix)
+    return np.asarray(np.linalg.pinv(matrix, rcond=1e-12) @ right)
+
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationModel:
-    """One configuration as expressions: `system` holds closure and tangent space, `known` stacks joints, parameters and the
-    measured quaternion; `columns` names each reading (kind, component)."""
+    """One configuration as expressions: `system` holds closure and tangent space, `joints`, `parameters` and `quaternion`
+    (measured) are what is known; `columns` names each reading (kind, component)."""
 
     mechanism: Mechanism
     closure: Closure
@@ -94,26 +125,37 @@ class ConfigurationModel:
     pose: Pose
 
     def evaluate(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> Evaluation:
-        """Closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
+        """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
         return Evaluation(*self._call("whole", z, joints, p, quaternions))
 
     def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F (n, m) and F_z (n, m, f)."""
+        """Evaluate F (n, m) and F_z (n, m, f)."""
         rows, rows_z = self._call("rows", z, joints, p, np.zeros((len(z), 4)))
         return rows, rows_z
 
-    def rows_by_joint(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """dF/dq (n, m, a)."""
-        return self._call("joints", z, joints, p, np.zeros((len(z), 4)))[0]
+    def joint_slopes(self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q, at an evaluation e."""
+        rows_q = self._call("joints", z, joints, p, np.zeros((len(z), 4)))[0]
+        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q))
 
     def tangent(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """F, F_z, F_q, h, h_z, orientations measured against none."""
+        """Evaluate F, F_z, F_q, h, h_z; orientations are measured against none."""
         return self._call("tangent", z, joints, p, np.zeros((len(z), 4)))
 
     def poses(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Observed poses (n, 7), quaternions with w >= 0."""
+        """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
         packed = self._call("pose", z, np.zeros((len(z), int(self.joints.shape[0]))), p, np.zeros((len(z), 4)))[0]
         return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
+
+    @cached_property
+    def angular(self) -> np.ndarray:
+        """Which readings (K,) are angles."""
+        return np.array([kind in ANGULAR for kind, _ in self.columns], dtype=bool)
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for lengths."""
+        return np.where(self.angular, self.closure.size, 1.0)
 
     @property
     def observes_through_frames(self) -> bool:
@@ -121,7 +163,7 @@ class ConfigurationModel:
         return any(n in MEASURING_FRAMES for n in self.names)
 
     def compile(self) -> None:
-        """Compile the functions now, where there is a compiler; else they are when that pays (see `mapped`)."""
+        """Compile the functions now, where there is a compiler; else they are compiled when that pays."""
         self._mapped["whole"].engine.compile()
 
     @cached_property
@@ -157,8 +199,8 @@ class ConfigurationModel:
 
 
 def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> ConfigurationModel:
-    """The model of a configuration with the readings that `measurements` has, over the named parameters; all others keep
-    their nominal values."""
+    """Build the model of a configuration with the readings that `measurements` has, over the named parameters; all others
+    keep their nominal values."""
     kinds = tuple(k for k in READING_KINDS if _is_taken(measurements, k))
     distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
     return _build_model(mechanism, kinds, distances, tuple(names))
@@ -209,7 +251,7 @@ def _build_model(
 
 
 def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
-    """The closure over readings in place of actuated coordinates, and the readings."""
+    """Write the closure over readings in place of actuated coordinates; and name the readings."""
     unknowns = closure.role("passive", "pose")
     actuated = closure.role("actuated")
     readings = ca.vertcat(*(ca.SX.sym(f"{c.name}.reading") for c in actuated)) if actuated else ca.SX(0, 1)
@@ -225,7 +267,7 @@ def _parameter_values(closure: Closure, symbols: dict[str, ca.SX]) -> ca.SX:
 
 
 def _observed_pose(closure: Closure, symbols: dict[str, ca.SX]) -> Pose:
-    """world @ platform pose @ target."""
+    """Compose world @ platform pose @ target."""
 
     def frame(name: str) -> Pose | None:
         parts = [symbols[f"{name}.{what}.{k}"] for what in ("position", "rotation") for k in "xyz"]
@@ -265,14 +307,14 @@ def _readings(
 
 
 def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b, cos b sin a, cos b cos a)."""
+    """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b, cos b sin a, cos b cos a)."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
     return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))
 
 
 class CompiledLibrary:
-    """The library of some functions: None until it is found or compiled."""
+    """The compiled library of some functions: None until it is found or compiled."""
 
     def __init__(self, functions: Sequence[ca.Function]) -> None:
         self.functions = functions
@@ -285,7 +327,7 @@ class CompiledLibrary:
             self._load(build=False)
 
     def spend(self, instructions: int) -> ctypes.CDLL | None:
-        """The library, compiled when enough instructions have been interpreted."""
+        """Count interpreted instructions, and compile the library when there were enough; return it."""
         if self.library is None and self.left < float("inf"):
             self.left -= instructions
             if self.left <= 0.0:
@@ -357,7 +399,7 @@ class MappedFunction:
 
 
 def map_functions(functions: Sequence[ca.Function]) -> list[MappedFunction]:
-    """The functions as maps over configurations, of one library."""
+    """Map functions over configurations, with one library for all of them."""
     engine = CompiledLibrary(functions)
     return [MappedFunction(f, engine) for f in functions]
 

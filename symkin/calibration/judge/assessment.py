@@ -53,7 +53,8 @@ class Fit:
 
 
 def build_result(measurements: Measurements, found: Fit, screening: Screening, *, removed: bool) -> Calibration:
-    """The result of a fit at the geometry that the corrected file holds; `removed` says whether the outliers were left out."""
+    """Build the result of a fit at the geometry that the corrected file holds; `removed` says whether the outliers were left
+    out."""
     mechanism = found.problem.mechanism
     problem, written = found.problem, read_back(found.problem, found.result.state)
     state = written.state
@@ -104,8 +105,8 @@ def build_result(measurements: Measurements, found: Fit, screening: Screening, *
 
 
 def _tested_chi_square(problem: CalibrationProblem, model: LinearModel) -> float:
-    """The statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or correlation out of
-    account, what the parameters could still take away of it is no misfit."""
+    """Return the statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or
+    correlation out of account, what the parameters could still take away of it is no misfit."""
     efficient = problem.form == "maximum likelihood" or (problem.form == "means" and problem.measurements.joint_sigma is None)
     return model.chi_square_as_is if efficient else model.chi_square
 
@@ -160,13 +161,13 @@ def _residuals(
 
 
 def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
+    """Return the readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
     means = evaluate(problem, state.p, state.z, "means").fit.residuals
     return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
 
 
 def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
-    """Doubts and facts about a fit that its reader must know."""
+    """Yield doubts and facts about a fit that its reader must know, each a sentence with its figure."""
     yield from _configuration_notes(fit)
     yield from _residual_notes(fit)
     yield from _rank_notes(fit)
@@ -230,7 +231,7 @@ def _residual_notes(fit: Calibration) -> Iterator[str]:
 
 
 def is_exact(fit: Calibration) -> bool:
-    """Whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
+    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
     size = fit.mechanism.size
     return fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.kind, r.value, size) for r in fit.residuals)
 
@@ -247,7 +248,7 @@ def _rank_notes(fit: Calibration) -> Iterator[str]:
 
 
 def _parallel_axes_note(fit: Calibration) -> str:
-    """What nearly parallel axes have to do with a rank that is not clear."""
+    """Say what nearly parallel axes have to do with a rank that is not clear."""
     pairs = nearly_parallel(fit.mechanism, all_values(fit.problem.model, fit.state.p))
     free = {n for n in fit.problem.names if n.endswith(".d")}
     if not pairs or len(free) < 2:

@@ -285,7 +285,7 @@ def _exchanged_inclinations(case: Case) -> Iterator[Finding]:
 def _exchanged_positions(case: Case) -> Iterator[Finding]:
     """Columns x, y, z in another order. Orientations are left out, as they may be read in the wrong sequence besides."""
     position, read = case.measurements.position, _position_columns(case)
-    for order in permutations(read):
+    for order in permutations(read) if read else ():
         moved = [k for k, other in zip(read, order, strict=True) if k != other]
         changed = np.array(position)
         changed[:, read] = changed[:, order]

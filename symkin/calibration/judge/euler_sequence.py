@@ -19,7 +19,6 @@ from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import newton_configurations, start_points
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.residuals import ANGULAR
 from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.estimate.state import design, spectrum
@@ -54,7 +53,8 @@ class SequenceTrial:
         return self.chi_square / self.degrees
 
     def better_than(self, other: SequenceTrial) -> bool:
-        """Whether the data tell the two apart: far more than noise can make of equal fits, and the other is worse than noise."""
+        """Tell whether the data separate the two: the other is worse by far more than noise can make of equal fits, and worse
+        than noise."""
         ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
         if self.known:
             return ratio > _CLEAR_RATIO and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
@@ -92,7 +92,7 @@ class SequenceChoice:
 
     @property
     def none_fits(self) -> str:
-        """What is said where the fit in this sequence is not to be used."""
+        """The sentence where the fit in this sequence is not to be used."""
         return (
             f"no Euler sequence led to a fit that can be used; the nearest was {describe_sequence(self.sequence)}, chi-square per degree of "
             f"freedom {self.best.score:.3g}"
@@ -115,7 +115,7 @@ class SequenceChoice:
 
 
 def describe_sequence(sequence: str) -> str:
-    """'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
+    """Write 'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
     other = sequence[::-1].swapcase()
     here, there = ("moving", "fixed") if sequence.isupper() else ("fixed", "moving")
     return f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed order)"
@@ -124,9 +124,10 @@ def describe_sequence(sequence: str) -> str:
 def find_sequence(
     mechanism: Mechanism, data: DataFile, progress: Callable[[int, int], None] | None = None, **options: Any
 ) -> SequenceChoice:
-    """The sequence of the file's open Euler angles; `options` are those of `calibrate`.
+    """Find the sequence of the file's open Euler angles; `options` are those of `calibrate`.
 
-    Raises InputError where no sequence leads to a fit."""
+    Raises InputError where no sequence leads to a fit.
+    """
     if data.open_euler is None:
         raise InputError(f"{data.path}: the file has no Euler angles of unknown sequence")
     rows = spread_rows(len(data.measurements), _TRIAL_ROWS)
@@ -183,7 +184,7 @@ def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, A
 
 
 def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
-    """Sequences that read the same rotations from all rows, together."""
+    """Gather sequences that read the same rotations from all rows."""
     found: list[tuple[np.ndarray, list[str]]] = []
     given = angles[np.all(np.isfinite(angles), axis=1)]
     for sequence in SEQUENCES:
@@ -224,9 +225,10 @@ class _TrialStart:
 
 
 def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
-    """What each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their standard deviations."""
-    weights = [1.0 if kind in ANGULAR else problem.model.closure.size for kind, _ in problem.model.columns]
-    return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * np.array(weights)) ** 2, axis=1))
+    """Return what each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their
+    standard deviations."""
+    units = np.where(problem.model.angular, 1.0, problem.model.closure.size)
+    return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1))
 
 
 def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> CalibrationProblem:
@@ -244,8 +246,7 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
         z, solved = newton_configurations(model, start_points(model, measurements), measurements.joints, p)
         p = fit_measuring_frames(problem, z, p, solved)
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
-    weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
-    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)
+    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)
     return _TrialStart(
         measurements=measurements,
         p=p,

@@ -27,7 +27,7 @@ _COMPARED_NEIGHBOURS, _SCATTER_RATIO = 3, 5.0
 
 
 def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
-    """A sentence on groups that look wrongly labelled, or none."""
+    """Write a sentence on groups that look wrongly labelled, or none."""
     if measurements.groups is None:
         return ()
     try:
@@ -58,7 +58,7 @@ class _GroupedInclinations:
         return np.asarray(np.median(self.inclination[self.places == place], axis=0))
 
     def misplaced(self) -> tuple[str, ...]:
-        """Configurations whose inclination is far from the median of their group."""
+        """Find configurations whose inclination is far from the median of their group."""
         usual = float(np.quantile(self.away, _USUAL_QUANTILE))
         out = np.flatnonzero(self.away > _OUTSTANDING_RATIO * usual)
         if not len(out):
@@ -72,7 +72,7 @@ class _GroupedInclinations:
         )
 
     def merged(self) -> tuple[str, ...]:
-        """A group that falls into two tight parts far from each other."""
+        """Find a group that falls into two tight parts far from each other."""
         for place in range(int(self.places.max()) + 1):
             inside = np.flatnonzero(self.places == place)
             parts = _split_at_gap(self.inclination[inside])
@@ -92,7 +92,7 @@ class _GroupedInclinations:
         return ()
 
     def scattered(self) -> tuple[str, ...]:
-        """Labels that do not go with the inclinations, although the inclinations come in groups."""
+        """Find labels that do not go with the inclinations, although the inclinations come in groups."""
         count = len(self.members)
         if count <= _COMPARED_NEIGHBOURS:
             return ()
@@ -113,8 +113,8 @@ class _GroupedInclinations:
 
 
 def _split_at_gap(inclination: np.ndarray) -> np.ndarray | None:
-    """Which configurations (m,) of a group lie on one side of the largest gap along the direction of largest spread, two or more on
-    each side; None where there is none."""
+    """Tell which configurations (m,) of a group lie on one side of the largest gap along the direction of largest spread, two
+    or more on each side; None where there is none."""
     if len(inclination) < 4:
         return None
     around = wrapped(inclination - np.median(inclination, axis=0))
@@ -129,7 +129,7 @@ def _distances(inclination: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def _nominal_inclinations(mechanism: Mechanism, measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Inclinations (n, 2) at the nominal geometry and groups (n,), -1 for configurations that do not close."""
+    """Return inclinations (n, 2) at the nominal geometry and groups (n,), -1 for configurations that do not close."""
     problem = build_calibration(mechanism, with_starts(mechanism, measurements))
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):

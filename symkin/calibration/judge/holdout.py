@@ -18,7 +18,7 @@ from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings
-from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance, reading_slopes_at
+from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance
 from symkin.calibration.judge.assessment import state_residuals
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail, whitened_residuals
@@ -50,12 +50,12 @@ class HeldOut:
 
     @property
     def believable(self) -> bool:
-        """Predicted as well as noise and the parameters' standard deviations let expect."""
+        """Whether they are predicted as well as noise and the parameters' standard deviations let expect."""
         return not self.unsolved and (self.p_value is None or self.p_value > SIGNIFICANCE)
 
     @property
     def doubt(self) -> str:
-        """Why they are not."""
+        """Why the prediction is not believable."""
         if self.unsolved:
             return f"the direct problem of {len(self.unsolved)} of {len(self.labels)} held-out postures has no solution"
         times = math.sqrt(self.chi_square / max(self.degrees, 1))
@@ -66,7 +66,7 @@ class HeldOut:
 
 
 def held_out_count(asked: str, configurations: int) -> int:
-    """How many configurations `20` or `20%` are. Raises InputError where none or all of them would be held out."""
+    """Read how many configurations `20` or `20%` are. Raises InputError where none or all of them would be held out."""
     match = _COUNT_PATTERN.fullmatch(asked)
     if match is None or (not match[2] and "." in match[1]):
         raise InputError(f"--hold-out {asked!r}: a number of postures, or a share such as 20%, is needed")
@@ -79,8 +79,8 @@ def held_out_count(asked: str, configurations: int) -> int:
 
 
 def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarray:
-    """Which configurations (n,) are held out: at random, and whole groups, until there are `count` of them or just more; none without a
-    reading beside the joints. Raises InputError where nothing is left."""
+    """Draw the configurations (n,) to be held out: at random, and whole groups, until there are `count` of them or just more;
+    none without a reading beside the joints. Raises InputError where nothing is left."""
     groups = np.full(len(measurements), NO_GROUP) if measurements.groups is None else measurements.groups
     left, held = measurements.is_read, np.zeros(len(measurements), dtype=bool)
     for k in np.random.default_rng([seed, len(measurements)]).permutation(len(measurements)):
@@ -92,7 +92,7 @@ def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarr
 
 
 def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) -> HeldOut:
-    """What a fit says of held-out configurations, whose direct problems begin at their neighbours' solutions."""
+    """Predict held-out configurations by a fit; their direct problems begin at their neighbours' solutions."""
     model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
     fitted = spread_rows(len(fit.state.z), _MAX_NEIGHBOURS)
     known = fit.problem.measurements.joints[fitted]
@@ -181,7 +181,8 @@ def _chi_square(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) ->
 
 
 def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> np.ndarray:
-    """Configurations (by number) that are off by themselves, beyond what the share `_OUTLIER_LEVEL` of right predictions has anywhere."""
+    """Find configurations (by number) that are off by themselves, beyond what the share `_OUTLIER_LEVEL` of right predictions
+    has anywhere."""
     errors, m = _whitened(fit, problem, z)
     taken = np.sum(problem.readings.taken, axis=1)
     level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
@@ -190,9 +191,9 @@ def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> n
 
 
 def _error_sizes(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
-    """Root mean square of the errors of each kind, and of what noise and parameters let expect."""
+    """Return the root mean square of the errors of each kind, and of what noise and parameters let expect."""
     state, readings = evaluate(problem, fit.state.p, z, "means"), problem.readings
-    errors, by_p = state_residuals(problem, state), reading_slopes_at(evaluate_readings(problem, state)) @ _covariance_root(fit)
+    errors, by_p = state_residuals(problem, state), evaluate_readings(problem, state).slopes @ _covariance_root(fit)
     noise = np.where(readings.taken, readings.sigma, 0.0) ** 2 + np.diagonal(joint_covariance(problem, state), axis1=1, axis2=2)
     variance = _variance_factor(fit) * noise + np.sum(by_p**2, axis=2)
     found: tuple[dict[str, float], dict[str, float]] = ({}, {})

@@ -65,7 +65,7 @@ class ScreenedFit:
 
 
 def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fit, level: float) -> ScreenedFit:
-    """The fit without outliers. Where there are so many that none can be told one by one, or where they spoil the first fit, the
+    """Fit without outliers. Where there are so many that none can be told one by one, or where they spoil the first fit, the
     majority of the readings decides; where that decides nothing either and errors are gross, the fit is refused."""
     plain = ScreenedFit(found, Screening((), ()))
     if found.result.status == "ok":
@@ -105,7 +105,7 @@ def _one_by_one(
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
-    """Whether a fit to fewer readings is none, or fits them worse."""
+    """Tell whether a fit to fewer readings failed, or fits them worse."""
     if again.result.status != "ok":
         return True
     return _per_reading(again) > _WORSE_RATIO * max(_per_reading(found), 1.0 if found.problem.readings.known else 0.0)
@@ -119,8 +119,8 @@ def _per_reading(found: Fit) -> float:
 
 
 def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level: float, plain: ScreenedFit) -> ScreenedFit:
-    """The fit without all that a robust fit leaves far off; the plain one where the errors are not gross, refused where they are and
-    the rest does not fit either."""
+    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not gross, refuse it where
+    they are and the rest does not fit either."""
     trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
     if not trials[0].scale < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
@@ -149,7 +149,7 @@ def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level
 
 
 def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], float]:
-    """Readings that a robust fit leaves off by more than chance allows, and the share of all that are grossly so."""
+    """Find readings that a robust fit leaves off by more than chance allows, and the share of all that are grossly so."""
     problem, state = found.problem, found.result.state
     t = normalised_residuals(problem, problem, state) / scale
     bad, gross, count = list[Outlier](), 0, 0
@@ -178,7 +178,7 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
 
 
 def _is_explained(found: Fit) -> bool:
-    """Whether what a fit leaves is as the noise lets expect, or is normal noise of unknown size."""
+    """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown size."""
     model = linear_model(found.problem, found.result.state)
     if found.problem.readings.known:
         return chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE or model.chi_square < 2.0 * model.degrees
@@ -190,7 +190,7 @@ def _is_explained(found: Fit) -> bool:
 
 
 def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, level: float) -> ScreenedFit:
-    """Outliers with the figures that the last fit gives them; those that agree with it are put back, and fitted again."""
+    """Test the outliers by the last fit; put those that agree with it back, and fit again."""
     if not made.screening.outliers:
         return made
     outliers = _retest(measurements, made.found, made.screening.outliers)
@@ -206,7 +206,8 @@ def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, l
 
 
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
-    """Readings that were taken out, less what the fit predicts; as they were judged where their configuration does not close."""
+    """Compare readings that were taken out with what the fit predicts; they stay as they were judged where their
+    configuration does not close."""
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
     begin = start_points(problem.model, measurements)
@@ -239,7 +240,7 @@ def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence
 
 
 def _retest_outlier(problem: CalibrationProblem, gap: np.ndarray, noise: np.ndarray, o: Outlier, spread: float) -> Outlier:
-    """An outlier with the shift and the statistic that a fit gives it."""
+    """Give an outlier the shift and the statistic that a fit gives it."""
     named = [
         k
         for k, (kind, component) in enumerate(problem.model.columns)

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR, only_rounding
+from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.statistics import LinearModel, chi_square_tail, f_tail
 
 OUTLIER_LEVEL = 0.02
@@ -68,8 +69,9 @@ class _ReadingTests:
 def screen_readings(
     problem: CalibrationProblem, model: LinearModel, *, level: float = OUTLIER_LEVEL, share: float = 0.0
 ) -> Screening:
-    """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than rounding. It
-    is given up where more than the share `_MAX_OUTLIER_SHARE` of the readings, a third of the degrees of freedom or `_MAX_OUTLIERS` readings would go."""
+    """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than
+    rounding. The search is given up where more than the share `_MAX_OUTLIER_SHARE` of the readings, a third of the degrees of
+    freedom or `_MAX_OUTLIERS` readings would go."""
     kinds = reading_kinds(problem)
     first = [_test_readings(model, *kind) for kind in kinds]
     unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.configurations[j.degrees == 0]))
@@ -92,14 +94,15 @@ def screen_readings(
 
 
 def max_outliers(problem: CalibrationProblem) -> int:
-    """The number of readings that may be left out one by one."""
+    """Return the number of readings that may be left out one by one."""
     return min(
         _MAX_OUTLIERS, int(_MAX_OUTLIER_SHARE * sum(len(configurations) for _, configurations, _ in reading_kinds(problem)))
     )
 
 
 def reading_kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Kinds of readings (a distance by its name) with the configurations (m,) that have any component of it and rows (m, w)."""
+    """List the kinds of readings (a distance by its name) with the configurations (m,) that have any component of it and rows
+    (m, w)."""
     columns, taken = problem.model.columns, problem.readings.taken
     members: dict[str, list[int]] = {}
     for k, (kind, component) in enumerate(columns):
@@ -133,8 +136,8 @@ def _test_readings(model: LinearModel, kind: str, configurations: np.ndarray, ro
 
 
 def _least_likely(model: LinearModel, kinds: list[_ReadingTests], known: bool) -> tuple[float, _ReadingTests | None, int]:
-    """Probability, kind and place of the least likely reading: one of those with the largest statistic of their degrees of
-    freedom; the larger statistic where several have probability 0."""
+    """Find the least likely reading, with probability, kind and place: one of those with the largest statistic of their
+    degrees of freedom; the larger statistic where several have probability 0."""
     best: tuple[float, float, _ReadingTests | None, int] = (1.0, 0.0, None, 0)
     for judged in kinds:
         for d in (int(d) for d in np.unique(judged.degrees) if d):
@@ -147,7 +150,7 @@ def _least_likely(model: LinearModel, kinds: list[_ReadingTests], known: bool) -
 
 
 def _probability(model: LinearModel, statistic: float, degrees: int, *, known: bool) -> float:
-    """Probability of a statistic; unknown noise is studentised without the reading that is judged."""
+    """Return the probability of a statistic; unknown noise is studentised without the reading that is judged."""
     if known:
         return chi_square_tail(statistic, degrees)
     left = model.degrees - degrees
@@ -157,7 +160,7 @@ def _probability(model: LinearModel, statistic: float, degrees: int, *, known: b
 
 
 def _scatter(model: LinearModel, statistic: float, degrees: int) -> float:
-    """Variance of the readings that are left when one with such a statistic is taken out."""
+    """Return the variance of the readings that are left when one with such a statistic is taken out."""
     return max((model.chi_square - statistic) / max(model.degrees - degrees, 1), 1e-300)
 
 
@@ -175,7 +178,7 @@ def describe_outlier(
     problem: CalibrationProblem, configuration: int, kind: str, columns: np.ndarray, shift: np.ndarray, statistic: float, degrees: int,
     probability: float,
 ) -> Outlier:  # fmt: skip
-    """An outlier with its sentence; `columns` are those of the readings, the statistic counts in variances."""
+    """Describe an outlier in a sentence; `columns` are those of the readings, the statistic counts in variances."""
     label = problem.measurements.labels[configuration]
     names = [problem.model.columns[k][1] for k in columns]
     angular = kind in ANGULAR

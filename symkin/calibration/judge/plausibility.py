@@ -28,8 +28,8 @@ import numpy as np
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, newton_configurations
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR
 from symkin.calibration.estimate.state import State
 from symkin.calibration.estimate.workspace import lever, platform_points
 from symkin.calibration.judge.statistics import rms_of_better_part
@@ -53,18 +53,19 @@ OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
 machine; one by more than the second is, where a slip of the columns would make it. Tolerances of some per mille of the size leave some
 per mille, a nominal geometry measured with a ruler two or three per cent."""
 _NEGLIGIBLE_CHANGE = 0.03
-"""Changes of all parameters below this share of the size (angles: radians) are the same machine, however its poses differ: near
-singularities they may by much."""
+"""Changes of all parameters below this share of the size (angles: radians) are the same machine, although near singularities
+its poses may differ by much."""
 _EXPECTED_TOLERANCES = 6.0
 """Changes within so many of the tolerances stated are what the user expects, however far they go."""
 MAX_NOISE_RATIO = 30.0
-"""Residuals so many times as large as the noise stated come from no noise: an instrument's is known better than to a decade."""
+"""Residuals larger than so many times the noise stated do not come from noise: an instrument's is known better than to a
+factor of ten."""
 _MAX_RESIDUAL_SHARE = 1e-3
 """Where no noise is stated, residuals above this share of the size are coarser than any instrument that calibrates."""
 _UNEXPLAINED_SHARE = 0.5
 """Residuals above this share of the nominal geometry's say that the parameters do not explain the readings."""
 _NAMED_CHANGES = 3
-"""Changes that are named."""
+"""Largest changes that a sentence names."""
 
 _COMPARED_CONFIGURATIONS = 80
 """Configurations that are compared, spread evenly over those used."""
@@ -75,8 +76,8 @@ _MAX_ALIGNMENT_STEPS = 30
 def rejection_reason(
     fit: Calibration, at_nominal: float, suspicions: Sequence[str], gone: Departure, *, any_machine: bool = False
 ) -> str | None:
-    """Why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the nominal
-    geometry (see `residual_misfit`). With `any_machine` a geometry far from the file's is not refused for that."""
+    """Say why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the
+    nominal geometry (see `residual_misfit`). With `any_machine` a geometry far from the file's is not refused for that."""
     beyond = _noise_excess(fit)
     misplaced = is_other_machine(fit, gone) or (bool(suspicions) and is_noticeable(fit, gone))
     if beyond is not None:
@@ -87,7 +88,7 @@ def rejection_reason(
 
 
 def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions: Sequence[str]) -> str | None:
-    """Why residuals beyond any noise are those of no geometry, None where they may be of one that the model does not know."""
+    """Say why residuals beyond any noise fit no geometry, None where they may fit one that the model does not know."""
     moved = large_changes(fit)
     if moved:
         largest = max(moved, key=lambda p: _relative_change(fit, p))
@@ -107,7 +108,8 @@ def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions:
 
 
 def is_other_machine(fit: Calibration, gone: Departure) -> bool:
-    """Whether the fit is of another machine than the file describes, and further away than the tolerances stated expect."""
+    """Tell whether the fit is of another machine than the file describes, and further away than the tolerances stated let
+    expect."""
     within = (
         fit.problem.prior is not None
         and max((abs(z) for _, z in changes_over_tolerances(fit)), default=0.0) <= _EXPECTED_TOLERANCES
@@ -116,20 +118,20 @@ def is_other_machine(fit: Calibration, gone: Departure) -> bool:
 
 
 def is_noticeable(fit: Calibration, gone: Departure) -> bool:
-    """Whether the geometry went so far that slips of the file are worth a search although it fits."""
+    """Tell whether the geometry went so far that mistakes in the file are worth a search although it fits."""
     return gone.share > NOTICEABLE_DEPARTURE and any(
         _relative_change(fit, p) > _NEGLIGIBLE_CHANGE for p in fit.parameters if not p.held
     )
 
 
 def beyond_tolerances(fit: Calibration) -> list[tuple[str, float]]:
-    """Parameters that moved by more tolerances than expected, largest first, with how many."""
+    """List parameters that moved by more tolerances than expected, largest first, with how many."""
     found = [(name, abs(z)) for name, z in changes_over_tolerances(fit) if abs(z) > _EXPECTED_TOLERANCES]
     return sorted(found, key=lambda pair: -pair[1])
 
 
 def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
-    """Changes of free parameters over the tolerances stated."""
+    """Return the changes of free parameters over the tolerances stated."""
     prior, model = fit.problem.prior, fit.problem.model
     if prior is None:
         return []
@@ -138,7 +140,7 @@ def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
 
 
 def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequence[str] = ()) -> str:
-    """What is said of a geometry far from the file's, first what would explain it."""
+    """Describe a geometry far from the file's, first what would explain it."""
     m = fit.mechanism
     size, free = m.size, [p for p in fit.parameters if not p.held]
     largest = sorted(free, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))[:_NAMED_CHANGES]
@@ -157,19 +159,20 @@ def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequen
 
 
 def is_beyond_noise(fit: Calibration) -> bool:
-    """Whether residuals are larger than any noise would make them."""
+    """Tell whether residuals are larger than any noise would make them."""
     return _noise_excess(fit) is not None
 
 
 def large_changes(fit: Calibration) -> list[Parameter]:
-    """Free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal place."""
+    """List free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal place."""
     return [
         p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES and _relative_change(fit, p) > LARGE_CHANGE
     ]
 
 
 def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
-    """Root mean square of a configuration's residuals, angles times the size (length unit), over the better four fifths."""
+    """Return the root mean square of a configuration's residuals, angles times the size (length unit), over the better four
+    fifths."""
     squares: dict[int, float] = {}
     for r in residuals:
         squares[r.configuration] = squares.get(r.configuration, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
@@ -177,7 +180,7 @@ def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
 
 
 def _noise_excess(fit: Calibration) -> str | None:
-    """The sentence that says how far residuals are beyond noise, None where they are not."""
+    """Say how far residuals are beyond noise, None where they are not."""
     if fit.p_value is not None and fit.degrees > 0:
         times = math.sqrt(fit.chi_square / fit.degrees)
         return f"the residuals are {times:.3g} times as large as the noise stated" if times > MAX_NOISE_RATIO else None
@@ -186,7 +189,7 @@ def _noise_excess(fit: Calibration) -> str | None:
 
 
 def _relative_change(fit: Calibration, p: Parameter) -> float:
-    """The change of a parameter over the size (lengths), in radians or plain."""
+    """Return the change of a parameter over the size (lengths), in radians or plain."""
     return abs(p.change) / (fit.mechanism.size if p.kind == "length" else 1.0)
 
 
@@ -203,7 +206,7 @@ class Departure:
 
 
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
-    """The departure of a fit from the nominal geometry, over the configurations fitted."""
+    """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     model = problem.model
     rows = spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
     fitted = platform_poses(problem, state.p, state.z[rows])
@@ -234,7 +237,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
 
 
 def platform_poses(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Poses (n, 7) of the platform in the base frame; measuring frames among the parameters are left out."""
+    """Return the poses (n, 7) of the platform in the base frame; measuring frames among the parameters are left out."""
     measuring = np.array([name.startswith(("world.", "target.")) for name in problem.names], dtype=bool)
     return problem.model.poses(z, np.where(measuring, 0.0, p))
 
@@ -286,7 +289,7 @@ def _repeated_quaternion(vector: np.ndarray, count: int) -> np.ndarray:
 
 
 def _aligned_difference(here: _PoseSet, there: _PoseSet) -> np.ndarray:
-    """here less W there T (n, 6) with the best constant frames."""
+    """Return here less W there T (n, 6) with the best constant frames."""
     best, cost = here.off(there), np.inf
     for begun in (there, there.framed(_frames_by_kabsch(here, there))):
         off = here.off(begun)
@@ -304,7 +307,7 @@ def _aligned_difference(here: _PoseSet, there: _PoseSet) -> np.ndarray:
 
 
 def _frames_by_kabsch(here: _PoseSet, there: _PoseSet) -> np.ndarray:
-    """Frames (12) that bring the middles of the places together and turn the places onto each other (Kabsch)."""
+    """Find frames (12) that bring the middles of the places together and turn the places onto each other (Kabsch)."""
     a, b = (p.places - np.mean(p.places, axis=1, keepdims=True) for p in (here, there))
     left, _, right = np.linalg.svd(a @ b.T)
     turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right

@@ -33,7 +33,6 @@ from symkin.calibration.estimate.state import (
     evaluate_readings,
     joint_covariance,
     joint_covariance_at,
-    reading_slopes_at,
     spectrum,
 )
 from symkin.numeric.rank import RANK_TOLERANCE
@@ -52,7 +51,7 @@ SIGNIFICANCE = 1e-3
 DOUBTFUL_CURVATURE = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""
 _WEAKEST_DIRECTIONS = 3
-"""Directions that are tried: with those that are told better curvature falls by the square of their deviation."""
+"""Directions that are tried: for better determined ones curvature falls by the square of their deviation."""
 _BETTER_SHARE = 0.8
 """Share of the configurations, those that fit better, by which fits are compared: single bad rows do not count."""
 
@@ -93,14 +92,14 @@ class LinearModel:
         return np.asarray(np.einsum("ij,ij->i", self.own, self.own) + np.einsum("ij,ij->i", self.shared, self.shared))
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
-        """(1 - Q Q^T) restricted to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
+        """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
         own, shared, group = self.own[rows], self.shared[rows], self.group[rows]
         together = group[..., :, None] == group[..., None, :]
         absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
         return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
 
     def without(self, rows: np.ndarray) -> LinearModel:
-        """The model in which the readings of these rows are free: their shift is one more unknown."""
+        """Let the readings of these rows be free: their shift is one more unknown."""
         shift = -self.shared @ self.shared[rows].T
         shift -= np.where(self.group[:, None] == self.group[rows], self.own @ self.own[rows].T, 0.0)
         shift[rows, np.arange(len(rows))] += self.taken[rows]
@@ -110,7 +109,7 @@ class LinearModel:
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
-    """The linear model of all readings at a state with closed configurations."""
+    """Linearise all readings at a state with closed configurations."""
     readings, free = problem.readings, determined_directions(problem, state)
     known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
     by_known = by_known @ free
@@ -121,7 +120,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
         own[rows] = _group_columns(part.readings, whiten[rows])
-        made, r = whiten[rows] @ (reading_slopes_at(e) @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
+        made, r = whiten[rows] @ (e.slopes @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
         squares += np.sum(made**2, axis=(0, 1))
         for _ in range(2):  # the second time takes away what rounding left
             made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
@@ -151,19 +150,21 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
+    """Return residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups'
+    inclinations."""
     readings, e = problem.readings, evaluate_readings(problem, state)
     whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
-    both = np.concatenate([deviations(readings, e.readings)[:, :, None], reading_slopes_at(e)], axis=2)
+    both = np.concatenate([deviations(readings, e.readings)[:, :, None], e.slopes], axis=2)
     both = _less_group_means(readings, _group_columns(readings, whiten), whiten @ both)
     return both[:, :, 0], both[:, :, 1:]
 
 
 def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays consistent."""
+    """Return a basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays
+    consistent."""
     found = spectrum(error_free_design(problem, state))
     if state.leftover is None:
-        return found.told
+        return found.determined
     null = found.null_space
     return _null_basis(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
 
@@ -196,7 +197,7 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
 
 
 def _basis(columns: np.ndarray) -> np.ndarray:
-    """Orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
+    """Return an orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
     if columns.shape[1] == 0:
         return columns
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
@@ -233,7 +234,7 @@ def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
 
 
 def chi_square_tail(value: float, degrees: int) -> float:
-    """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
+    """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
     from flint import arb
 
     from symkin.certificate.balls import precision
@@ -245,7 +246,8 @@ def chi_square_tail(value: float, degrees: int) -> float:
 
 
 def f_tail(value: float, first: int, second: int) -> float:
-    """Probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first value)."""
+    """Return the probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first
+    value)."""
     from flint import arb
 
     from symkin.certificate.balls import precision
@@ -261,8 +263,8 @@ def f_tail(value: float, first: int, second: int) -> float:
 
 
 def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised:
-    A S A^T with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
+    """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised: A S A^T
+    with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
     noise = joint_covariance(problem, state)
     mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
     free = determined_directions(problem, mixed)
@@ -309,9 +311,9 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
 
 
 def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
-    """For each free parameter (P,), the largest change that curvature makes of it along the weakest directions, as a share of
-    its standard deviation; inf where configurations have no solution there, 0 where a closure leaves rows to the parameters.
-    `spread` scales the stated variances."""
+    """Return for each free parameter (P,) the largest change that curvature makes of it along the weakest directions, as a
+    share of its standard deviation; inf where configurations have no solution there, 0 where a closure leaves rows to the
+    parameters. `spread` scales the stated variances."""
     found = np.zeros(len(problem.names))
     if state.leftover is not None:
         return found
@@ -334,7 +336,7 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
 def _departure_gradient(
     problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
 ) -> np.ndarray | None:
-    """(dr/dp)^T d (P,) of the departure d, part by part; None where configurations do not close."""
+    """Return (dr/dp)^T d (P,) of the departure d from the linear model, part by part; None where configurations do not close."""
     total = np.zeros(len(step))
     for rows, part in problem.parts:
         some = None if noise is None else noise[rows]
@@ -347,7 +349,7 @@ def _departure_gradient(
 
 
 def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
-    """d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do not close."""
+    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do not close."""
     z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
@@ -357,6 +359,6 @@ def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
-    """Root of the mean of the smaller four fifths of some squares (n,)."""
+    """Return the root of the mean of the smaller four fifths of some squares (n,)."""
     kept = np.sort(squares)[: max(1, math.ceil(_BETTER_SHARE * len(squares)))]
     return float(np.sqrt(np.mean(kept))) if len(kept) else 0.0
