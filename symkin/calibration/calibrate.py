@@ -199,14 +199,9 @@ class _Fitting:
         result = self._improved(part, solved, p, result)
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
-            problem=part,
-            result=result,
-            used=np.flatnonzero(solved.solved),
-            unsolved=np.flatnonzero(~solved.solved),
-            start_signs=determinant_signs(rows_z),
-            notes=tuple(self.notes),
-            loss=self.options.loss,
-        )
+            problem=part, result=result, used=np.flatnonzero(solved.solved), unsolved=np.flatnonzero(~solved.solved),
+            start_signs=determinant_signs(rows_z), notes=tuple(self.notes), loss=self.options.loss,
+        )  # fmt: skip
 
     def _estimate(
         self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, method: str | None = None

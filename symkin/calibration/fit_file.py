@@ -33,7 +33,7 @@ _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
 _READING_NAMES = {
     "group": "groups", "inclination": "inclinations", "position": "positions", "orientation": "orientations",
-    "distance": "distances",
+    "distance": "distances"
 }  # fmt: skip
 """Readings by the keys of their standard deviations."""
 LEAST_CHANGE = "least"
@@ -115,17 +115,10 @@ def fit_file(mechanism: Mechanism, data: DataFile, **keywords: Unpack[FileFitKey
     refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, gone, any_machine=own.any_machine)
     sequence = "" if task.choice is None else task.choice.sequence
     return FitReport(
-        fit=fit,
-        data=data.path,
-        command=own.command,
-        sequence=task.choice,
-        suspicions=mistakes,
-        notes=data.notes,
-        sigma=predict_pose_sigma(fit, own.seed),
-        departure=gone,
-        refusal=refused,
+        fit=fit, data=data.path, command=own.command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
+        sigma=predict_pose_sigma(fit, own.seed), departure=gone, refusal=refused,
         held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), own.seed),
-    )
+    )  # fmt: skip
 
 
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:

@@ -272,11 +272,11 @@ class FitReport:
             "euler_sequence": None if self.sequence is None or not self._fits else {
                 "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
                 "runner_up": self.sequence.runner_up, "runner_up_chi_square": _finite(self.sequence.runner_up_chi_square),
-                "clear": self.sequence.clear,
+                "clear": self.sequence.clear
             },
             "departure": {
                 "share": _finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.open,
-                "postures": self.departure.configurations,
+                "postures": self.departure.configurations
             },
             "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
             "base_set": list(found.base_set),
@@ -290,17 +290,17 @@ class FitReport:
             "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in fit.outliers],
             "pose_sigma": None if not self.usable else {
                 "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
-                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max())),
+                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max()))
             },
             "held_out": None if self.held_out is None else {
                 "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
                 "degrees": self.held_out.degrees, "p_value": _finite(self.held_out.p_value),
                 "rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.rms.items()},
                 "expected_rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()},
-                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved),
+                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved)
             },
             "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
-            "residuals": list(self.residual_rows()) if residuals else [],
+            "residuals": list(self.residual_rows()) if residuals else []
         }  # fmt: skip
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:

@@ -27,12 +27,7 @@ from symkin.cli.calibrate_options import (
     ToleranceOption,
 )
 from symkin.cli.options import MechArgument, SeedOption
-from symkin.cli.quantities import (
-    distance_points,
-    joint_quantities,
-    quantity,
-    tolerances,
-)
+from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -91,7 +86,7 @@ def fit(
             mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
             frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
             outliers=outliers.value, loss=loss.value, tolerance=None if tolerance is None else tolerances(tolerance, mechanism),
-            any_machine=any_machine, hold_out=hold_out,
+            any_machine=any_machine, hold_out=hold_out
         )  # fmt: skip
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)

@@ -33,14 +33,7 @@ from symkin.cli.calibrate_options import (
     TiltOption,
 )
 from symkin.cli.options import MechArgument, SeedOption, check_output
-from symkin.cli.quantities import (
-    angle_pairs,
-    check_noise,
-    distance_points,
-    joint_quantities,
-    noise_quantity,
-    quantity,
-)
+from symkin.cli.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.ignored_options import refuse_ignored
@@ -181,7 +174,7 @@ def plan(
         _workspace(mechanism, box, tilt, spin, _LIMIT_MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_checked_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
         readings=_split_names(readings),
-        parameters=None if parameters is None else match_parameters(mechanism, parameters), aligned=not raw,
+        parameters=None if parameters is None else match_parameters(mechanism, parameters), aligned=not raw
     )  # fmt: skip
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):
@@ -209,7 +202,7 @@ def _refuse_unread_noise(readings: Sequence[str], inclination: str | None, posit
 
 def _refuse_unread_drawing(
     mechanism: Mechanism, plan: Path | None, postures: int | None, groups: int | None, *,
-    box: str | None, tilt: str | None, spin: str | None,
+    box: str | None, tilt: str | None, spin: str | None
 ) -> None:  # fmt: skip
     """Refuse what random postures are drawn by where a plan gives the postures, and a workspace of poses where an arm is drawn
     by its joints."""
@@ -224,7 +217,7 @@ def _refuse_unread_drawing(
 
 def _noise(
     m: Mechanism, joints: str | None, group: str | None, inclination: str | None, position: str | None, orientation: str | None,
-    shape: Shape,
+    shape: Shape
 ) -> Noise:  # fmt: skip
     from symkin.calibration.design.simulation import Noise
 
@@ -238,7 +231,7 @@ def _noise(
         lengths, angles, noise_quantity(_or_default(group), "angle", m, "noise-group"),
         noise_quantity(_or_default(inclination), "angle", m, "noise-inclination"),
         1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
-        noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform,
+        noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform
     )  # fmt: skip
 
 

@@ -76,7 +76,7 @@ class DataFile:
 
         return replace(
             self, measurements=self.measurements.subset(rows), lines=tuple(self.lines[k] for k in rows),
-            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=(),
+            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=()
         )  # fmt: skip
 
     def without_copies(self) -> DataFile:
@@ -114,33 +114,20 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     if angles is not None and sequence is not None:
         quaternions = euler_quaternions(angles, sequence)
     measurements = Measurements(
-        reader.joints(),
-        groups=groups,
-        inclination=reader.together(INCLINATION, "angle"),
-        position=reader.some(POSITION, "length"),
-        orientation=quaternions,
-        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
-        joint_sigma=reader.joint_sigmas(),
-        group_sigma=reader.sigma("group", "angle", ["group"]),
-        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
+        reader.joints(), groups=groups, inclination=reader.together(INCLINATION, "angle"),
+        position=reader.some(POSITION, "length"), orientation=quaternions,
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()], joint_sigma=reader.joint_sigmas(),
+        group_sigma=reader.sigma("group", "angle", ["group"]), inclination_sigma=reader.sigmas(INCLINATION, "angle"),
         position_sigma=reader.sigmas(POSITION, "length"),
         orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
         labels=tuple(f"line {line}" for line in table.lines),
-    )
+    )  # fmt: skip
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(
-        path=str(path),
-        measurements=measurements,
-        lines=table.lines,
-        groups=labels,
-        sequence=sequence,
-        open_euler=open_euler,
-        wedges=wedges,
-        notes=tuple(reader.notes),
-        euler=angles,
-        copies=reader.copies,
-    )
+        path=str(path), measurements=measurements, lines=table.lines, groups=labels, sequence=sequence, open_euler=open_euler,
+        wedges=wedges, notes=tuple(reader.notes), euler=angles, copies=reader.copies,
+    )  # fmt: skip
 
 
 def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
@@ -163,7 +150,7 @@ def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Mea
 
 def measurements_text(
     mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
-    comments: Sequence[str] = (),
+    comments: Sequence[str] = ()
 ) -> str:  # fmt: skip
     """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with `sequence`, as Euler angles,
     whose headers leave the sequence out when it is `hidden`."""
@@ -176,7 +163,7 @@ def measurements_text(
     for k, c in enumerate(mechanism.actuated):
         table.number(c.name, measurements.joints[:, k], measure_of(c))
     readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length")
     )  # fmt: skip
     for kind, names, measure in readings:
         values = getattr(measurements, kind)
@@ -190,7 +177,7 @@ def measurements_text(
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
         ("group", ("group",), "angle"), ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
-        ("orientation", ("orientation",), "angle"),
+        ("orientation", ("orientation",), "angle")
     )  # fmt: skip
     for key, names, measure in sigmas:
         sigma = measurements.sigma(key)

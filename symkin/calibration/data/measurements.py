@@ -23,7 +23,7 @@ _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
 
 
 SIGMA_WIDTHS = {
-    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3,
+    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3
 }  # fmt: skip
 """How many standard deviations one configuration has of each kind; 0: as many as there are joints."""
 

@@ -13,10 +13,7 @@ from typing import TypedDict, Unpack
 
 import numpy as np
 
-from symkin.calibration.data.columns import (
-    WEDGE,
-    measure_of,
-)
+from symkin.calibration.data.columns import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
@@ -140,16 +137,10 @@ def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, *
     numbers = np.array([used.index(w) if w >= 0 else -1 for w in pool.wedge[order].tolist()])
     made = pool.configurations.take(order)
     return Plan(
-        mechanism=workspace.mechanism,
-        configurations=made,
-        groups=numbers,
-        wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used],
-        criterion=chosen.criterion,
-        seed=chosen.seed,
-        accuracy=task.accuracy(made, numbers),
-        random=task.random_accuracy(),
-        observable=task.directions.shape[1],
-    )
+        mechanism=workspace.mechanism, configurations=made, groups=numbers,
+        wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used], criterion=chosen.criterion, seed=chosen.seed,
+        accuracy=task.accuracy(made, numbers), random=task.random_accuracy(), observable=task.directions.shape[1],
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,13 +251,9 @@ class _Task:
         variance = np.sum(spread**2, axis=2)
         mean = [float(np.sqrt(variance[:, part].sum(axis=1).mean())) for part in (slice(0, 3), slice(3, 6))]
         return Accuracy(
-            position=mean[0],
-            angle=mean[1],
-            worst_position=worst[0],
-            worst_angle=worst[1],
-            rank=seen.shape[1],
+            position=mean[0], angle=mean[1], worst_position=worst[0], worst_angle=worst[1], rank=seen.shape[1],
             parameters=len(self.names),
-        )
+        )  # fmt: skip
 
 
 def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:

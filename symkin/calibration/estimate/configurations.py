@@ -73,7 +73,7 @@ def _newton(
 
 def solve_configurations(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, *, z: np.ndarray | None = None, seed: int = 0,
-    tolerance: float = CLOSURE_TOLERANCE,
+    tolerance: float = CLOSURE_TOLERANCE
 ) -> SolvedConfigurations:  # fmt: skip
     """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""

@@ -19,7 +19,7 @@ from symkin.position.least_squares import IPOPT
 
 _IPOPT_OPTIONS = {
     "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "calc_lam_p": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",
-    "ipopt.mu_strategy": "adaptive",
+    "ipopt.mu_strategy": "adaptive"
 }  # fmt: skip
 _POLISHING_STEPS = 3
 """Gauss-Newton steps that remove what IPOPT's tolerance leaves."""

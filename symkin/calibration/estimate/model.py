@@ -39,7 +39,7 @@ ANGULAR = ("group", "inclination", "orientation")
 """Kinds of readings that are angles (radians); the others are lengths."""
 COMPONENTS = {
     "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
-    "position": ("x", "y", "z"), "orientation": ("x", "y", "z"),
+    "position": ("x", "y", "z"), "orientation": ("x", "y", "z")
 }  # fmt: skip
 
 
@@ -215,7 +215,7 @@ def _is_taken(measurements: Measurements, kind: str) -> bool:
 @lru_cache(maxsize=64)
 def _build_model(
     mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
-    names: tuple[str, ...],
+    names: tuple[str, ...]
 ) -> ConfigurationModel:  # fmt: skip
     closure = build_closure(mechanism)
     table = nominal_parameters(mechanism)
@@ -234,20 +234,10 @@ def _build_model(
     types = tuple(table[n][1] for n in names)
     scales = np.array([1.0 if kind == "length" else 1.0 / closure.size for kind in types])
     return ConfigurationModel(
-        mechanism=mechanism,
-        closure=closure,
-        system=system,
-        names=names,
-        kinds=types,
-        nominal=np.array([table[n][0] for n in names]),
-        scales=scales,
-        joints=readings_of_joints,
-        parameters=parameters,
-        quaternion=quaternion,
-        readings=readings,
-        columns=columns,
-        pose=pose,
-    )
+        mechanism=mechanism, closure=closure, system=system, names=names, kinds=types,
+        nominal=np.array([table[n][0] for n in names]), scales=scales, joints=readings_of_joints, parameters=parameters,
+        quaternion=quaternion, readings=readings, columns=columns, pose=pose,
+    )  # fmt: skip
 
 
 def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
@@ -411,7 +401,7 @@ def _c_source(functions: Sequence[ca.Function]) -> str:
     loops = [
         _C_LOOP.format(
             name=f.name(), args=max(f.sz_arg(), 1), outs=max(f.sz_res(), 1), iw=max(f.sz_iw(), 1), w=max(f.sz_w(), 1),
-            n_in=f.n_in(), n_out=f.n_out(), sizes=", ".join(str(f.numel_out(k)) for k in range(f.n_out())),
+            n_in=f.n_in(), n_out=f.n_out(), sizes=", ".join(str(f.numel_out(k)) for k in range(f.n_out()))
         )
         for f in functions
     ]  # fmt: skip

@@ -145,14 +145,9 @@ def build_calibration(
         raise InputError("a tolerance is weighed against the noise, and standard deviations of readings are missing: give them")
     prior = None if tolerance is None else _prior(model, *tolerance)
     return CalibrationProblem(
-        mechanism=mechanism,
-        measurements=measurements,
-        model=model,
-        readings=readings,
-        fixed=tuple(fixed),
-        form=residual,
+        mechanism=mechanism, measurements=measurements, model=model, readings=readings, fixed=tuple(fixed), form=residual,
         prior=prior,
-    )
+    )  # fmt: skip
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:

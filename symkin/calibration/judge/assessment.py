@@ -66,29 +66,15 @@ def build_result(measurements: Measurements, found: Fit, screening: Screening, *
     identified = identifiability_at(problem, state)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
-        mechanism=mechanism,
-        measurements=measurements,
-        problem=problem,
-        state=state,
-        parameters=_parameters(problem, state, free, known or model.degrees > 0),
-        covariance=_full_covariance(problem, free),
-        residuals=_residuals(problem, state, model, spread, found.used),
-        chi_square=chi_square,
-        degrees=model.degrees,
+        mechanism=mechanism, measurements=measurements, problem=problem, state=state,
+        parameters=_parameters(problem, state, free, known or model.degrees > 0), covariance=_full_covariance(problem, free),
+        residuals=_residuals(problem, state, model, spread, found.used), chi_square=chi_square, degrees=model.degrees,
         p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees) if known and model.degrees > 0 else None,
-        identifiability=identified,
-        outliers=screening.outliers,
-        unchecked=screening.unchecked,
-        used=tuple(found.used.tolist()),
-        unsolved=tuple(found.unsolved.tolist()),
-        changed_mode=tuple(crossed.tolist()),
-        poses=problem.model.poses(state.z, state.p),
-        status=found.result.status,
-        iterations=found.result.iterations,
-        given_up=screening.given_up,
-        silent=tuple(found.silent.tolist()),
-        refused=written.reason,
-    )
+        identifiability=identified, outliers=screening.outliers, unchecked=screening.unchecked,
+        used=tuple(found.used.tolist()), unsolved=tuple(found.unsolved.tolist()), changed_mode=tuple(crossed.tolist()),
+        poses=problem.model.poses(state.z, state.p), status=found.result.status, iterations=found.result.iterations,
+        given_up=screening.given_up, silent=tuple(found.silent.tolist()), refused=written.reason,
+    )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     curved = [

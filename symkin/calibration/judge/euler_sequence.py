@@ -157,13 +157,9 @@ def find_sequence(
     same = next(family for family in families if family[0] == best)[1:]
     second = others[0] if others else None
     return SequenceChoice(
-        sequence=best,
-        same=same,
-        best=fitted[best],
-        runner_up=second,
-        second=None if second is None else fitted[second],
+        sequence=best, same=same, best=fitted[best], runner_up=second, second=None if second is None else fitted[second],
         configurations=len(rows),
-    )
+    )  # fmt: skip
 
 
 def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
@@ -248,9 +244,6 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)
     return _TrialStart(
-        measurements=measurements,
-        p=p,
-        z=z,
-        solved=solved,
+        measurements=measurements, p=p, z=z, solved=solved,
         misfit=float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)),
-    )
+    )  # fmt: skip

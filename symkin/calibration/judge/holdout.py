@@ -102,24 +102,13 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     some, z = measurements.subset(configurations.solved), configurations.z[configurations.solved]
     if not len(z):
         return HeldOut(
-            labels=tuple(measurements.labels),
-            rms={},
-            expected={},
-            chi_square=0.0,
-            degrees=0,
-            p_value=None,
-            outliers=(),
-            unsolved=unsolved,
-            seed=seed,
-        )
+            labels=tuple(measurements.labels), rms={}, expected={}, chi_square=0.0, degrees=0, p_value=None, outliers=(),
+            unsolved=unsolved, seed=seed,
+        )  # fmt: skip
     problem = CalibrationProblem(
-        mechanism=fit.mechanism,
-        measurements=some,
-        model=model,
-        readings=build_readings(model, some),
-        fixed=fit.problem.fixed,
+        mechanism=fit.mechanism, measurements=some, model=model, readings=build_readings(model, some), fixed=fit.problem.fixed,
         form=fit.problem.form,
-    )
+    )  # fmt: skip
     off = _outliers(fit, problem, z)
     clean = problem
     if 0 < len(off) <= _MAX_OUTLIER_SHARE * len(z):
@@ -129,16 +118,9 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     rms, expected = _error_sizes(fit, problem, z)
     named = tuple(some.labels[k] for k in off) if clean is not problem else ()
     return HeldOut(
-        labels=tuple(measurements.labels),
-        rms=rms,
-        expected=expected,
-        chi_square=chi_square,
-        degrees=degrees,
-        p_value=_probability(fit, chi_square, degrees),
-        outliers=named,
-        unsolved=unsolved,
-        seed=seed,
-    )
+        labels=tuple(measurements.labels), rms=rms, expected=expected, chi_square=chi_square, degrees=degrees,
+        p_value=_probability(fit, chi_square, degrees), outliers=named, unsolved=unsolved, seed=seed,
+    )  # fmt: skip
 
 
 def _variance_factor(fit: Calibration) -> float:

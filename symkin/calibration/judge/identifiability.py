@@ -76,7 +76,7 @@ class Identifiability:
 
 def identifiability(
     mechanism: Mechanism, measurements: Measurements, *, parameters: Sequence[str] | None = None, fixed: Sequence[str] = (),
-    residual: str = "means",
+    residual: str = "means"
 ) -> Identifiability:  # fmt: skip
     """Determine the identifiability at the nominal geometry, over the configurations whose direct problem is solved there."""
     problem = build_calibration(mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual)
@@ -97,15 +97,9 @@ def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiabi
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        names=problem.names,
-        jacobian=state.fit.matrix,
-        singular_values=found.values,
-        rank=found.rank,
-        gap=found.gap,
-        null_space=found.null_space,
-        unobservable=named,
-        advice=_advice(problem, state, named),
-    )
+        names=problem.names, jacobian=state.fit.matrix, singular_values=found.values, rank=found.rank, gap=found.gap,
+        null_space=found.null_space, unobservable=named, advice=_advice(problem, state, named),
+    )  # fmt: skip
 
 
 def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray) -> tuple[str, ...]:

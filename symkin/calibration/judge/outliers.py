@@ -126,13 +126,9 @@ def _test_readings(model: LinearModel, kind: str, configurations: np.ndarray, ro
     scaled = part / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]
     return _ReadingTests(
-        kind=kind,
-        configurations=configurations,
-        rows=rows,
-        statistic=np.sum(part * scaled, axis=1),
-        degrees=np.sum(seen, axis=1),
-        shift=shift,
-    )
+        kind=kind, configurations=configurations, rows=rows, statistic=np.sum(part * scaled, axis=1),
+        degrees=np.sum(seen, axis=1), shift=shift,
+    )  # fmt: skip
 
 
 def _least_likely(model: LinearModel, kinds: list[_ReadingTests], known: bool) -> tuple[float, _ReadingTests | None, int]:
@@ -176,7 +172,7 @@ def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _ReadingTe
 
 def describe_outlier(
     problem: CalibrationProblem, configuration: int, kind: str, columns: np.ndarray, shift: np.ndarray, statistic: float, degrees: int,
-    probability: float,
+    probability: float
 ) -> Outlier:  # fmt: skip
     """Describe an outlier in a sentence; `columns` are those of the readings, the statistic counts in variances."""
     label = problem.measurements.labels[configuration]
@@ -190,15 +186,9 @@ def describe_outlier(
         f"statistic {statistic:.4g} with {degrees} degrees of freedom, probability {_probability_text(probability)}"
     )
     return Outlier(
-        configuration=configuration,
-        label=label,
-        kind=kind,
-        shift=tuple(float(v) for v in shift),
-        statistic=statistic,
-        degrees=degrees,
-        probability=probability,
-        reason=reason,
-    )
+        configuration=configuration, label=label, kind=kind, shift=tuple(float(v) for v in shift), statistic=statistic,
+        degrees=degrees, probability=probability, reason=reason,
+    )  # fmt: skip
 
 
 def _probability_text(probability: float) -> str:

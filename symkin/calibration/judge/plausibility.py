@@ -228,12 +228,10 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     off = _aligned_difference(here.take(closed), there)
     squares = np.concatenate([np.sum(off**2, axis=1), np.full(int(np.sum(~closed)), spread**2)])
     return Departure(
-        share=rms_of_better_part(squares) / spread,
-        position=float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
-        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length,
-        open=int(np.sum(~closed)),
+        share=rms_of_better_part(squares) / spread, position=float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
+        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length, open=int(np.sum(~closed)),
         configurations=len(rows),
-    )
+    )  # fmt: skip
 
 
 def platform_poses(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -139,14 +139,9 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
     return LinearModel(
-        residuals=flat - shared @ along,
-        own=own_columns,
-        group=group,
-        shared=shared,
-        taken=taken,
-        whiten=whiten,
+        residuals=flat - shared @ along, own=own_columns, group=group, shared=shared, taken=taken, whiten=whiten,
         within_reach=float(along @ along),
-    )
+    )  # fmt: skip
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
