@@ -110,13 +110,13 @@ def fit_file(mechanism: Mechanism, data: DataFile, **keywords: Unpack[FileFitKey
     data, kept_back = _hold_out(data, own.hold_out, own.seed)
     task = _FileFit(mechanism, data, {**given, "parameters": names, "fixed": fixed})
     fit = task.fit(own.seed)
-    gone = measure_departure(fit.problem, fit.state)
-    mistakes = task.mistakes(fit, gone)
-    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, gone, any_machine=own.any_machine)
+    departure = measure_departure(fit.problem, fit.state)
+    mistakes = task.mistakes(fit, departure)
+    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, departure, any_machine=own.any_machine)
     sequence = "" if task.choice is None else task.choice.sequence
     return FitReport(
         fit=fit, data=data.path, command=own.command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
-        sigma=predict_pose_sigma(fit, own.seed), departure=gone, refusal=refused,
+        sigma=predict_pose_sigma(fit, own.seed), departure=departure, refusal=refused,
         held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), own.seed),
     )  # fmt: skip
 
@@ -148,9 +148,9 @@ class _FileFit:
                 raise InputError(f"{self.data.path}: {error}") from None
             raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
 
-    def mistakes(self, fit: Calibration, gone: Departure) -> tuple[str, ...]:
+    def mistakes(self, fit: Calibration, departure: Departure) -> tuple[str, ...]:
         """Mistakes of the file that may explain a fit which is not believable, or which went far from the file's geometry."""
-        if fit.believable and fit.p_value is not None and not is_noticeable(fit, gone):
+        if fit.believable and fit.p_value is not None and not is_noticeable(fit, departure):
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
         if found or fit.believable:

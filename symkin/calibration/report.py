@@ -275,7 +275,7 @@ class FitReport:
                 "clear": self.sequence.clear
             },
             "departure": {
-                "share": _finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.open,
+                "share": _finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.unclosed,
                 "postures": self.departure.configurations
             },
             "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),

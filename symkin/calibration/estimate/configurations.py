@@ -25,6 +25,12 @@ ROUGH_CLOSURE_TOLERANCE = 1e-6
 """The same, of the size, where an estimator goes on from there and corrects what is left to first order."""
 _MAX_STEP = 0.3
 """Longest Newton step, of the size: longer ones leave the assembly mode."""
+_ROUNDED_CLOSURE, _CLOSED_TO_ROUNDING = 1e-14, 1e-11
+"""Closure error (of the size) at which poses and joints that are drawn are no longer improved, and that below which they are closed."""
+_MAX_POSE_STEP = 0.5
+"""Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
+_MAX_STEPS, _MAX_POSE_STEPS = 20, 30
+"""Most Newton steps of direct problems, and from drawn poses."""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -41,7 +47,7 @@ def newton_configurations(
     model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, *, tolerance: float = CLOSURE_TOLERANCE
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve the direct problems by Newton from points z (n, width): points, and which of them closed (n,)."""
-    z, largest = _newton(lambda z: model.rows(z, joints, p), model.system, z, _Steps(20, tolerance, _MAX_STEP))
+    z, largest = _newton(lambda z: model.rows(z, joints, p), model.system, z, _Steps(_MAX_STEPS, tolerance, _MAX_STEP))
     return z, largest <= tolerance
 
 
@@ -219,8 +225,10 @@ class _MappedSystem:
 
     def newton(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points (n, width) by Newton from z, and which of them closed (n,)."""
-        z, largest = _newton(lambda z: self._linearise(z, known), self.system, z, _Steps(30, 1e-14, 0.5))
-        return z, largest < 1e-11
+        z, largest = _newton(
+            lambda z: self._linearise(z, known), self.system, z, _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
+        )
+        return z, largest < _CLOSED_TO_ROUNDING
 
 
 class JointsOfPose:

@@ -60,10 +60,10 @@ def remaining_decrease(problem: CalibrationProblem, state: State, null_space: np
     standard deviations, to the columns of all that readings determine. Where no standard deviation is known, the scatter is
     taken for it."""
     basis, _ = admissible_steps(state, null_space)
-    matrix = state.fit.matrix if basis is None else state.fit.matrix @ basis
+    matrix = state.linearised.matrix if basis is None else state.linearised.matrix @ basis
     matrix = matrix @ spectrum(matrix, FAINT_SINGULAR_RATIO).determined
     lengths = np.linalg.norm(matrix, axis=0)
-    along = (matrix / np.where(lengths > 0.0, lengths, 1.0)).T @ state.fit.vector
+    along = (matrix / np.where(lengths > 0.0, lengths, 1.0)).T @ state.linearised.vector
     return float(along @ along) / _unit_variance(problem, state)
 
 
@@ -115,7 +115,7 @@ class Descent:
     def _promises_nothing(self) -> bool:
         """Tell whether even the shortest step is expected to gain no more than rounding: what the linear model promises of
         longer ones is then of second order, and not kept."""
-        fit = self.state.fit
+        fit = self.state.linearised
         step = _DampedSteps(self.state, self.null_space, _MAX_DAMPING).step(fit.vector)
         after = fit.vector + fit.matrix @ step
         return (
@@ -149,12 +149,12 @@ class Descent:
     def _bent(self) -> np.ndarray | None:
         """Return a damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J
         d) / h."""
-        fit, solver = self.state.fit, _DampedSteps(self.state, self.null_space, self.damping)
+        fit, solver = self.state.linearised, _DampedSteps(self.state, self.null_space, self.damping)
         step = solver.step(fit.vector, whole=True)
         probe = self._moved(self.state, _PROBE_SHARE * step) if np.all(np.isfinite(step)) else None
         if probe is None:
             return None
-        half = 0.5 * solver.step(2.0 * ((probe.fit.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE)
+        half = 0.5 * solver.step(2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE)
         lengths = solver.lengths
         return step + half if np.linalg.norm(lengths * half) <= _MAX_ACCELERATION * np.linalg.norm(lengths * step) else None
 
@@ -166,7 +166,7 @@ class _DampedSteps:
     """Minimisers of |r + J d|^2 + damping |D d|^2 over the allowed steps d = particular + B y, D the columns' lengths."""
 
     def __init__(self, state: State, null_space: np.ndarray, damping: float) -> None:
-        matrix = state.fit.matrix
+        matrix = state.linearised.matrix
         lengths = np.linalg.norm(matrix, axis=0)
         self.lengths = np.maximum(lengths, _MIN_COLUMN_LENGTH * float(np.max(lengths, initial=0.0)))
         basis, self._particular = admissible_steps(state, null_space)

@@ -199,12 +199,12 @@ def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
     e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
     follow = solve_systems(e.rows_z, e.rows_p)
     effect = np.concatenate([e.readings_p - e.readings_z @ follow, e.rows_p - e.rows_z @ follow], axis=1).reshape(-1, len(names))
-    told, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
+    redundant, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
     for zero in zeros:
         column, basis = effect[:, names.index(zero)], effect[:, others]
         left = column - basis @ np.linalg.lstsq(basis, column, rcond=1e-10)[0]
         if np.linalg.norm(left) <= _REDUNDANT_SHARE * np.linalg.norm(column):
-            told.add(zero)
+            redundant.add(zero)
         else:
             others.append(names.index(zero))
-    return told
+    return redundant

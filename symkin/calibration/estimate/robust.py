@@ -85,7 +85,7 @@ def normalised_residuals(problem: CalibrationProblem, here: CalibrationProblem, 
     """Return residuals (n, K) over the standard deviations of a problem, joint noise included; groups' means are those of the
     weights that another problem, `here`, gives."""
     taken = problem.readings.taken
-    raw = evaluate(here, state.p, state.z, "means").fit.residuals * np.where(taken, here.readings.sigma, 0.0)
+    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(taken, here.readings.sigma, 0.0)
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))
     return np.asarray(np.where(taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0))
 

@@ -190,13 +190,13 @@ class _Search:
         """Add half of its geodesic acceleration to a damped step (Transtrum and Sethna 2012), which follows a curved valley:
         the second derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that
         is no small correction, and where residuals are condensed."""
-        fit = self.state.fit
+        fit = self.state.linearised
         if isinstance(fit, Condensed):
             return step
         probe = self._stepped(self.state, _PROBE_SHARE * step)
         if probe is None:
             return step
-        curved = 2.0 * ((probe.fit.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE
+        curved = 2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE
         if not np.all(np.isfinite(curved)):
             return step
         half = 0.5 * damped_step(self.state, self.null_space, self.damping, curved)
@@ -247,7 +247,7 @@ def _damping_after(damping: float, ratio: float, since_refused: int | None) -> f
 
 def _predicted_decrease(state: State, step: np.ndarray) -> float:
     """Return by how much the linear model lowers the cost in a step."""
-    after = state.fit.vector + state.fit.matrix @ step
+    after = state.linearised.vector + state.linearised.matrix @ step
     return max(state.cost - float(after @ after), 1e-300)
 
 
@@ -270,7 +270,7 @@ def _move_towards_nominal(
 ) -> tuple[Estimate, bool]:
     """Move a fit along the directions that are `free` of it until it is nearest to nominal; and tell whether it got there."""
     model, size = problem.model, problem.model.closure.size
-    slack = MINIMUM_TOLERANCE if problem.readings.known else 1e-12 * result.state.fit.vector.size
+    slack = MINIMUM_TOLERANCE if problem.readings.known else 1e-12 * result.state.linearised.vector.size
     for _ in range(_MAX_FRAME_CORRECTIONS):
         directions = free(result.state)
         change = _removable_change(directions, (result.state.p - model.nominal) / model.scales, model.names)

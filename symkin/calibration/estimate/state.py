@@ -44,7 +44,7 @@ class State:
 
     p: np.ndarray
     z: np.ndarray
-    fit: Linearised
+    linearised: Linearised
     values: Evaluation
     pending: np.ndarray
     leftover: tuple[np.ndarray, np.ndarray] | None
@@ -56,7 +56,7 @@ class State:
 
     @property
     def cost(self) -> float:
-        return float(np.dot(self.fit.vector, self.fit.vector))
+        return float(np.dot(self.linearised.vector, self.linearised.vector))
 
 
 def evaluate(
@@ -71,7 +71,9 @@ def evaluate(
     fit = linearise(form, problem.readings, readings, slopes, covariance)
     if problem.prior is not None:
         fit = replace(fit, prior=problem.prior_rows(p))
-    return State(p=p, z=z, fit=fit, values=e, pending=pending, leftover=leftover, determinant_signs=determinant_signs(e.rows_z))
+    return State(
+        p=p, z=z, linearised=fit, values=e, pending=pending, leftover=leftover, determinant_signs=determinant_signs(e.rows_z)
+    )
 
 
 def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
@@ -159,7 +161,7 @@ def merit(state: State) -> float:
     """Return the cost, with an exact penalty for rows left over."""
     if state.leftover is None:
         return state.cost
-    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.fit.jacobian), initial=1e-300))
+    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.linearised.jacobian), initial=1e-300))
     return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
 
 
@@ -180,7 +182,7 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
 
 @dataclass(frozen=True, eq=False)
 class LargeState(State):
-    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `fit` condensed."""
+    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `linearised` condensed."""
 
     problem: CalibrationProblem
 
@@ -202,13 +204,15 @@ def _evaluate_parts(
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
-        residuals[rows], pending[rows], side[rows] = state.fit.residuals, state.pending, state.determinant_signs
-        below = np.column_stack([state.fit.matrix, state.fit.vector])
+        residuals[rows], pending[rows], side[rows] = state.linearised.residuals, state.pending, state.determinant_signs
+        below = np.column_stack([state.linearised.matrix, state.linearised.vector])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
     fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
     nothing = np.zeros(0)
     values = Evaluation(rows=nothing, rows_z=nothing, rows_p=nothing, readings=nothing, readings_z=nothing, readings_p=nothing)
-    return LargeState(p=p, z=z, fit=fit, values=values, pending=pending, leftover=None, determinant_signs=side, problem=problem)
+    return LargeState(
+        p=p, z=z, linearised=fit, values=values, pending=pending, leftover=None, determinant_signs=side, problem=problem
+    )
 
 
 def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
@@ -248,7 +252,7 @@ def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:
     """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null space and the leftover
     rows met. With `curved`, second derivatives of the residuals along a step, its acceleration: |curved + J d|^2 instead."""
-    matrix, right = state.fit.matrix, -(state.fit.vector if curved is None else curved)
+    matrix, right = state.linearised.matrix, -(state.linearised.vector if curved is None else curved)
     basis, particular = admissible_steps(state, null_space)
     particular = particular if curved is None else np.zeros(matrix.shape[1])
     if basis is not None:
@@ -257,7 +261,7 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
     triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
     r, b = triangle[:width, :width], triangle[:width, width]
     if not np.all(np.isfinite(triangle)):
-        return np.full(state.fit.matrix.shape[1], np.inf)
+        return np.full(state.linearised.matrix.shape[1], np.inf)
     if damping > 0.0:
         norms = np.linalg.norm(r, axis=0)
         lengths = np.maximum(norms, 1e-6 * np.max(norms, initial=0.0))
@@ -272,7 +276,7 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
 
 def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Return a basis of the steps that are allowed, None for all, and one step that meets the leftover rows."""
-    count = state.fit.matrix.shape[1]
+    count = state.linearised.matrix.shape[1]
     zero = np.zeros(count)
     if state.leftover is None and null_space.shape[1] == 0:
         return None, zero
@@ -289,9 +293,9 @@ def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray |
 def design(state: State) -> np.ndarray:
     """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
     if state.leftover is None:
-        return state.fit.matrix
-    rows = state.leftover[1].reshape(-1, state.fit.matrix.shape[1])
-    return np.vstack([constraint_rows(rows, state), state.fit.matrix])
+        return state.linearised.matrix
+    rows = state.leftover[1].reshape(-1, state.linearised.matrix.shape[1])
+    return np.vstack([constraint_rows(rows, state), state.linearised.matrix])
 
 
 def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
@@ -300,7 +304,7 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
     kept = (
         right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)] if len(singular) and singular[0] > 1e-9 else right[:0]
     )
-    return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
+    return np.asarray(np.max(np.linalg.norm(state.linearised.matrix, axis=0), initial=0.0) * kept)
 
 
 @dataclass(frozen=True, eq=False)

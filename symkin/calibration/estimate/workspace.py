@@ -89,7 +89,7 @@ class Workspace:
         return home_pose(self.mechanism) if self.start is None else self.start
 
     @cached_property
-    def closing(self) -> ClosureSolver:
+    def solver(self) -> ClosureSolver:
         return ClosureSolver(self.mechanism, self.home, self.margin)
 
     def inclinations(self, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -110,7 +110,7 @@ class Workspace:
             chosen = np.array((missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))])
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
-            made, good = self.closing.close(self._starts(wanted, rng, edge), wanted if held else None)
+            made, good = self.solver.close(self._starts(wanted, rng, edge), wanted if held else None)
             for row in np.flatnonzero(good):
                 if found[chosen[row]] is None:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
@@ -137,7 +137,7 @@ class Workspace:
             away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
             middle = at_home + np.clip(away, -self.half, self.half)
             moved[k] = with_pose(self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
-        made, good = self.closing.close(moved, inclinations)
+        made, good = self.solver.close(moved, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
@@ -146,7 +146,7 @@ class Workspace:
         good; limits do not count."""
         reference = build_closure(self.mechanism).reference
         starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
-        return self.closing.close(starts, inclinations, limits=False)
+        return self.solver.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
         """Tell which configurations of a platform have their middle within the box (n,); an arm's workspace is its joints'
@@ -164,7 +164,7 @@ class Workspace:
             for c in closure.role("actuated"):
                 low, high = c.limits or _default_range(c, self.mechanism.size)
                 starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
-            return self.closing.with_tool(starts)
+            return self.solver.with_tool(starts)
         at_home = self.home
         for k, (alpha, beta) in enumerate(inclinations):
             share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)

@@ -148,7 +148,7 @@ def _residuals(
 
 def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
     """Return the readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
-    means = evaluate(problem, state.p, state.z, "means").fit.residuals
+    means = evaluate(problem, state.p, state.z, "means").linearised.residuals
     return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
 
 

@@ -138,17 +138,17 @@ def find_sequence(
     if not ranked:
         raise InputError(f"{data.path}: no Euler sequence leads to a fit; check units and the order of the columns")
     fitted: dict[str, SequenceTrial] = {}
-    untold = False
+    undetermined = False
     for sequence in ranked:
         if progress is not None:
             progress(len(fitted), _FITTED_SEQUENCES)
         trial = starts[sequence].fitted(mechanism, options)
         if trial is not None:
             fitted[sequence] = trial
-        untold |= trial is None and bool(starts[sequence].solved.all())
+        undetermined |= trial is None and bool(starts[sequence].solved.all())
         if len(fitted) == _FITTED_SEQUENCES:
             break
-    if untold or not fitted:
+    if undetermined or not fitted:
         raise InputError(
             f"{data.path}: {len(data.measurements)} postures have no more readings than there are parameters, so that every Euler "
             "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold parameters, or add postures"
@@ -209,13 +209,13 @@ class _TrialStart:
         """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of freedom."""
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
-        if not np.all(np.isfinite(state.fit.vector)):
+        if not np.all(np.isfinite(state.linearised.vector)):
             return None
         rank, whole = spectrum(design(state)).rank, _problem(mechanism, self.measurements, options)
         if whole.readings.count <= rank:
             return None
         most = _largest_squares(whole)
-        squares = np.minimum(np.sum(state.fit.residuals**2, axis=1), most[self.solved])
+        squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[self.solved])
         chi_square = float(np.sum(squares) + np.sum(most[~self.solved]))
         return SequenceTrial(chi_square, whole.readings.count - rank, whole.readings.known)
 

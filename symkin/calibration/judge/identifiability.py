@@ -97,7 +97,7 @@ def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiabi
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        names=problem.names, jacobian=state.fit.matrix, singular_values=found.values, rank=found.rank, gap=found.gap,
+        names=problem.names, jacobian=state.linearised.matrix, singular_values=found.values, rank=found.rank, gap=found.gap,
         null_space=found.null_space, unobservable=named, advice=_advice(problem, state, named),
     )  # fmt: skip
 

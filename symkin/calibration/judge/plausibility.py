@@ -74,17 +74,17 @@ _MAX_ALIGNMENT_STEPS = 30
 
 
 def rejection_reason(
-    fit: Calibration, at_nominal: float, suspicions: Sequence[str], gone: Departure, *, any_machine: bool = False
+    fit: Calibration, at_nominal: float, suspicions: Sequence[str], departure: Departure, *, any_machine: bool = False
 ) -> str | None:
     """Say why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the
     nominal geometry (see `residual_misfit`). With `any_machine` a geometry far from the file's is not refused for that."""
     beyond = _noise_excess(fit)
-    misplaced = is_other_machine(fit, gone) or (bool(suspicions) and is_noticeable(fit, gone))
+    misplaced = is_other_machine(fit, departure) or (bool(suspicions) and is_noticeable(fit, departure))
     if beyond is not None:
         why = _misfit_reason(fit, beyond, at_nominal, suspicions)
         if why is not None:
             return why
-    return describe_other_machine(fit, gone, suspicions) if misplaced and not any_machine else None
+    return describe_other_machine(fit, departure, suspicions) if misplaced and not any_machine else None
 
 
 def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions: Sequence[str]) -> str | None:
@@ -107,19 +107,19 @@ def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions:
     return beyond if suspicions else None
 
 
-def is_other_machine(fit: Calibration, gone: Departure) -> bool:
+def is_other_machine(fit: Calibration, departure: Departure) -> bool:
     """Tell whether the fit is of another machine than the file describes, and further away than the tolerances stated let
     expect."""
     within = (
         fit.problem.prior is not None
         and max((abs(z) for _, z in changes_over_tolerances(fit)), default=0.0) <= _EXPECTED_TOLERANCES
     )
-    return gone.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit, gone)
+    return departure.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit, departure)
 
 
-def is_noticeable(fit: Calibration, gone: Departure) -> bool:
+def is_noticeable(fit: Calibration, departure: Departure) -> bool:
     """Tell whether the geometry went so far that mistakes in the file are worth a search although it fits."""
-    return gone.share > NOTICEABLE_DEPARTURE and any(
+    return departure.share > NOTICEABLE_DEPARTURE and any(
         _relative_change(fit, p) > _NEGLIGIBLE_CHANGE for p in fit.parameters if not p.held
     )
 
@@ -139,7 +139,7 @@ def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
     return [(name, float(z)) for name, z, s in zip(model.names, changes, prior, strict=True) if np.isfinite(s)]
 
 
-def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequence[str] = ()) -> str:
+def describe_other_machine(fit: Calibration, departure: Departure, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
     m = fit.mechanism
     size, free = m.size, [p for p in fit.parameters if not p.held]
@@ -149,11 +149,15 @@ def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequen
         else f"{p.name} {p.change:+.3g}{f' {m.length_unit}' if p.kind == 'length' else ''}"
         for p in largest
     )  # fmt: skip
-    unclosed = f"; {gone.open} of {gone.configurations} postures the file's geometry cannot take there" if gone.open else ""
+    unclosed = (
+        f"; {departure.unclosed} of {departure.configurations} postures the file's geometry cannot take there"
+        if departure.unclosed
+        else ""
+    )
     cause = f"{suspicions[0]}; its" if suspicions else "its"
     return (
-        f"another machine than {m.name} describes: {cause} poses are {100 * gone.share:.2g} % of their spread away from the file's at the same "
-        f"joint readings ({gone.position:.3g} {m.length_unit} and {m.angle_out(gone.angle):.3g} {m.angle_unit} rms, frames aligned{unclosed}); "
+        f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % of their spread away from the file's at the same "
+        f"joint readings ({departure.position:.3g} {m.length_unit} and {m.angle_out(departure.angle):.3g} {m.angle_unit} rms, frames aligned{unclosed}); "
         f"largest changes: {changes}; for a machine that is so, state --tolerance or --any-machine"
     )
 
@@ -195,13 +199,13 @@ def _relative_change(fit: Calibration, p: Parameter) -> float:
 
 @dataclass(frozen=True)
 class Departure:
-    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `open` the number
+    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `unclosed` the number
     of configurations, of `configurations`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
 
     share: float
     position: float
     angle: float
-    open: int
+    unclosed: int
     configurations: int
 
 
@@ -213,7 +217,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     whole = np.all(np.isfinite(fitted), axis=1)
     rows, fitted = rows[whole], fitted[whole]
     if not len(rows):
-        return Departure(share=1.0, position=0.0, angle=0.0, open=0, configurations=0)
+        return Departure(share=1.0, position=0.0, angle=0.0, unclosed=0, configurations=0)
     joints = problem.measurements.joints[rows]
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
@@ -222,14 +226,14 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     spread = here.spread
     if not np.any(closed) or not spread > 0.0:
         return Departure(
-            share=0.0 if np.any(closed) else 1.0, position=0.0, angle=0.0, open=int(np.sum(~closed)), configurations=len(rows)
+            share=0.0 if np.any(closed) else 1.0, position=0.0, angle=0.0, unclosed=int(np.sum(~closed)), configurations=len(rows)
         )
     there = _PoseSet.at(platform_poses(problem, model.nominal, z[closed]), centre, length)
     off = _aligned_difference(here.take(closed), there)
     squares = np.concatenate([np.sum(off**2, axis=1), np.full(int(np.sum(~closed)), spread**2)])
     return Departure(
         share=rms_of_better_part(squares) / spread, position=float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
-        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length, open=int(np.sum(~closed)),
+        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length, unclosed=int(np.sum(~closed)),
         configurations=len(rows),
     )  # fmt: skip
 

@@ -99,8 +99,8 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
     turns = poses[:, 3:]
     near = np.sum((turns @ (turns.T @ turns)) * turns, axis=1)  # of each the sum of squared cosines to all
     central = poses[int(np.argmax(near))]
-    closing = ClosureSolver(identified, Pose(central[:3], central[3:]))
-    made, good = closing.close(_between_measured(fit, rng), None, limits=False)
+    solver = ClosureSolver(identified, Pose(central[:3], central[3:]))
+    made, good = solver.close(_between_measured(fit, rng), None, limits=False)
     kept = np.flatnonzero(good)[:_ACCURACY_POSES]
     return (made.take(kept), _REGION_TEXT) if len(kept) else (_at_joints(identified, joints, poses), "the postures measured")
 

@@ -58,16 +58,16 @@ _BETTER_SHARE = 0.8
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """Whitened residuals e (N,) after projection, N = n K; `own` (N, 2), the orthonormal columns of each row's group, whose
-    number is `group` (N,), -1 for none; `shared` (N, k), the rest of the basis; which rows hold a reading (N,), and the
+    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal columns of each row's group, whose
+    number is `group` (N,), -1 for none; `parameter_columns` (N, k), the rest of the basis; which rows hold a reading (N,), and the
     transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows after those.
     `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but for a form of
     residuals that weighs otherwise than joint noise and correlation ask."""
 
     residuals: np.ndarray
-    own: np.ndarray
+    group_columns: np.ndarray
     group: np.ndarray
-    shared: np.ndarray
+    parameter_columns: np.ndarray
     taken: np.ndarray
     whiten: np.ndarray
     within_reach: float = 0.0
@@ -75,7 +75,7 @@ class LinearModel:
     @cached_property
     def degrees(self) -> int:
         groups = int(np.max(self.group, initial=-1)) + 1
-        return int(np.sum(self.taken)) - 2 * groups - int(self.shared.shape[1])
+        return int(np.sum(self.taken)) - 2 * groups - int(self.parameter_columns.shape[1])
 
     @property
     def chi_square(self) -> float:
@@ -89,23 +89,26 @@ class LinearModel:
     @property
     def absorbed(self) -> np.ndarray:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q Q^T."""
-        return np.asarray(np.einsum("ij,ij->i", self.own, self.own) + np.einsum("ij,ij->i", self.shared, self.shared))
+        return np.asarray(
+            np.einsum("ij,ij->i", self.group_columns, self.group_columns)
+            + np.einsum("ij,ij->i", self.parameter_columns, self.parameter_columns)
+        )
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
         """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
-        own, shared, group = self.own[rows], self.shared[rows], self.group[rows]
+        own, shared, group = self.group_columns[rows], self.parameter_columns[rows], self.group[rows]
         together = group[..., :, None] == group[..., None, :]
         absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
         return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
 
     def without(self, rows: np.ndarray) -> LinearModel:
         """Let the readings of these rows be free: their shift is one more unknown."""
-        shift = -self.shared @ self.shared[rows].T
-        shift -= np.where(self.group[:, None] == self.group[rows], self.own @ self.own[rows].T, 0.0)
+        shift = -self.parameter_columns @ self.parameter_columns[rows].T
+        shift -= np.where(self.group[:, None] == self.group[rows], self.group_columns @ self.group_columns[rows].T, 0.0)
         shift[rows, np.arange(len(rows))] += self.taken[rows]
         extra = _orthonormal(shift)
         residuals = self.residuals - extra @ (extra.T @ self.residuals)
-        return replace(self, residuals=residuals, shared=np.hstack([self.shared, extra]))
+        return replace(self, residuals=residuals, parameter_columns=np.hstack([self.parameter_columns, extra]))
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
@@ -139,7 +142,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
     return LinearModel(
-        residuals=flat - shared @ along, own=own_columns, group=group, shared=shared, taken=taken, whiten=whiten,
+        residuals=flat - shared @ along, group_columns=own_columns, group=group, parameter_columns=shared, taken=taken, whiten=whiten,
         within_reach=float(along @ along),
     )  # fmt: skip
 
@@ -263,7 +266,7 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     noise = joint_covariance(problem, state)
     mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
     free = determined_directions(problem, mixed)
-    inverse = np.linalg.pinv(mixed.fit.matrix @ free, rcond=RANK_TOLERANCE)
+    inverse = np.linalg.pinv(mixed.linearised.matrix @ free, rcond=RANK_TOLERANCE)
     scaled = problem.model.scales[:, None] * (free @ inverse)
     if problem.form == "maximum likelihood":
         return np.asarray(scaled @ scaled.T)
@@ -275,7 +278,7 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     prior = back @ (np.zeros((0, len(scaled))) if known is None else known[1]).T
     total = prior @ prior.T
     for rows, part in problem.parts:
-        slopes = evaluate(part, state.p, state.z[rows], problem.form).fit.matrix
+        slopes = evaluate(part, state.p, state.z[rows], problem.form).linearised.matrix
         total += _propagated(part, back @ slopes.T, noise[rows])
     return np.asarray(total)
 
@@ -315,7 +318,7 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
     noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
     here = evaluate(problem, state.p, state.z, problem.form, noise)
     free = determined_directions(problem, here)
-    _, singular, right = np.linalg.svd(here.fit.matrix @ free, full_matrices=False)
+    _, singular, right = np.linalg.svd(here.linearised.matrix @ free, full_matrices=False)
     inverse = np.sqrt(spread) * free @ right.T / singular
     sigma = np.linalg.norm(inverse, axis=1)
     for step in inverse.T[-_WEAKEST_DIRECTIONS:]:
@@ -339,7 +342,7 @@ def _departure_gradient(
         departure = _linear_departure(part, near, step, some)
         if departure is None:
             return None
-        total += near.fit.matrix.T @ departure
+        total += near.linearised.matrix.T @ departure
     return total
 
 
@@ -348,7 +351,7 @@ def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray
     z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
-        departure = there.fit.vector - here.fit.vector - here.fit.matrix @ step
+        departure = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
     closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.size
     return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
 
