@@ -18,6 +18,11 @@ def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> n
     return np.concatenate([*parts, np.zeros(0)])
 
 
+def known_angles(problem: Problem) -> np.ndarray:
+    """Which numbers of the known coordinates are angles."""
+    return np.array([c.kind == "angle" for c in problem.known_coordinates for _ in range(c.width)], dtype=bool)
+
+
 def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Known values of a problem (known,) or (known, n), real or complex, as the algebraic system takes them."""
     data = distance_data(problem) if is_universal(problem) else None
