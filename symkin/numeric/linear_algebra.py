@@ -81,9 +81,11 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
 
 
-def null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` (absolute) taken as zero."""
+def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
+    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an absolute bound, or a share of the
+    largest one."""
     if not len(matrix):
         return np.eye(matrix.shape[1])
     _, singular, right = np.linalg.svd(matrix)
-    return np.asarray(right[int(np.sum(singular > tolerance)) :])
+    bound = tolerance * max(float(singular[0]), float(np.finfo(float).tiny)) if relative and singular.size else tolerance
+    return np.asarray(right[int(np.sum(singular > bound)) :])
