@@ -248,8 +248,8 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = [system.polish(z, nothing, steps=8) for z in batch.points[batch.converged]]
-    closed = [z for z in ends if system.residual(z, nothing) <= 1e-10 * closure.size]
+    ends = system.polish_many(batch.points[batch.converged], nothing).points
+    closed = list(ends[system.residuals(ends, nothing) <= 1e-10 * closure.size])
     return closed or [closure.reference]
 
 

@@ -96,8 +96,8 @@ def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator
 def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = (system.polish(z, nothing, steps=8) for z in batch.points[batch.converged])
-    return [z for z in ends if system.residual(z, nothing) <= _CLOSED * system.size][:_TRIED]
+    ends = system.polish_many(batch.points[batch.converged], nothing).points
+    return list(ends[system.residuals(ends, nothing) <= _CLOSED * system.size])[:_TRIED]
 
 
 def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:
@@ -107,7 +107,7 @@ def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Ge
     for target in (varied + step, varied - step):
         spread = _STEP * system.size * rng.normal(size=(_FOLLOWING, system.freedom))
         batch = levenberg_marquardt(system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target)
-        ends = (system.polish(end, target, steps=8) for end in batch.points[batch.converged])
-        if any(system.residual(end, target) <= _CLOSED * system.size for end in ends):
+        ends = system.polish_many(batch.points[batch.converged], target).points
+        if (system.residuals(ends, target) <= _CLOSED * system.size).any():
             return True
     return False

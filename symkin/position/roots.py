@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
 
@@ -111,15 +112,14 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     first, labels = merge(features(system, ends), 1e-5 * system.size)
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
+    polished = system.polish_many(ends[first[order]], known)
+    residuals, suspect = system.residuals(polished.points, known), conditions(polished.jacobians) > SUSPECT_CONDITION
     roots: list[np.ndarray] = []
     counts, continuum, smallest, singular = [], [], np.inf, 0
-    for index, count in zip(first[order], hits[order], strict=True):
-        z = system.polish(ends[index], known, steps=8)
-        left = system.residual(z, known)
+    for z, left, is_singular, count in zip(polished.points, residuals.tolist(), suspect.tolist(), hits[order], strict=True):
         smallest = min(smallest, left)
         if left > CLOSURE_TOLERANCE * system.size:
             continue
-        is_singular = system.condition(z, known) > SUSPECT_CONDITION
         if is_singular and moves_freely(system, z, known):
             continuum.append(z)
         else:
@@ -142,25 +142,20 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     f = features(system, points)
-    conditions = np.array([system.condition(z, known) for z in points])
-    singular = conditions > SUSPECT_CONDITION
+    found = system.conditions(points, known)
+    singular = found > SUSPECT_CONDITION
     first, labels = merge(f[~singular], 1e-6 * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
     chosen = np.flatnonzero(~singular)[first].tolist()
     if not continuum_met:
-        for i in sorted(np.flatnonzero(singular), key=lambda i: -conditions[i]):
+        for i in sorted(np.flatnonzero(singular), key=lambda i: -found[i]):
             if everything[i] < 0:
-                tolerance = min(_DIGITS_LEFT * conditions[i] * np.finfo(float).eps, 1e-3) * system.size
+                tolerance = min(_DIGITS_LEFT * found[i] * np.finfo(float).eps, 1e-3) * system.size
                 same = (np.max(np.abs(f - f[i]), axis=1) <= tolerance) & singular & (everything < 0)
                 everything[same] = len(chosen)
                 chosen.append(int(i))
     return np.array(chosen, dtype=int), everything
-
-
-def is_of_continuum(system: System, z: np.ndarray, known: np.ndarray) -> bool:
-    """Whether a root is not isolated."""
-    return system.condition(z, known) > SUSPECT_CONDITION and moves_freely(system, z, known)
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
