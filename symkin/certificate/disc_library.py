@@ -6,6 +6,7 @@ SYMKIN_ENGINE = numpy turns it off.
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
 from pathlib import Path
 from typing import Any
@@ -79,7 +80,12 @@ class DiscLibrary:
 
 def disc_library() -> DiscLibrary | None:
     """The library, from the cache or compiled now; None where there is none."""
-    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _load()
+    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _loaded()
+
+
+@functools.lru_cache(maxsize=1)
+def _loaded() -> DiscLibrary | None:
+    return _load()
 
 
 @lru_cache(maxsize=1)
@@ -104,12 +110,15 @@ def _at(array: np.ndarray) -> Any:
     return array.ctypes.data
 
 
-@lru_cache(maxsize=512)
+# Two threads may make these twice, which does no harm; they are asked for at every call.
+
+
+@functools.lru_cache(maxsize=512)
 def _struct_of(code: Code) -> _Code:
     return _Code(code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs)
 
 
-@lru_cache(maxsize=128)
+@functools.lru_cache(maxsize=128)
 def _problem_of(tape: Tape) -> _Problem:
     rows, columns = tape.patterns[1]
     value, slope = (_struct_of(code) for code in tape.parts)
