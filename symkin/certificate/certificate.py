@@ -264,13 +264,13 @@ class _Roots:
         """Which roots are proved not to be real, of those `among` (n,)."""
         if not among.any():
             return among
-        shown = are_not_real(self.system, self.centre, self.half) & among
+        shown: np.ndarray = are_not_real(self.system, self.centre, self.half) & among
         for i in np.flatnonzero(among & ~shown).tolist():
             shown[i] = not_real(self.system, self._box(i))
         return shown
 
     def _poses(self, found: np.ndarray, of: Features) -> np.ndarray:
-        poses = of.poses & found
+        poses: np.ndarray = of.poses & found
         for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
             poses[i] = is_pose(self.system, self._box(i))
         return poses
