@@ -18,7 +18,6 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, UP, Number, precision
 from symkin.certificate.coordinates import aligned, in_phase, spread
 from symkin.certificate.discs import Discs
 from symkin.certificate.knowns import Knowns
@@ -27,6 +26,7 @@ from symkin.certificate.open_points import prove_points
 from symkin.certificate.quick_test import enclose_all
 from symkin.certificate.separation import Features, are_apart, are_not_real, distinct_boxes, features, is_pose, not_real
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 
 _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.numeric.system import System
-from symkin.position.solution import ACCEPTED
-
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
+from symkin.position.solution import ACCEPTED, PartialProof
 
 MOST_MODES = 20_000
 SINGULAR_ROOT = 1e6
