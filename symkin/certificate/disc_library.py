@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,12 @@ class DiscLibrary:
 def disc_library() -> DiscLibrary | None:
     """The library, from the cache or compiled now; None where there is none."""
     return None if os.environ.get("SYMKIN_ENGINE") == OFF else _loaded()
+
+
+def begin_loading() -> None:
+    """Compile the library in a thread of its own, where that is to be done, while other things are: whoever asks for it waits."""
+    if os.environ.get("SYMKIN_ENGINE") != OFF and not _loaded.cache_info().currsize:
+        threading.Thread(target=_loaded).start()
 
 
 @functools.lru_cache(maxsize=1)
