@@ -122,7 +122,8 @@ def run_engine(options: argparse.Namespace) -> None:
 
     paths, proofs, rng = Clock(), Clock(), np.random.default_rng(options.seed)
     paths.wrap(continuation, "instance")
-    proofs.wrap(certificate, "certify")
+    proofs.wrap(certificate, "certify_batch")
+    proofs.wrap(certificate.CertificateBatch, "find")
     chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
     done = [Measured(case) for case in chosen]
     inputs = {m.case.name: [m.case.draw(rng) for _ in range(options.inputs + 1)] for m in done}
