@@ -10,6 +10,9 @@ import numpy as np
 
 from symkin.numeric.tolerances import NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
+_SQUARED_ROUNDING = 1e-11
+"""Share of a singular value that its square's eigenvalue may have lost to rounding."""
+
 
 def singular_values(matrices: np.ndarray) -> np.ndarray:
     """Singular values (..., min(rows, columns)) in falling order; zero where a matrix is not finite."""
@@ -25,10 +28,24 @@ def conditions(jacobians: np.ndarray) -> np.ndarray:
     count, rows, columns = jacobians.shape
     if min(rows, columns) == 0:
         return np.full(count, 1.0 if rows * columns == 0 else np.inf)
-    values = singular_values(jacobians)
-    largest, smallest = values[:, 0], values[:, -1]
+    largest, smallest = _extreme_singular_values(jacobians)
     regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
     return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+
+
+def _extreme_singular_values(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest and smallest of the min(rows, columns) singular values (n,): the roots of the extreme eigenvalues of J^T J (or J J^T),
+    which take half as long and lose a share of rounding times the squared condition; the singular value decomposition where this
+    is more than `_SQUARED_ROUNDING`."""
+    small = matrices if matrices.shape[1] < matrices.shape[2] else matrices.transpose(0, 2, 1)
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    squares = np.linalg.eigvalsh(np.where(finite[:, None, None], small @ small.transpose(0, 2, 1), 0.0))
+    largest, smallest = np.sqrt(np.maximum(squares[:, [-1, 0]], 0.0)).T
+    rough = ~(squares[:, 0] > squares[:, -1] * (np.finfo(float).eps / _SQUARED_ROUNDING))
+    if rough.any():
+        values = singular_values(matrices[rough])
+        largest[rough], smallest[rough] = values[:, 0], values[:, -1]
+    return largest, smallest
 
 
 def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
