@@ -34,17 +34,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from symkin.calibration.calibrate import calibrate
-    from symkin.calibration.measurements import Measurements
-    from symkin.calibration.planning import plan_measurements
-    from symkin.calibration.result import Calibration
+    from symkin.calibration.data.measurements import Measurements
+    from symkin.calibration.design.planning import plan_measurements
+    from symkin.calibration.judge.result import Calibration
     from symkin.codegen.folder import write_firmware
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
     from symkin.position.least_squares import LeastSquares as LeastSquares
     from symkin.position.newton import Newton as Newton
-    from symkin.singularities.loci import Loci, singular_loci
-    from symkin.singularities.singularity import Singularity, singularity
+    from symkin.singularities.classification import singularity
+    from symkin.singularities.loci import Loci
+    from symkin.singularities.singular_loci import singular_loci
+    from symkin.singularities.singularity import Singularity
     from symkin.sweeps.run import sweep
     from symkin.velocity.jacobian import Jacobian, jacobian
 
@@ -92,11 +94,11 @@ __all__ = [
 ]
 
 _LATER = {
-    "Calibration": "symkin.calibration.result",
+    "Calibration": "symkin.calibration.judge.result",
     "Jacobian": "symkin.velocity.jacobian",
     "LeastSquares": "symkin.position.least_squares",
     "Loci": "symkin.singularities.loci",
-    "Measurements": "symkin.calibration.measurements",
+    "Measurements": "symkin.calibration.data.measurements",
     "ModeGraph": "symkin.following.mode_graph",
     "Newton": "symkin.position.newton",
     "Singularity": "symkin.singularities.singularity",
@@ -104,9 +106,9 @@ _LATER = {
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
     "mode_graph": "symkin.following.mode_graph",
-    "plan_measurements": "symkin.calibration.planning",
-    "singular_loci": "symkin.singularities.loci",
-    "singularity": "symkin.singularities.singularity",
+    "plan_measurements": "symkin.calibration.design.planning",
+    "singular_loci": "symkin.singularities.singular_loci",
+    "singularity": "symkin.singularities.classification",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
     "write_firmware": "symkin.codegen.folder",

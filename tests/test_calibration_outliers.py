@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from helpers import hexapod_log
-from symkin.calibration import removal
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.estimator import estimate
-from symkin.calibration.files import write_measurements
-from symkin.calibration.outcome import Fitted
+from symkin.calibration.data.files import write_measurements
+from symkin.calibration.estimate.solver import estimate
+from symkin.calibration.judge import outlier_removal
+from symkin.calibration.judge.assessment import Fit
 from symkin.cli.app import main
 
 
@@ -38,14 +38,14 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
     nominal, data, rng = logged
     bad, rows = hexapod_log.spoilt(data, share, size, rng)
     fit = calibrate(nominal, bad if stated else hexapod_log.unstated(bad))
-    found = {o.posture for o in fit.outliers}
+    found = {o.configuration for o in fit.outliers}
     far = {int(k) for k in rows if np.linalg.norm(bad.position[k] - data.position[k]) > 20 * hexapod_log.SCATTER}
     assert fit.refused is None
     assert far <= found
     assert len(found - set(rows.tolist())) <= 1
     assert np.sqrt(np.mean([r.value**2 for r in fit.residuals if r.kind == "position"])) < 1.3 * hexapod_log.SCATTER
     for o in fit.outliers:
-        np.testing.assert_allclose(o.shift, (bad.position - data.position)[o.posture], atol=10 * hexapod_log.SCATTER)
+        np.testing.assert_allclose(o.shift, (bad.position - data.position)[o.configuration], atol=10 * hexapod_log.SCATTER)
         assert float(re.search(r"statistic (\S+) with", o.reason)[1]) > 10
         assert "e-4" not in o.reason.split("probability")[1]
 
@@ -74,8 +74,8 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
         return replace(found, result=replace(found.result, status="stalled"))
 
     result = estimate(first.problem, first.state.z, p=first.state.p)
-    found = Fitted(first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.signs)
-    made = removal.cleaned(fit, bad, found, 0.02)
+    found = Fit(first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs)
+    made = outlier_removal.fit_without_outliers(fit, bad, found, 0.02)
     assert made.found is found
     assert made.refused is None
     assert not made.screening.outliers

@@ -1,0 +1,278 @@
+"""Evaluate the closure and the readings with their derivatives, for all configurations at once.
+
+F(z; q, p) = 0 in the unknown coordinates z (passive joints and pose) given joint readings q and parameters p; readings
+h(z, p). Derivatives are taken in the tangent space of z (see `numeric.system`) and along scaled parameters: one unit of
+a scaled parameter is one length unit, for angles and directions 1/size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property, lru_cache
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, nominal_parameters
+from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
+from symkin.closure.closure import Closure, build_closure
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import System
+from symkin.spatial.backend import dot
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
+
+READING_KINDS = ("group", "inclination", "position", "orientation")
+"""Kinds of readings in the order of their columns; distances follow."""
+ANGULAR = ("group", "inclination", "orientation")
+"""Kinds of readings that are angles (radians); the others are lengths."""
+COMPONENTS = {
+    "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
+    "position": ("x", "y", "z"), "orientation": ("x", "y", "z")
+}  # fmt: skip
+
+
+_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "pose": (0,)}
+"""Outputs that are columns, for each function of a configuration."""
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K,
+    P)."""
+
+    rows: np.ndarray
+    rows_z: np.ndarray
+    rows_p: np.ndarray
+    readings: np.ndarray
+    readings_z: np.ndarray
+    readings_p: np.ndarray
+
+    def condensed(self, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        """Eliminate the unknown coordinates: readings corrected for closures that are off by `pending` steps (n, f), their
+        derivative dh/dp (n, K, P) with the configurations following, and what an overconstrained closure leaves of F and
+        dF/dp."""
+        if self.rows_z.shape[1] == self.rows_z.shape[2]:
+            weights = solve_systems(self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
+            return self.readings - (weights @ self.rows[:, :, None])[:, :, 0], self.readings_p - weights @ self.rows_p, None
+        follow = solve_systems(self.rows_z, self.rows_p)
+        left = self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0], self.rows_p - self.rows_z @ follow
+        return self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0], self.readings_p - self.readings_z @ follow, left
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """dh/dp (n, K, P) with the configurations following: h_p - h_z F_z^+ F_p."""
+        return self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[1]
+
+
+def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve n systems by least squares, matrix (n, m, f), right (n, m, k); not finite where a system is singular."""
+    if matrix.shape[1] == matrix.shape[2]:
+        try:
+            return np.asarray(np.linalg.solve(matrix, right))
+        except np.linalg.LinAlgError:
+            pass
+    if not np.all(np.isfinite(matrix)):
+        matrix = np.nan_to_num(matrix)
+    return np.asarray(np.linalg.pinv(matrix, rcond=1e-12) @ right)
+
+
+@dataclass(frozen=True, eq=False)
+class ConfigurationModel:
+    """One configuration as expressions: `system` holds closure and tangent space, `joints`, `parameters` and `quaternion`
+    (measured) are what is known; `columns` names each reading (kind, component)."""
+
+    mechanism: Mechanism
+    closure: Closure
+    system: System
+    names: tuple[str, ...]
+    kinds: tuple[ParameterKind, ...]
+    nominal: np.ndarray
+    scales: np.ndarray
+    joints: ca.SX
+    parameters: ca.SX
+    quaternion: ca.SX
+    readings: ca.SX
+    columns: tuple[tuple[str, str], ...]
+    pose: Pose
+
+    def evaluate(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> Evaluation:
+        """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
+        return Evaluation(*self._call("whole", z, joints, p, quaternions))
+
+    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate F (n, m) and F_z (n, m, f)."""
+        rows, rows_z = self._call("rows", z, joints, p, np.zeros((len(z), 4)))
+        return rows, rows_z
+
+    def joint_slopes(self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q, at an evaluation e."""
+        rows_q = self._call("joints", z, joints, p, np.zeros((len(z), 4)))[0]
+        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q))
+
+    def tangent(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
+        """Evaluate F, F_z, F_q, h, h_z; orientations are measured against none."""
+        return self._call("tangent", z, joints, p, np.zeros((len(z), 4)))
+
+    def poses(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
+        packed = self._call("pose", z, np.zeros((len(z), int(self.joints.shape[0]))), p, np.zeros((len(z), 4)))[0]
+        return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
+
+    @cached_property
+    def angular(self) -> np.ndarray:
+        """Which readings (K,) are angles."""
+        return np.array([kind in ANGULAR for kind, _ in self.columns], dtype=bool)
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for lengths."""
+        return np.where(self.angular, self.closure.size, 1.0)
+
+    @property
+    def observes_through_frames(self) -> bool:
+        """Whether frames between the mechanism and what is measured are unknown."""
+        return any(n in MEASURING_FRAMES for n in self.names)
+
+    def compile(self) -> None:
+        """Compile the functions now, where there is a compiler; else they are compiled when that pays."""
+        self._mapped["whole"].engine.compile()
+
+    @cached_property
+    def _outputs(self) -> dict[str, list[ca.SX]]:
+        system, scales = self.system, ca.diag(ca.DM(self.scales))
+        rows_z = system.jacobian
+        readings_z = ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent)
+        by_p = [ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in (system.rows, self.readings)]
+        return {
+            "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
+            "rows": [system.rows, rows_z],
+            "joints": [ca.jacobian(system.rows, self.joints)],
+            "tangent": [system.rows, rows_z, ca.jacobian(system.rows, self.joints), self.readings, readings_z],
+            "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
+        }
+
+    @cached_property
+    def _mapped(self) -> dict[str, MappedFunction]:
+        inputs = [self.system.unknown, self.joints, self.parameters, self.quaternion]
+        made = [
+            ca.Function(f"symkin_{what}", inputs, [ca.densify(f) for f in outputs], {"cse": True})
+            for what, outputs in self._outputs.items()
+        ]
+        return dict(zip(self._outputs, map_functions(made), strict=True))
+
+    def _call(self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> list[np.ndarray]:
+        results = self._mapped[what](len(z), (z, joints, p, quaternions))
+        vectors = _VECTOR_OUTPUTS[what]
+        return [a[:, 0, :] if k in vectors else a.transpose(0, 2, 1) for k, a in enumerate(results)]
+
+
+# --- building ------------------------------------------------------------------------------------------------------
+
+
+def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> ConfigurationModel:
+    """Build the model of a configuration with the readings that `measurements` has, over the named parameters; all others
+    keep their nominal values."""
+    kinds = tuple(k for k in READING_KINDS if _is_taken(measurements, k))
+    distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
+    return _build_model(mechanism, kinds, distances, tuple(names))
+
+
+def _is_taken(measurements: Measurements, kind: str) -> bool:
+    if kind == "group":
+        return measurements.groups is not None
+    return getattr(measurements, kind) is not None
+
+
+@lru_cache(maxsize=64)
+def _build_model(
+    mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
+    names: tuple[str, ...]
+) -> ConfigurationModel:  # fmt: skip
+    closure = build_closure(mechanism)
+    table = nominal_parameters(mechanism)
+    for name in names:
+        if name not in table:
+            raise InputError(f"parameter {name!r} is unknown; {mechanism.name} has {', '.join(table)}")
+    symbols = {name: ca.SX.sym(name) if name in names else ca.SX(value) for name, (value, _) in table.items()}
+    parameters = ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1)
+    system, readings_of_joints = _closure_system(closure, symbols, parameters)
+    pose = _observed_pose(closure, symbols)
+    quaternion = ca.SX.sym("measured", 4)
+    readings, columns = _readings(pose, quaternion, kinds, distances)
+    system = System(
+        system.unknowns, system.unknown, ca.vertcat(readings_of_joints, parameters), system.rows, system.errors, closure.size
+    )
+    types = tuple(table[n][1] for n in names)
+    scales = np.array([1.0 if kind == "length" else 1.0 / closure.size for kind in types])
+    return ConfigurationModel(
+        mechanism=mechanism, closure=closure, system=system, names=names, kinds=types,
+        nominal=np.array([table[n][0] for n in names]), scales=scales, joints=readings_of_joints, parameters=parameters,
+        quaternion=quaternion, readings=readings, columns=columns, pose=pose,
+    )  # fmt: skip
+
+
+def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
+    """Write the closure over readings in place of actuated coordinates; and name the readings."""
+    unknowns = closure.role("passive", "pose")
+    actuated = closure.role("actuated")
+    readings = ca.vertcat(*(ca.SX.sym(f"{c.name}.reading") for c in actuated)) if actuated else ca.SX(0, 1)
+    unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in unknowns))
+    before = [*(closure.variables[closure.slices[c.name]] for c in actuated), closure.parameters]
+    after = [*(symbols[f"{c.name}.scale"] * readings[k] for k, c in enumerate(actuated)), _parameter_values(closure, symbols)]
+    rows, errors = ca.substitute([closure.rows, closure.errors], [ca.vertcat(*before)], [ca.vertcat(*after)])
+    return System(unknowns, unknown, ca.vertcat(readings, parameters), rows, errors, closure.size), readings
+
+
+def _parameter_values(closure: Closure, symbols: dict[str, ca.SX]) -> ca.SX:
+    return ca.vertcat(*(symbols[n] for n in closure.parameter_names)) if closure.parameter_names else ca.SX(0, 1)
+
+
+def _observed_pose(closure: Closure, symbols: dict[str, ca.SX]) -> Pose:
+    """Compose world @ platform pose @ target."""
+
+    def frame(name: str) -> Pose | None:
+        parts = [symbols[f"{name}.{what}.{k}"] for what in ("position", "rotation") for k in "xyz"]
+        if all(part.is_constant() and float(part) == 0.0 for part in parts):
+            return None
+        return Pose(ca.vertcat(*parts[:3]), quaternion_from_rotation_vector(ca.vertcat(*parts[3:])))
+
+    packed = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+    packed = ca.substitute(packed, closure.parameters, _parameter_values(closure, symbols))
+    pose = Pose(packed[:3], packed[3:])
+    world, target = frame("world"), frame("target")
+    pose = pose if world is None else world @ pose
+    return pose if target is None else pose @ target
+
+
+def _readings(
+    pose: Pose, quaternion: ca.SX, kinds: Sequence[str], distances: Sequence[tuple[str, Sequence[float], Sequence[float]]]
+) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
+    made: list[ca.SX] = []
+    columns: list[tuple[str, str]] = []
+    for kind in kinds:
+        match kind:
+            case "group" | "inclination":
+                made.extend(inclination(pose.quaternion))
+            case "position":
+                made.extend(ca.vertsplit(pose.position))
+            case _:
+                e = multiply(conjugate(quaternion), pose.quaternion)
+                sign = ca.if_else(e[0] < 0, -1, 1)
+                made.extend(2 * sign * e[k] for k in (1, 2, 3))
+        columns.extend((kind, c) for c in COMPONENTS[kind])
+    for name, end, base in distances:
+        gap = pose.apply(ca.SX(ca.DM(list(end)))) - ca.SX(ca.DM(list(base)))
+        made.append(ca.sqrt(dot(gap, gap)))
+        columns.append(("distance", name))
+    return ca.vertcat(*made) if made else ca.SX(0, 1), tuple(columns)
+
+
+def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b, cos b sin a, cos b cos a)."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))
