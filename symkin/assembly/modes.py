@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, overload
 
@@ -30,9 +30,9 @@ Solver = str | Newton | LeastSquares | None
 
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Sequence[float] | None = None, pose: Sequence[float] | Pose | None = None,
-    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
-    progress: Progress | None = None,
+    mechanism: Mechanism, *, joints: Sequence[float] | Mapping[str, float] | None = None,
+    pose: Sequence[float] | Pose | None = None, method: str | None = None, starts: int | None = None, seed: int | None = None,
+    solver: Solver = None, progress: Progress | None = None,
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
