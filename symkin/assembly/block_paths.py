@@ -145,7 +145,7 @@ class BlockPaths:
         found = np.zeros(int(instance.max(initial=-1)) + 1, dtype=bool)
         if not self.algebraic.limbs or not instance.size:
             return found
-        chosen = np.unique(instance)
+        chosen = np.flatnonzero(np.bincount(instance))
         ends = z.reshape(self.algebraic.width, len(chosen), -1).transpose(1, 0, 2)
         found[chosen] = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
         return found
@@ -197,7 +197,7 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     order = np.lexsort((mixed, owner))
     sorted_owner, gap = owner[order], np.diff(mixed[order])
     near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
-    return [i for i in np.unique(sorted_owner[1:][near]).tolist() if _has_equal(block, f[owner == i])]
+    return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
 
 
 @lru_cache(maxsize=64)
