@@ -213,7 +213,7 @@ def _has_equal(block: System, f: np.ndarray) -> bool:
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
     """What is said of generic roots that no loop of the known values connects."""
-    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.unique(start.orbits)]
+    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.flatnonzero(np.bincount(start.orbits))]
     if len(sizes) < 2:
         return ()
     return (f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions",)
