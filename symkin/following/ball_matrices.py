@@ -1,4 +1,4 @@
-"""Matrices over balls, and bounds of fixed points, for proofs about a branch."""
+"""Matrices over balls and bounds of fixed points, for proofs about a branch."""
 
 from __future__ import annotations
 

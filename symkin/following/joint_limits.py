@@ -1,4 +1,4 @@
-"""Where a followed branch first meets a joint limit.
+"""Find where a followed branch first meets a joint limit.
 
 As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits at the start, if any do, are
 subtracted along the whole path.
@@ -22,7 +22,7 @@ from symkin.position.problem import Problem
 
 _SLACK = 1e-9
 """A value beyond its limit by less than this (of the size, or rad) keeps it: a path may touch a limit."""
-_NEAR = 1e-4
+_NEAR_LIMIT = 1e-4
 """Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the branch itself."""
 _HALVINGS = 60
 
@@ -102,10 +102,9 @@ class LimitWatch:
         def excess(share: float) -> float:
             y = curve.at(share)
             beyond = self._excess(c, _value(system, place, y))
-            if beyond < -_NEAR * self._unit(c):
+            if beyond < -_NEAR_LIMIT * self._unit(c):
                 return beyond
-            z = system.correct(y[:-1], float(y[-1]), interval.c)[0]
-            return self._excess(c, _value(system, place, z))
+            return self._excess(c, _value(system, place, system.correct(y, interval.c)[0]))
 
         before = 0.0
         for share in (*_extremes(curve, place), 1.0):
