@@ -23,7 +23,8 @@ from helpers.samples import (
     tilted_rps,
 )
 from symkin import Mechanism, SolveError
-from symkin.singularities.classification import TOLERANCE, classify, singularity
+from symkin.numeric.tolerances import SINGULAR_VALUE
+from symkin.singularities.classification import classify, singularity
 from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.singularity import Singularity
 
@@ -116,7 +117,7 @@ def test_generic_ranks_of_shipped_mechanisms() -> None:
 def assert_verdict_and_distances_agree(found: Singularity) -> None:
     """A kind is named where its distance is below the tolerance, and nowhere else."""
     for kind, value in found.distances.items():
-        assert (kind in found.kinds) == (value < TOLERANCE)
+        assert (kind in found.kinds) == (value < SINGULAR_VALUE)
     assert math.isinf(found.manipulability) == ("type 2" in found.kinds)
 
 

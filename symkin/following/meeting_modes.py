@@ -17,14 +17,13 @@ from symkin.following.follow import Branch
 from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
+from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""
-_SAME_MODE = 1e-6
-"""Polished configurations nearer than this (features over the size) are one."""
 _NEAR_RATIO = 20.0
 """At a bifurcation the modes nearer to the singular point than this times the followed one's distance are said to meet."""
 _MOST_COMBINED = 8
@@ -88,7 +87,7 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
     signs = None
     if len(turning) < len(branch.stopped) or len(turning) > _MOST_COMBINED:
         own_unknown = _joined(problem, branch.blocks, {id(w): w.at(u - back) for w in branch.blocks})
-        reach = _NEAR_RATIO * float(_distances(problem, own_unknown[None], branch.last.unknown)[0]) + _SAME_MODE
+        reach = _NEAR_RATIO * float(_distances(problem, own_unknown[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
         own = mode_number(problem, found, own_unknown)
         near = [k for k, d in enumerate(mode_distances(problem, found, branch.last.unknown)) if d < reach]
     else:
@@ -126,7 +125,7 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
 def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | None:
     """The number (from 0) of the mode in a list that a configuration is, None where the list lacks it."""
     distances = mode_distances(problem, modes, unknown)
-    return int(np.argmin(distances)) if len(distances) and np.min(distances) < _SAME_MODE else None
+    return int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
 
 
 def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:

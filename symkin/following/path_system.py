@@ -19,6 +19,7 @@ from symkin.closure.graph import instructions
 from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.pool import Pool
 from symkin.position.problem import Problem
 
@@ -134,7 +135,7 @@ def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-13)[0])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=ROUNDED_STEP)[0])
     except np.linalg.LinAlgError:
         return np.full((matrix.shape[1], *right.shape[1:]), np.nan)
 

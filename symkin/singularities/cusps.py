@@ -14,11 +14,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.curve import Curve, correct, is_regular, tangent
 from symkin.singularities.locus_system import LocusSystem
 
-_STILL = 1e-6
-"""A unit tangent whose part in the plane is below this is a motion with the inputs held, which has no cusp."""
 _LENGTHENINGS = 5
 """How often the bracket is made longer by a tenth: the curve is longer than its chord."""
 _MOST_STEPS = 60
@@ -30,7 +29,7 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
     if system.kind != "type 2" or system.plane.of_pose:
         return curve, np.zeros(0, dtype=int)
     uv = curve.tangents[:, system.uv_columns]
-    moves = np.linalg.norm(uv, axis=1) > _STILL
+    moves = np.linalg.norm(uv, axis=1) > SINGULAR_VALUE
     turns = [k for k in range(len(uv) - 1) if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0]
     found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _is_cusp(system, z)]
     if not found:
@@ -45,7 +44,7 @@ def _is_cusp(system: LocusSystem, z: np.ndarray) -> bool:
     """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
     regular: crossings of curves have no one tangent."""
     t = tangent(system.curve, z)
-    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= _STILL and is_regular(system.curve, z)
+    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= SINGULAR_VALUE and is_regular(system.curve, z)
 
 
 def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None:
