@@ -18,6 +18,7 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.following.path_system import PathSystem
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PointKind = Literal["turning point", "bifurcation", "degenerate"]
 
@@ -27,8 +28,6 @@ _BIFURCATION_CONVERGED = 10 * np.finfo(float).eps
 """The same for a bifurcation, whose equations are more than its unknowns: what is left there beyond rounding (2e-16 at most for
 parallelograms, deltas and five-bars that do branch) is the distance by which the path misses it."""
 _MOST_STEPS = 25
-_LOST_VALUE = 1e-7
-"""A singular value below this times the largest of [dG/dz, dG/du] counts as zero at a located point."""
 _LED_THERE = 0.3
 """The distance to a singular point may differ by this share from what the branch's slope says."""
 _LEAST_CURVATURE = 1e-6
@@ -90,11 +89,11 @@ def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarr
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
-    zeros = int(np.sum(singular[: system.width] < _LOST_VALUE * whole[0]))
+    zeros = int(np.sum(singular[: system.width] < RANK_TOLERANCE * whole[0]))
     if zeros == 0:
         return None
     basis = right[system.width - zeros : system.width].T
-    if zeros > 1 or whole[system.width - 1] < _LOST_VALUE * whole[0]:
+    if zeros > 1 or whole[system.width - 1] < RANK_TOLERANCE * whole[0]:
         return None if null is not None else SingularPoint("bifurcation", y, basis, 0.0)
     v = basis[:, 0] if null is None else null
     curvature = _curvature(system, c, y, v, jacobian)
