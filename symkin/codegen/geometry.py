@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.closure.closure import Closure
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from symkin.codegen.kernel import is_rod_platform
+from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 

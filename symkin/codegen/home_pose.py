@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.codegen.rods import rod_values
+from symkin.codegen.rod_platform import rod_values
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import pose_from
