@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -26,7 +26,7 @@ from dietmaier1998 import LEGS, platform
 from enumerated import statement
 from report import Report, new_figure, options_parser
 from solvers import never
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 SOLVERS = {
     "batched": ("damped, batched (Levenberg-Marquardt)", 3000, "#0072b2"),

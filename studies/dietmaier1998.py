@@ -21,7 +21,7 @@ import symkin
 from enumerated import certified, distances, largest_radius, largest_residual, statement
 from report import Report, options_parser
 from small_multiples import draw_small_multiples
-from symkin.position.solution import Modes
+from symkin import Modes
 
 BASE = (
     (0.0, 0.0, 0.0),

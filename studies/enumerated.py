@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.position.solution import Modes
+from symkin import Modes
 
 
 def statement(found: Modes) -> str:

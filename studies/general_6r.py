@@ -27,7 +27,7 @@ import symkin
 from enumerated import certified, largest_residual, statement
 from report import Report, options_parser
 from small_multiples import draw_small_multiples
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 from symkin.spatial.rotation import quaternion_from_matrix
 
 DH = ((0.0, 0.3, 90), (0.0, 1.0, 1), (0.2, 0.0, 90), (0.0, 1.5, 1), (0.0, 0.0, 90), (0.0, 0.0, 1))

@@ -19,7 +19,7 @@ import symkin
 from gluon_6l3_closed import closed_form, wrap
 from gluon_6l3_model import SIZE, forward, pose_error, symbolic_jacobian, tool_expression
 from guesses import ROOTFINDER, Closure, Search, Trial
-from symkin.position.solution import Modes
+from symkin import Modes
 
 STARTS = {"batched": 300, "newton": 300, "ipopt": 40}
 """Starts of symkin's multistart by inner solver; IPOPT takes a tenth of a second for each."""

@@ -24,7 +24,7 @@ import symkin
 from enumerated import certified
 from incidence import IncidenceClass, all_classes, from_list, random_points
 from report import Report, new_figure, options_parser
-from symkin.position.solution import Modes
+from symkin import Modes
 
 NAMED: dict[str, tuple[str, int]] = {
     "6-6": ("B1P1 B2P2 B3P3 B4P4 B5P5 B6P6", 40),

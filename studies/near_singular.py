@@ -23,7 +23,7 @@ import numpy as np
 import symkin
 from enumerated import certified
 from report import Report, new_figure, options_parser
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 from symkin.spatial.rotation import quaternion_from_rotation_vector
 
 DISTANCES = tuple(10.0**-k for k in range(1, 11))

@@ -39,9 +39,8 @@ from ren2008_pictures import draw_before, draw_calibration, draw_figure_1, draw_
 from ren2008_planning import report_24
 from ren2008_procedure import condition, report_levelling, report_range, report_servo, report_wedges
 from report import Report, options_parser
-from symkin.calibration.identifiability import identifiability
-from symkin.calibration.measurements import Measurements
-from symkin.position.mobility import analyse_mobility
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.judge.identifiability import identifiability
 
 SEED = 8
 SUITS_GROUPS, SUITS_EACH = 10, 4
@@ -88,10 +87,10 @@ def report_suits(report: Report, case: Case) -> None:
     report.row(
         "another platform on six rods (zhang2009): rank", 32, found.rank, place=place, run=(another_platform, identifiability)
     )
-    twists = analyse_mobility(symkin.load("zhao2000")).platform_twists
+    twists = symkin.mobility(symkin.load("zhao2000")).platform_twists
     tilts = spectrum(twists[:, :2]).rank if np.abs(twists[:, :2]).max() > 1e-9 else 0
     report.row("'suits every parallel machine': freedoms that tilt the platform of zhao2000", None, tilts, place=place,
-               run=analyse_mobility, verdict="refuted")  # fmt: skip
+               run=symkin.mobility, verdict="refuted")  # fmt: skip
     level, _ = condition(case, np.zeros((10, 2)), case.rng(40, 0))
     text = (
         "the method does not suit every parallel machine, and wedges do more than lower the condition number: with one inclination "

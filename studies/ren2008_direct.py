@@ -18,7 +18,7 @@ from guesses import attempt, least_squares, report_trials, rootfinder
 from ren2008_method import poses_of, random_postures
 from ren2008_model import Case, angles_of, closure, direct, inverse
 from report import Report
-from symkin.position.solution import Modes, SolveResult
+from symkin import Modes, SolveResult
 from written import written
 
 PLACE = "1.3, (1)"

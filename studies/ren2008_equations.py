@@ -25,8 +25,7 @@ from ren2008_method import BEST, EXACT, Fits, fit, inclinations, measure, postur
 from ren2008_model import NAMES, Case, angles_of, direct, eta_from, eta_of, free_columns, inverse, slopes
 from ren2008_tables import NOMINAL, TRUE, held_names
 from report import Report
-from symkin.calibration.identifiability import identifiability
-from symkin.position.mobility import analyse_mobility
+from symkin.calibration.judge.identifiability import identifiability
 
 GROUPS, EACH = 10, 4
 
@@ -45,9 +44,9 @@ def by_parameters(eta: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 def report_machine(report: Report, case: Case) -> None:
     """Figure 1 in numbers: six actuated rods, the frames, 42 parameters."""
-    found = analyse_mobility(case.nominal)
+    found = symkin.mobility(case.nominal)
     report.row(
-        "freedoms of the platform: none is lost, no joint is passive", 6, found.mobility, place="1.1", run=analyse_mobility
+        "freedoms of the platform: none is lost, no joint is passive", 6, found.mobility, place="1.1", run=symkin.mobility
     )
     report.row("geometric parameters: 6 (3 + 3 + 1)", 42, len(NAMES), place="1.2", run=eta_of)
     held = held_names(case.nominal)

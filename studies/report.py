@@ -20,7 +20,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from symkin.position.solution import Modes, SolveResult
+from symkin import Modes, SolveResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

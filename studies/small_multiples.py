@@ -17,7 +17,7 @@ from symkin.plots.skeleton import Skeleton, skeleton
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.position.solution import Modes
+    from symkin import Modes
 
 LIMB_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Colours that stay apart for all kinds of colour vision (Okabe and Ito), one a limb."""

@@ -32,7 +32,6 @@ from guesses import attempt, least_squares, report_trials, rootfinder
 from report import Report, options_parser
 from symkin.model.limb import Limb
 from symkin.plots.sketch import figure_of_sketch
-from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import euler_from_quaternion
 from symkin.spatial.screw import reciprocal_system
 from written import written
@@ -138,13 +137,13 @@ def report_mobility(report: Report) -> None:
             f"at {pose}: platform freedoms; those that tilt it", [4, 0], [len(free), rank(free[:, :2])], place="2.1", run=couple
         )
     for name in (PLATFORM_NAME, LINKS_NAME):
-        found = analyse_mobility(symkin.load(name))
+        found = symkin.mobility(symkin.load(name))
         numbers = [found.freedoms, found.rows, found.rank.value, found.redundant, found.mobility]
         paper = [None, None, None, 1, 4] if name == LINKS_NAME else None
         verdict = "reproduced" if paper is not None and numbers[3:] == [1, 4] else None
         report.row(
             f"{name}, closure Jacobian: freedoms, rows, rank, redundant rows, mobility", paper, numbers, place="2.2",
-            run=analyse_mobility, verdict=verdict,
+            run=symkin.mobility, verdict=verdict,
         )  # fmt: skip
 
 

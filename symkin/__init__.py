@@ -1,73 +1,120 @@
 """symkin: kinematics of robots with closed loops, from one description.
 
-import symkin
-platform = symkin.load("platform.toml")
-print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
+    import symkin
+
+    platform = symkin.load("platform.toml")
+    print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
+
+Verbs: `load`, `shipped_names`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
+`sweep`; `calibrate`, `plan_measurements`; `write_firmware`. Each returns a result that prints its table, has a short repr, HTML
+for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from symkin._version import __version__
+from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
-from symkin.errors import InputError, MechanismError, SolveError, SymkinError
+from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import load, shipped_names
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
-from symkin.position.least_squares import LeastSquares
-from symkin.position.newton import Newton
+from symkin.position.mobility import Mobility, mobility
+from symkin.position.solution import Solution
 from symkin.position.solve import solve
+from symkin.position.solve_result import SolveError, SolveResult
+from symkin.result import Result, draw_with
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from symkin.calibration.calibrate import calibrate
-    from symkin.calibration.measurements import Measurements
+    from symkin.calibration.data.measurements import Measurements
+    from symkin.calibration.design.planning import plan_measurements
+    from symkin.calibration.judge.result import Calibration
+    from symkin.codegen.folder import write_firmware
+    from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
-    from symkin.singularities.singularity import singularity
+    from symkin.following.track_result import Track
+    from symkin.position.least_squares import LeastSquares as LeastSquares
+    from symkin.position.newton import Newton as Newton
+    from symkin.singularities.classification import singularity
+    from symkin.singularities.loci import Loci
+    from symkin.singularities.singular_loci import singular_loci
+    from symkin.singularities.singularity import Singularity
     from symkin.sweeps.run import sweep
-    from symkin.velocity.jacobian import jacobian
+    from symkin.velocity.jacobian import Jacobian, jacobian
 
 __all__ = [
+    "Calibration",
     "DHRow",
     "DHTable",
     "Example",
     "InputError",
+    "Jacobian",
     "Joint",
-    "LeastSquares",
     "Limb",
+    "Loci",
     "Measurements",
     "Mechanism",
     "MechanismError",
-    "Newton",
+    "Mobility",
+    "ModeGraph",
+    "Modes",
     "Pose",
     "Rod",
     "RodLimb",
+    "Singularity",
+    "Solution",
     "SolveError",
+    "SolveResult",
     "SymkinError",
+    "Track",
     "__version__",
     "calibrate",
     "jacobian",
     "load",
+    "mobility",
+    "mode_graph",
     "modes",
+    "plan_measurements",
     "serial_arm_from_dh",
     "shipped_names",
+    "singular_loci",
     "singularity",
     "solve",
     "sweep",
     "track",
+    "write_firmware",
 ]
 
 _LATER = {
-    "Measurements": "symkin.calibration.measurements",
+    "Calibration": "symkin.calibration.judge.result",
+    "Jacobian": "symkin.velocity.jacobian",
+    "LeastSquares": "symkin.position.least_squares",
+    "Loci": "symkin.singularities.loci",
+    "Measurements": "symkin.calibration.data.measurements",
+    "ModeGraph": "symkin.following.mode_graph",
+    "Newton": "symkin.position.newton",
+    "Singularity": "symkin.singularities.singularity",
+    "Track": "symkin.following.track_result",
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
-    "singularity": "symkin.singularities.singularity",
+    "mode_graph": "symkin.following.mode_graph",
+    "plan_measurements": "symkin.calibration.design.planning",
+    "singular_loci": "symkin.singularities.singular_loci",
+    "singularity": "symkin.singularities.classification",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
+    "write_firmware": "symkin.codegen.folder",
 }
-"""Names whose modules are imported at their first use, since most runs do not need them."""
+"""Modules that are imported at the first use of a name, since most runs do not need them. `Newton` and `LeastSquares` are
+values of `solver=` with settings of one's own; their names ("newton", "ipopt") suffice, so that they are not listed."""
 
 
 def __getattr__(name: str) -> object:
@@ -77,4 +124,14 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted(set(globals()) | set(__all__))
+    return sorted(__all__)
+
+
+def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Figure":
+    """Draw a result. Only here, above all packages, do results and `symkin.plots` meet: see `symkin.result`."""
+    from symkin.plots.pictures import draw
+
+    return draw(result, path, **options)
+
+
+draw_with(_draw)

@@ -1,8 +1,5 @@
 """What symkin raises. Each message is a sentence: what is wrong, where, and what is allowed."""
 
-from collections.abc import Callable
-from typing import Any
-
 from symkin.text import shortened
 
 
@@ -23,15 +20,3 @@ class InputError(SymkinError):
 
 class TooManyModesError(InputError):
     """A problem with more modes than can be listed."""
-
-
-class SolveError(SymkinError):
-    """A solve that did not reach a solution; `result` holds the status and the last iterate."""
-
-    def __init__(self, message: str, result: object) -> None:
-        super().__init__(message)
-        self.result = result
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle with both arguments, so that a process pool hands the error on."""
-        return type(self), (str(self), self.result)

@@ -38,7 +38,7 @@ def test_forty_modes_are_proved():
     bound = bound_of(problem, system)
     assert bound is not None
     assert bound.theorem.count == 40
-    certificates = certify(bound.system, z, bound.known(np.array(DIETMAIER["legs"])), problem.closure.size)
+    certificates = certify(bound.system, z, bound.knowns(np.array([DIETMAIER["legs"]])), problem.closure.size)
     assert proves(certificates, bound)
     assert set(certificates.real) == {"real"}
 
@@ -65,7 +65,7 @@ def test_a_special_platform_stays_below_the_bound():
     problem, system, _, z = case("zhang2009")
     bound = bound_of(problem, system)
     assert bound is not None
-    certificates = certify(bound.system, z, bound.known(np.array(problem.mechanism.example.joints)))
+    certificates = certify(bound.system, z, bound.knowns(np.array([problem.mechanism.example.joints])))
     assert certificates.certified.all()
     assert not proves(certificates, bound)
 
@@ -81,9 +81,9 @@ def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     z = complex_roots(system, known_values(problem, values))
     bound = bound_of(problem, system)
     assert bound is not None
-    certificates = certify(bound.system, z, bound.known(values), problem.closure.size)
+    certificates = certify(bound.system, z, bound.knowns(values[None]), problem.closure.size)
     assert proves(certificates, bound)
-    assert not proves(certify(bound.system, z[:, 1:], bound.known(values)), bound)
+    assert not proves(certify(bound.system, z[:, 1:], bound.knowns(values[None])), bound)
     reached = certificates.find(
         algebraic_point(problem, system, {f"q{i + 1}": np.array([q]) for i, q in enumerate([0.3, -0.2, 0.5, 0.7, -0.4, 0.1])})
     )
@@ -103,7 +103,7 @@ def test_rod_lengths_are_proved_alone():
         row, slope = (system.linearise(np.zeros((1, 1)), k[:, None])[0], system.linearise(np.ones((1, 1)), k[:, None])[1])
         z = np.sqrt(-2 * row[0] / slope[0, 0]) if system.unknowns[0].least == 0.0 else None
         assert z is not None
-        certificates = certify(bound.system, z[:, None], bound.known(values), problem.closure.size)
+        certificates = certify(bound.system, z[:, None], bound.knowns(values[None]), problem.closure.size)
         assert proves(certificates, bound)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from helpers.samples import tied_platform
-from symkin.errors import SolveError
+from symkin import SolveError
 
 
 def exechon() -> symkin.Mechanism:

@@ -10,7 +10,6 @@ import pytest
 import symkin
 from helpers.laws import chain
 from symkin.homotopy.six_revolute import universal_arm, universal_start
-from symkin.position.mobility import analyse_mobility
 from symkin.spatial.rotation import quaternion_from_matrix
 
 ROWS = [(162.5, 0.0, 90), (0.0, -425.0, 0), (0.0, -392.2, 0), (133.3, 0.0, 90), (99.7, 0.0, -90), (99.6, 0.0, 0)]
@@ -125,4 +124,4 @@ def test_joints_on_one_line_have_the_size_of_that_line(seed):
     points = np.array([joint.point for _, joint in arm.joints])
     longest = max(np.linalg.norm(a - b) for a in points for b in points)
     assert arm.size == pytest.approx(longest, rel=1e-9)
-    assert analyse_mobility(arm).mobility == 3
+    assert symkin.mobility(arm).mobility == 3

@@ -13,7 +13,7 @@ def test_modes_of_redundant_rows_say_what_is_proved_of_them():
     """No certificate, but an exact root of rows as many as their rank, and a bound of the others that holds of the residual."""
     found = symkin.modes(symkin.load("zhao2000_links"))
     for mode in found:
-        ground = mode.to_json()["ground"]
+        ground = mode.to_dict()["ground"]
         assert mode.certified is False
         assert 0 < ground["independent"] < ground["rows"]
         assert 0.0 < ground["radius"] < 1e-9
@@ -42,7 +42,7 @@ def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(s
 def test_certified_modes_need_no_other_ground():
     for mode in symkin.modes(symkin.load("zhang2009")):
         assert mode.certified
-        assert mode.to_json()["ground"] is None
+        assert mode.to_dict()["ground"] is None
 
 
 def test_a_count_below_the_generic_one_says_where_the_others_are():

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError, Joint, Limb, Mechanism
+from symkin import InputError, Joint, Limb, Mechanism, Modes, Solution
 from symkin.homotopy.quadratic_form import quadratic_form
 from symkin.homotopy.start_store import redundant_rows
 from symkin.homotopy.systems import system_of
 from symkin.position.problem import build_problem
-from symkin.position.solution import Modes, Solution
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from plain_closure import PlainMechanism

@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from helpers.laws import configuration
-from symkin.position.solution import Modes, Solution
+from symkin import Modes, Solution
 
 SEED = 5
 CASES = [

@@ -12,7 +12,7 @@ from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
-from symkin.position.mobility import analyse_mobility, fewer_rows
+from symkin.position.mobility import fewer_rows
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, reciprocal_system, revolute_screw
 
 
@@ -61,7 +61,7 @@ def bennett(twist: float = 30.0, other: float = 60.0, length: float = 2.0) -> Me
 def test_mobility_of_known_mechanisms(mechanism: Mechanism, mobility: int, redundant: int, gruebler: int) -> None:
     """Full-cycle mobility: planar four-bar and Bennett 1 (overconstrained by 3), 3-TRT+SPS 4 with one redundant couple
     (Zhao 2000), platforms of six SPS or UPS limbs 6."""
-    found = analyse_mobility(mechanism)
+    found = symkin.mobility(mechanism)
     assert (found.mobility, found.redundant, found.gruebler) == (mobility, redundant, gruebler)
 
 
@@ -80,25 +80,25 @@ def test_a_declared_motion_that_removes_redundant_rows_is_named(mechanism, expec
     """Planar linkages with their motion left out: `show` names it. Nothing is named where the platform keeps fewer
     freedoms than the group leaves, or rows stay redundant in it."""
     spatial = replace(mechanism, motion="spatial")
-    assert fewer_rows(analyse_mobility(spatial)) == expected
+    assert fewer_rows(symkin.mobility(spatial)) == expected
     text = describe(spatial)
     assert f'motion = "{expected[0]}"' in text if expected else "in [platform]" not in text
 
 
 def test_a_motion_that_is_declared_is_not_named_again() -> None:
-    assert fewer_rows(analyse_mobility(replace(three_rrr(), motion="planar"))) is None
+    assert fewer_rows(symkin.mobility(replace(three_rrr(), motion="planar"))) is None
 
 
 def test_a_bennett_linkage_off_its_condition_is_rigid() -> None:
     """With one axis leaning, the four-bar closes at the reference only: mobility 0 there, rank full."""
-    assert analyse_mobility(four_bar(z=0.3)).mobility == 0
+    assert symkin.mobility(four_bar(z=0.3)).mobility == 0
 
 
 @pytest.mark.parametrize("name", ["zhao2000", "zhao2000_links", "yao2020"])
 def test_limb_wrenches_are_reciprocal_to_joint_screws(name: str) -> None:
     """The closure's constraint wrenches of a limb span the screws reciprocal to all of its joints' twists."""
     mechanism = symkin.load(name)
-    found = analyse_mobility(mechanism)
+    found = symkin.mobility(mechanism)
     assert found.at_reference
     for limb, screws in zip(mechanism.limbs, found.limbs, strict=True):
         if not isinstance(limb, Limb):
@@ -117,7 +117,7 @@ def _screw(joint: Joint) -> np.ndarray:
 
 def test_the_couples_of_the_trt_limbs() -> None:
     """Each TRT limb exerts one horizontal couple normal to its revolutes; three couples have rank 2 (Zhao 2000)."""
-    found = analyse_mobility(symkin.load("zhao2000_links"))
+    found = symkin.mobility(symkin.load("zhao2000_links"))
     directions = [(1, 0), (-0.5, math.sqrt(3) / 2), (-0.5, -math.sqrt(3) / 2)]
     for screws, (x, y) in zip(found.limbs[:3], directions, strict=True):
         (couple,) = screws.constraints
@@ -129,7 +129,7 @@ def test_the_couples_of_the_trt_limbs() -> None:
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_platform_twists_and_constraints_make_six(name: str) -> None:
     """A screw system and its reciprocal one have dimensions that add up to six, and do no work on each other."""
-    found = analyse_mobility(symkin.load(name))
+    found = symkin.mobility(symkin.load(name))
     assert len(found.platform_constraints) + len(found.platform_twists) == 6
     for wrench in found.platform_constraints:
         for twist in found.platform_twists:

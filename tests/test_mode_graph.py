@@ -84,7 +84,7 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     draw_mode_graph(graph, tmp_path / "graph.png", graph.path(0, 0))
     assert (tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
     assert "2 sheets" in str(graph)
-    assert graph.to_json()["groups"] == [[0], [1]]
+    assert graph.to_dict()["groups"] == [[0], [1]]
 
 
 def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:

@@ -344,7 +344,7 @@ def test_a_seed_decides_the_result(name):
     """The same seed, the same JSON but for the time; another seed, the same modes."""
     mechanism = symkin.load(name)
     first, again, other = (sampled(mechanism, seed=s) for s in (3, 3, 4))
-    drop = lambda r: {k: v for k, v in r.to_json().items() if k != "elapsed_s"}  # noqa: E731
+    drop = lambda r: {k: v for k, v in r.to_dict().items() if k != "elapsed_s"}  # noqa: E731
     assert json.dumps(drop(first)) == json.dumps(drop(again))
     assert first.seed == 3
     assert len(first) == len(other)
@@ -409,7 +409,7 @@ def test_angles_are_moved_into_limits():
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least, for result and mode; no NaN; angles in (-180, 180]."""
-    result = sampled(symkin.load(name), starts=300).to_json()
+    result = sampled(symkin.load(name), starts=300).to_dict()
     assert result.keys() >= KEYS
     assert result["completeness"] in ("proved", "probability one", "incomplete", "sampled")
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -454,7 +454,7 @@ def test_without_a_solution_the_smallest_residual_is_told(case):
     assert not result.positive_dimensional
     assert result.smallest_residual > 1e-3
     assert "no real solution" in str(result)
-    assert json.loads(json.dumps(result.to_json(), allow_nan=False))["modes"] == []
+    assert json.loads(json.dumps(result.to_dict(), allow_nan=False))["modes"] == []
 
 
 def test_the_smallest_residual_of_a_five_bar_that_cannot_close():

@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError, Joint, Limb, Mechanism, Pose, Rod
+from symkin import InputError, Joint, Limb, Mechanism, Modes, Pose, Rod
 from symkin.plots.box import View
 from symkin.plots.links import joint_displacement, link_displacements
 from symkin.plots.plot import check_picture_path, draw_modes, figure_of_modes
 from symkin.plots.skeleton import Skeleton, outline, reference_skeleton, skeleton
-from symkin.position.solution import Modes
 
 AROUND = [2 * math.pi * k / 3 for k in range(3)]
 

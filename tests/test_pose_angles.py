@@ -12,8 +12,9 @@ import symkin
 from helpers.laws import axis_turn
 from helpers.samples import Z, three_rrr
 from symkin import InputError
-from symkin.singularities.loci import Loci, singular_loci
-from symkin.singularities.singularity import TOLERANCE
+from symkin.singularities.classification import TOLERANCE
+from symkin.singularities.loci import Loci
+from symkin.singularities.singular_loci import singular_loci
 from symkin.sweeps.run import sweep
 
 HEXAPOD = symkin.load("zhang2009")
@@ -95,7 +96,7 @@ def test_what_angles_mean_is_said() -> None:
     from symkin.plots.loci_plot import figure_of_loci
 
     loci = loci_of([20.0, 10.0, 150.0, 1, 0, 0, 0], ("rx", "z"), (60, 60), 1)
-    assert "one rotation vector in the base frame" in loci.to_json()["angles"]
+    assert "one rotation vector in the base frame" in loci.to_dict()["angles"]
     assert "orientation (1, 0, 0, 0) turned by (rx, 0, 0)" in str(loci)
     assert "rx, ry, rz: one rotation vector" in str(loci)
     axes = figure_of_loci(loci).axes[0]

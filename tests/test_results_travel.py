@@ -19,19 +19,18 @@ import pytest
 import symkin
 from helpers.samples import five_bar, three_rrr
 from symkin import InputError, Mechanism, SolveError
-from symkin.calibration.files import read_measurements
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.planning import Plan, plan_measurements
-from symkin.calibration.run import NotFittedError, fit_file
-from symkin.calibration.simulate import Noise
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.design.planning import Plan, plan_measurements
+from symkin.calibration.design.simulation import Noise
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import NotFittedError, fit_file
 from symkin.closure.closure import build_closure
 from symkin.following.mode_graph import mode_graph
-from symkin.position.mobility import analyse_mobility
 from symkin.position.problem import build_problem
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 from symkin.spatial.pose import Pose
-from symkin.velocity.velocity import velocity_equations
+from symkin.velocity.equations import velocity_equations
 
 BARS = five_bar()
 
@@ -82,7 +81,7 @@ def results() -> dict[str, Any]:
         "singularity": symkin.singularity(tip.solution),
         "loci": singular_loci(tip.solution, ("q1", "q2"), starts=2),
         "mode graph": mode_graph(BARS, [("q1", 80, 90), ("q2", 90, 100)], 2, joints=[85.0, 95.0]),
-        "mobility": analyse_mobility(BARS),
+        "mobility": symkin.mobility(BARS),
         "calibration": symkin.calibrate(BARS, measured(), parameters=["left.q1.point.x", "left.b1.point.y"]),
         "measurements": measured(),
         "workspace": workspace,

@@ -30,10 +30,11 @@ from symkin.closure.closure import build_closure
 from symkin.position.mobility import whole_system
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution, make_solution
+from symkin.singularities.classification import TOLERANCE, classify, singularity
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.singularity import TOLERANCE, Singularity, classify, singularity
+from symkin.singularities.singularity import Singularity
 from symkin.spatial.screw import reciprocal_product
-from symkin.velocity.velocity import variables_of
+from symkin.velocity.equations import variables_of
 
 Z = (0.0, 0.0, 1.0)
 
@@ -478,7 +479,7 @@ def test_verdict_and_distances_agree_near_two_kinds(off: float) -> None:
 def test_json_holds_no_infinity() -> None:
     """An infinite manipulability is null, and the object goes through JSON."""
     found = singularity(hexagons(), pose=[0, 0, 120, math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert content["kinds"] == ["type 2"]
     assert content["manipulability"] is None
     assert content["twists"][0]["name"] == "screw"

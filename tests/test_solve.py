@@ -310,7 +310,7 @@ def test_huge_values_end_in_a_status(solver, huge):
     mechanism = symkin.load("zhang2009")
     for given_ in ({"start": [huge, 2, 90, 0.8, 0.6, 0, 0]}, {"joints": [huge] * 6}, {"pose": [huge, 0, 0, 1, 0, 0, 0]}):
         result = symkin.solve(mechanism, **given_, solver=solver, check=False)
-        json.dumps(result.to_json(), allow_nan=False)
+        json.dumps(result.to_dict(), allow_nan=False)
         if result.solution is not None:
             scale = max(1.0, max(abs(v) for v in result.solution.position) / mechanism.size)
             assert result.solution.residual <= 1e-8 * scale * mechanism.size
@@ -479,7 +479,7 @@ def test_a_pose_that_no_limb_allows_is_infeasible():
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least; numbers finite or null; dumps without NaN and loads back equal."""
     mechanism = symkin.load(name)
-    result = symkin.solve(mechanism).to_json()
+    result = symkin.solve(mechanism).to_dict()
     assert result.keys() >= KEYS
     assert result["solution"].keys() >= SOLUTION_KEYS
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -494,7 +494,7 @@ def test_json_has_the_contract_keys(name):
 def test_json_of_a_failure(status):
     """solution null, the status, and still no NaN."""
     make, given_, _ = FAILURES[status]
-    result = symkin.solve(make(), **given_, check=False).to_json()
+    result = symkin.solve(make(), **given_, check=False).to_dict()
     assert result["solution"] is None
     assert result["status"] == status
     assert json.loads(json.dumps(result, allow_nan=False)) == result
@@ -513,9 +513,9 @@ def test_results_print_themselves():
 def test_same_input_same_result():
     """Two solves give the same bits, also after others in between."""
     mechanism = symkin.load("zhao2000_links")
-    first = symkin.solve(mechanism).to_json()
+    first = symkin.solve(mechanism).to_dict()
     symkin.solve(mechanism, joints=[90.0, 210.0, 330.0, 100.0], check=False)
-    again = symkin.solve(mechanism).to_json()
+    again = symkin.solve(mechanism).to_dict()
     assert {k: v for k, v in first.items() if k != "elapsed_s"} == {k: v for k, v in again.items() if k != "elapsed_s"}
 
 

@@ -40,7 +40,7 @@ def test_a_near_miss_is_no_bifurcation(gap: float) -> None:
         assert "a singularity is very near" in found.statement
         assert not found.certified
     assert found.nearest is not None
-    assert found.nearest.smallest < 1e-5
+    assert found.nearest.smallest_singular_value < 1e-5
 
 
 def test_branches_that_meet_are_a_bifurcation() -> None:
@@ -59,8 +59,8 @@ def test_the_nearest_place_is_where_the_closed_form_says(gap: float) -> None:
     assert found.reached
     assert found.nearest is not None
     assert abs(found.nearest.parameter - 0.5) < 0.02
-    least = min(s.smallest for s in dense.samples) if dense.samples else math.inf
-    assert found.nearest.smallest <= least * (1 + 1e-6)
+    least = min(s.smallest_singular_value for s in dense.samples) if dense.samples else math.inf
+    assert found.nearest.smallest_singular_value <= least * (1 + 1e-6)
     assert found.nearest.residual < 1e-9
 
 
@@ -77,14 +77,14 @@ def test_the_nearest_place_of_any_path(kind: str) -> None:
     found = track(mechanism, **{kind: rows})
     dense = track(mechanism, **{kind: rows}, samples=101)
     assert found.nearest is not None
-    samples = {s.parameter: s.smallest for s in dense.samples}
-    assert found.nearest.smallest <= min(samples.values()) * (1 + 1e-6)
-    assert found.nearest.smallest > 0.98 * min(samples.values())
+    samples = {s.parameter: s.smallest_singular_value for s in dense.samples}
+    assert found.nearest.smallest_singular_value <= min(samples.values()) * (1 + 1e-6)
+    assert found.nearest.smallest_singular_value > 0.98 * min(samples.values())
 
 
 def test_the_summary_and_the_json_name_it() -> None:
     found = track(four_bar()[0], joints=[[1.0], [1.2]])
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))["nearest"]
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))["nearest"]
     assert set(content) == {"parameter", "time", "smallest_singular_value", "distances"}
     assert content["distances"] == symkin.singularity(found.nearest.solution).distances
     assert f"nearest to a singularity at {content['parameter']:.9g} of the path" in str(found)
@@ -94,4 +94,4 @@ def test_an_arm_whose_pose_is_a_formula_has_none() -> None:
     arm = symkin.load("gluon_6l3")
     found = track(arm, joints=[[10.0] * 6, [20.0] * 6])
     assert found.nearest is None
-    assert found.to_json()["nearest"] is None
+    assert found.to_dict()["nearest"] is None

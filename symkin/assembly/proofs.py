@@ -37,14 +37,14 @@ class Prover:
         """`ends` (width, n) are regular complex roots of `system`."""
         from symkin.certificate.bounds import bound_of
         from symkin.certificate.certificate import certify
-        from symkin.certificate.exact import exact_known
+        from symkin.certificate.exact import knowns_of
 
         whole, bound = whole_system(problem, block), bound_of(problem, system)
-        found = None
+        found, values = None, given.values[None]
         if bound is not None:
-            found = certify(bound.system, ends, bound.known(given.values), problem.closure.size)
+            found = certify(bound.system, ends, bound.knowns(values), problem.closure.size)
         elif whole is system and not system.limbs:
-            found = certify(whole, ends, exact_known(problem, given.values), problem.closure.size)
+            found = certify(whole, ends, knowns_of(problem, values), problem.closure.size)
         return Prover(problem, block, given, whole, bound, found)
 
     def not_real(self, count: int) -> np.ndarray:
@@ -55,26 +55,25 @@ class Prover:
         """What is proved of real roots `points` (m, width) of the block."""
         from symkin.certificate.bounds import proves
         from symkin.certificate.certificate import certify
-        from symkin.certificate.exact import exact_known
+        from symkin.certificate.exact import knowns_of
 
         named = [{c.name: z[s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)} for z in points]
         real = [algebraic_point(self.problem, self.whole, values) for values in named]
-        found = self.ends
+        found, columns = self.ends, np.array(real).T.reshape(self.whole.width, len(real))
         if found is None:
-            columns = np.array(real).T.reshape(self.whole.width, len(real))
-            found = certify(self.whole, columns, exact_known(self.problem, self.given.values), self.problem.closure.size)
-        pairs = [found.find(z) for z in real]
+            found = certify(self.whole, columns, knowns_of(self.problem, self.given.values[None]), self.problem.closure.size)
+        index, radius = found.batch.find(columns)
         theorem = None
         if self.bound is not None and proves(found, self.bound) and len(points) == int(np.sum(found.real == "real")):
             t = self.bound.theorem
             theorem = f"{t.count}: {t.about} ({t.reference})"
         return Proofs(
-            np.array([pair is not None for pair in pairs], dtype=bool),
-            np.array([np.nan if pair is None else pair[1] for pair in pairs]),
+            index >= 0,
+            radius,
             theorem,
             found.distinct,
-            next((reason for reason in found.reasons if reason), None) if None in pairs else None,
-            tuple(self._partial(z) if pair is None else None for z, pair in zip(real, pairs, strict=True)),
+            next((reason for reason in found.reasons if reason), None) if np.any(index < 0) else None,
+            tuple(self._partial(z) if i < 0 else None for z, i in zip(real, index.tolist(), strict=True)),
         )
 
     def _partial(self, z: np.ndarray) -> PartialProof | None:

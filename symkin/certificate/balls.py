@@ -106,7 +106,7 @@ class BallFunction:
     @cached_property
     def _code(self) -> tuple[Callable[..., Any], tuple[Callable[..., Any], ...], tuple[float, ...]]:
         f, constants, values = raise_constants(self.f, self.z, self.k)
-        expressions = [_derive(f, self.z, part) for part in self.parts]
+        expressions = [derive(f, self.z, part) for part in self.parts]
         functions = [ca.Function("f", [self.z, ca.vertcat(self.k, constants)], [e], {"cse": True}) for e in expressions]
         prepare, evaluate = zip(*(straight_line(f) for f in functions), strict=True)
         return lambda known, number: [p(known, number) for p in prepare], evaluate, values
@@ -121,7 +121,7 @@ class BallFunction:
         return self._code[1][which](z, prepared[which])  # type: ignore[no-any-return]
 
 
-def _derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
+def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
     if part == "value":
         return f
     slope = ca.jacobian(f, z)

@@ -15,9 +15,9 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 
-from symkin.certificate.balls import Number
 from symkin.certificate.certificate import Certificates
-from symkin.certificate.exact import exact_arm, exact_known
+from symkin.certificate.exact import exact_arm, knowns_of
+from symkin.certificate.knowns import Knowns
 from symkin.closure.graph import instructions
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
@@ -50,30 +50,31 @@ SIX_REVOLUTE = Theorem(
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A theorem, the system to certify for it, and its known values for those of the problem (length unit, radians)."""
+    """A theorem, the system to certify for it, and its known values for those (m, known) of the problem's instances (length
+    unit, radians)."""
 
     theorem: Theorem
     system: AlgebraicSystem
-    known: Callable[[np.ndarray], tuple[Number, ...]]
+    knowns: Callable[[np.ndarray], Knowns]
 
 
 def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
     """The bound on the roots of one of a problem's algebraic systems, where a theorem is known."""
 
-    def known(values: np.ndarray) -> tuple[Number, ...]:
-        return exact_known(problem, values)
+    def knowns(values: np.ndarray) -> Knowns:
+        return knowns_of(problem, values)
 
     if problem.kind == "direct" and system is universal_system():
-        return Bound(SIX_DISTANCES, system, known)
+        return Bound(SIX_DISTANCES, system, knowns)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
-        return Bound(SIX_REVOLUTE, arm, lambda values: (*exact_known(problem, values), *geometry))
+        return Bound(SIX_REVOLUTE, arm, lambda values: knowns(values).beside(geometry))
     degree = univariate_degree(system)
     if degree is None:
         return None
     least = system.unknowns[0].least is not None
     text = f"{system.unknowns[0].name} alone, by a polynomial of degree {degree}" + (" in the square of the length" * least)
-    return Bound(Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"), system, known)
+    return Bound(Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"), system, knowns)
 
 
 def proves(certificates: Certificates, bound: Bound) -> bool:

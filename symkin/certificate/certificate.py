@@ -1,9 +1,12 @@
-"""Certificates: proofs, by ball arithmetic, that approximate roots of F(z, k) = 0 stand for exact ones.
+"""Certificates: proofs that approximate roots of F(z, k) = 0 stand for exact ones.
 
-The known values k and the constants of the system's graph are taken as the exact doubles that they are (k may also be given
-as balls: the proof then holds for every k in them). What is proved of a root: it exists within a stated radius and is the
-only one there, it is regular, it is real or it is not, it is a pose (e.e is not zero), and it is none of the other roots:
-neither by whole turns of angles, nor by the scale of a ray, nor by the sign of a rod's length.
+The known values k and the constants of the system's graph are taken as the exact doubles that they are (k may also be given as
+balls or discs: the proof then holds for every k in them). What is proved of a root: it exists within a stated radius and is the
+only one there, it is regular, it is real or it is not, it is a pose (e.e is not zero), and it is none of the other roots of its
+instance: neither by whole turns of angles, nor by the scale of a ray, nor by the sign of a rod's length.
+
+All points are proved together in double precision with bounds of every rounding (`quick_test`); what that leaves open is proved
+point by point in ball arithmetic (`open_points`).
 """
 
 from __future__ import annotations
@@ -12,31 +15,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from flint import acb, arb
 
+from symkin.caching import cached_property
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, RINGS, UP, Number, precision
-from symkin.certificate.coordinates import Coordinates, aligned, in_phase
-from symkin.certificate.krawczyk import Box, chart_of, enclose
-from symkin.certificate.separation import distinct_boxes, is_pose, not_real
+from symkin.certificate.balls import COMPLEX, REAL, UP, Number, precision
+from symkin.certificate.coordinates import aligned, in_phase, spread
+from symkin.certificate.discs import Discs
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.krawczyk import Box, box_about
+from symkin.certificate.open_points import prove_points
+from symkin.certificate.quick_test import enclose_all
+from symkin.certificate.separation import Features, are_apart, are_not_real, distinct_boxes, features, is_pose, not_real
 from symkin.homotopy.algebraic import AlgebraicSystem
 
-_BITS = (64, 128, 256)
-"""Precisions tried in turn; up to 64 bits a number is one machine word."""
 _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""
-_NEWTON_STEPS, _SMALL_STEP = 2, 1e-10
-"""Newton steps in double precision at most, and the largest one that is not followed by another."""
-_CONJUGATE = 1e-9
-"""Two points so close to conjugate share one proof."""
 _FARTHEST = 1e-7
 """A root farther than this from the given point (unit ray, angles, lengths over size) is not what was given; a point with a
 smaller imaginary part is tried as a real one."""
+_DIAGONAL = 1.4143
+"""At least half the diagonal of a square over half its side."""
 
 
 @dataclass(frozen=True, eq=False)
 class Certificates:
-    """What is proved of n roots.
+    """What is proved of the n roots of one instance.
 
     `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j - centre_j)| <= ball about `centre`
     (width, n); of a ray, the representative x with conj(g).(x - c) = 0, g the given unit ray and c the centre. Where the
@@ -46,20 +49,27 @@ class Certificates:
     certified roots are proved to differ from each other. `reasons` (n,): why a root is not certified, else empty.
     """
 
-    balls: BallSystem
-    size: float
+    system: AlgebraicSystem
     certified: np.ndarray
     centre: np.ndarray
     ball: np.ndarray
-    radius: np.ndarray
     real: np.ndarray
     pose: np.ndarray
     distinct: int
-    reasons: tuple[str, ...]
+    batch: CertificateBatch
+    instance: int
 
     @property
-    def system(self) -> AlgebraicSystem:
-        return self.balls.system
+    def radius(self) -> np.ndarray:
+        return self.batch.radius[self._rows]
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        return tuple(self.batch.reason(i) for i in range(self._rows.start, self._rows.stop))
+
+    @property
+    def _rows(self) -> slice:
+        return self.batch.rows(self.instance)
 
     @property
     def disjoint(self) -> bool:
@@ -69,145 +79,213 @@ class Certificates:
     def find(self, point: np.ndarray) -> tuple[int, float] | None:
         """The certified real root at a real point (width,), such as one with other whole turns, scale or sign of a length,
         or one that was polished on other rows: its index, and `radius` about that point. None where there is none."""
-        proved = np.flatnonzero(self.certified & (self.real == "real"))
-        if not proved.size:
-            return None
-        points = aligned(self.system, np.asarray(point, dtype=complex), self.centre[:, proved])
-        away = (np.max(np.abs(points - self.centre[:, proved]), axis=0) + self.ball[proved]) * UP
-        nearest = int(np.argmin(away))
-        if not away[nearest] <= _FARTHEST:
-            return None
-        spread = Coordinates(self.balls).spread(points[:, nearest].real, float(away[nearest]))
-        return int(proved[nearest]), float(self.size * spread * UP)
+        index, radius = self.batch.find(np.asarray(point, dtype=complex)[:, None], np.array([self.instance]))
+        return None if index[0] < 0 else (int(index[0]) - self._rows.start, float(radius[0]))
 
 
-@precision(_DOUBLE)
-def certify(system: AlgebraicSystem, z: np.ndarray, k: Sequence[Number] | np.ndarray, size: float | None = None) -> Certificates:
-    """Certificates of approximate roots z (width, n) at known values k: doubles, taken as exact, or balls. `size` is the
-    length that z has as its unit, by default the system's."""
-    known = tuple(_plain(v) for v in k)
-    balls = BallSystem(system, known)
-    has_real_rows = all(not isinstance(v, (complex, acb)) for v in known)
-    given = in_phase(system, np.asarray(z, dtype=complex))
-    near = (np.max(np.abs(given.imag), axis=0, initial=0.0) <= _FARTHEST) & has_real_rows
-    centre, inverses = _polished(system, np.where(near, given.real, given), np.array([_middle(v) for v in known]))
-    mates = _conjugates(given) if has_real_rows else {}
-    boxes: list[Box | None] = []
-    reasons: list[str] = []
-    for i in range(given.shape[1]):
-        mate = boxes[mates[i]] if i in mates else None
-        if mate is not None and not near[i]:
-            boxes.append(mate.conjugate())
-            reasons.append("")
-            continue
-        box, reason = _prove(balls, given[:, i], bool(near[i]), centre[:, i], inverses[i])
-        boxes.append(box)
-        reasons.append(reason)
-    for i in np.flatnonzero(_distances(boxes, given) > _FARTHEST).tolist():
-        boxes[i], reasons[i] = None, reasons[i] or "the point is not a root; the one found is farther away than 1e-7"
-    distinct = len(distinct_boxes(system, [box for box in boxes if box is not None]))
-    return _collect(balls, given, boxes, tuple(reasons), distinct, size or system.size)
+@dataclass(frozen=True, eq=False)
+class CertificateBatch:
+    """What is proved of n roots of m instances: arrays as in `Certificates`, `distinct` (m,) for each instance.
+
+    `instance` (n,) says which of the known values each root belongs to, in ascending order."""
+
+    system: AlgebraicSystem
+    knowns: Knowns
+    instance: np.ndarray
+    size: float
+    given: np.ndarray
+    certified: np.ndarray
+    centre: np.ndarray
+    ball: np.ndarray
+    real: np.ndarray
+    pose: np.ndarray
+    distinct: np.ndarray
+    reasons: dict[int, str]
+
+    @cached_property
+    def radius(self) -> np.ndarray:
+        """How far each root is from its point, (n,)."""
+        real = self.real == "real"
+        away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
+        away[real] = spread(self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real])
+        return away * self.size * UP
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Where the roots of each instance begin; (m + 1,)."""
+        return np.searchsorted(self.instance, np.arange(self.knowns.count + 1))
+
+    def rows(self, j: int) -> slice:
+        """The roots of instance j."""
+        return slice(*self._places[j : j + 2].tolist())
+
+    def reason(self, i: int) -> str:
+        """Why root i is not certified, else nothing."""
+        return self.reasons.get(i, "")
+
+    def of(self, j: int) -> Certificates:
+        """What is proved of instance j."""
+        rows = self.rows(j)
+        return Certificates(
+            system=self.system, certified=self.certified[rows], centre=self.centre[:, rows], ball=self.ball[rows],
+            real=self.real[rows], pose=self.pose[rows], distinct=int(self.distinct[j]), batch=self, instance=j,
+        )  # fmt: skip
+
+    @cached_property
+    def _marks(self) -> tuple[np.ndarray, np.ndarray]:
+        """Certified real roots, and a number for each in which equal roots are about equal."""
+        proved = np.flatnonzero(self.real == "real")
+        return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[:, 0]
+
+    def find(self, points: np.ndarray, instance: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The certified real roots at real points (width, p) of instances (p,), ascending: their indices, -1 where there is
+        none, and `radius` about these points, NaN where there is none."""
+        count = points.shape[1]
+        instance = np.zeros(count, dtype=int) if instance is None else np.asarray(instance)
+        index, radius = np.full(count, -1), np.full(count, np.nan)
+        nearest = self._nearest(points, instance)
+        some = np.flatnonzero(nearest >= 0)
+        if not some.size:
+            return index, radius
+        roots = nearest[some]
+        near = aligned(self.system, points[:, some], self.centre[:, roots])
+        away = (np.max(np.abs(near - self.centre[:, roots]), axis=0) + self.ball[roots]) * UP
+        found = away <= _FARTHEST
+        index[some[found]] = roots[found]
+        wide = spread(self.system, near[:, found].real, away[found], self.knowns, instance[some[found]])
+        radius[some[found]] = self.size * wide * UP
+        return index, radius
+
+    def _nearest(self, points: np.ndarray, instance: np.ndarray) -> np.ndarray:
+        """The root of its instance whose marks are nearest to those of each point; -1 where it has no root."""
+        proved, marks = self._marks
+        nearest = np.full(points.shape[1], -1)
+        if not proved.size or not nearest.size:
+            return nearest
+        own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle[:, 0]
+        owners = self.instance[proved]
+        for j in np.unique(instance).tolist():
+            here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, owners))
+            if proved[roots].size:
+                far = np.abs(own[here, None] - marks[roots])
+                nearest[here] = proved[roots][np.argmin(np.nan_to_num(far, nan=np.inf), axis=1)]
+        return nearest
 
 
-def _prove(
-    balls: BallSystem, given: np.ndarray, near: bool, centre: np.ndarray, inverse: np.ndarray | None
-) -> tuple[Box | None, str]:
-    """A box, or None and the reason: first about the polished centre in double precision, then about the given point by
-    more bits."""
-    if not np.isfinite(given).all():
-        return None, "the point is not finite"
-    chart = chart_of(balls, given.real if near else given)
-    if chart is None:
-        return None, (
-            f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others "
-            "(`symkin show` names the motion that removes some, where there is one)"
-        )
-    box = None
-    if inverse is not None and chart.is_whole:
-        box = enclose(balls, chart, REAL if near else COMPLEX, centre, _BITS[0], inverse)
-    trials = ((bits, ring) for bits in _BITS for ring in (RINGS if near else RINGS[1:]))
-    while box is None and (trial := next(trials, None)) is not None:
-        bits, ring = trial
-        box = enclose(balls, chart, ring, given.real if ring.is_real else given, bits)
-    reason = f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
-    return box, "" if box is not None else reason
-
-
-def _distances(boxes: Sequence[Box | None], points: np.ndarray) -> np.ndarray:
-    """No point of a box is farther than this from its point (width, n) in any |Re| or |Im|; infinite without a box."""
-    far = np.full(points.shape[1], np.inf)
-    found = [(i, box) for i, box in enumerate(boxes) if box is not None]
-    if found:
-        places = [i for i, _ in found]
-        apart = np.array([box.point for _, box in found]).T - points[:, places]
-        extent = np.array([box.rounding + box.radius for _, box in found])
-        far[places] = (np.max(np.maximum(np.abs(apart.real), np.abs(apart.imag)), axis=0) + extent) * UP
-    return far
-
-
-def _collect(
-    balls: BallSystem, given: np.ndarray, boxes: list[Box | None], reasons: tuple[str, ...], distinct: int, size: float
+def certify(
+    system: AlgebraicSystem, z: np.ndarray, k: Knowns | Sequence[Number] | np.ndarray, size: float | None = None
 ) -> Certificates:
-    system, n = balls.system, given.shape[1]
-    centre, real, pose = given.copy(), np.full(n, "unknown", dtype="<U8"), np.zeros(n, dtype=bool)
-    for i, box in enumerate(boxes):
-        if box is not None:
-            centre[:, i] = box.point
-            real[i] = "real" if box.ring.is_real else "not real" if not_real(system, box) else "unknown"
-            pose[i] = is_pose(system, box)
-    away = _distances(boxes, np.where(real == "real", given.real, given))
-    coordinates = Coordinates(balls)
-    radius = away.copy()
-    for i in np.flatnonzero(real == "real").tolist():
-        radius[i] = coordinates.spread(given[:, i].real, float(away[i]))
-    certified = np.array([box is not None for box in boxes], dtype=bool)
-    ball = _distances(boxes, centre)
-    return Certificates(balls, size, certified, centre, ball, radius * size * UP, real, pose, distinct, reasons)
+    """Certificates of approximate roots z (width, n) of one instance with known values k: doubles, taken as exact, or balls.
+    `size` is the length that z has as its unit, by default the system's."""
+    return certify_batch(system, z, k if isinstance(k, Knowns) else Knowns.of_one(k), size=size).of(0)
 
 
-# --- points in double precision ----------------------------------------------------------------------------------
+def certify_batch(
+    system: AlgebraicSystem, z: np.ndarray, knowns: Knowns, instance: np.ndarray | None = None, size: float | None = None
+) -> CertificateBatch:
+    """Certificates of approximate roots z (width, n) of the instances `instance` (n,), ascending, of known values."""
+    instance = np.zeros(z.shape[1], dtype=int) if instance is None else np.asarray(instance)
+    given = in_phase(system, np.asarray(z, dtype=complex))
+    near = (np.max(np.abs(given.imag), axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
+    quick = enclose_all(system, np.where(near, given.real, given), near, knowns, instance)
+    roots = _Roots(system, knowns, instance, given, near, quick.centre, quick.half_width, quick.found & quick.is_real)
+    roots.prove_open_points()
+    roots.leave_out_far_ones()
+    return roots.collect(size or system.size)
 
 
-def _plain(value: Number) -> Number:
-    """A known value as a float, a complex number that is not real, or a ball."""
-    if isinstance(value, (arb, acb)):
-        return value.real if isinstance(value, acb) and value.imag == 0 else value
-    number = complex(value)
-    return number.real if number.imag == 0.0 else number
+@dataclass(eq=False)
+class _Roots:
+    """Boxes about roots: `centre` (width, n), `half` (n,), infinite where nothing is proved, `real` where the root is; those
+    that balls have proved are kept in `boxes`, with why others are not proved in `reasons`."""
+
+    system: AlgebraicSystem
+    knowns: Knowns
+    instance: np.ndarray
+    given: np.ndarray
+    near: np.ndarray
+    centre: np.ndarray
+    half: np.ndarray
+    real: np.ndarray
+
+    def __post_init__(self) -> None:
+        self.boxes: dict[int, Box] = {}
+        self.reasons: dict[int, str] = {}
+
+    @property
+    def found(self) -> np.ndarray:
+        return np.asarray(np.isfinite(self.half))
+
+    def prove_open_points(self) -> None:
+        """By balls, what the quick test has not proved, one instance after another."""
+        todo = np.flatnonzero(~np.isfinite(self.half))
+        for j in np.unique(self.instance[todo]).tolist():
+            self._prove_some(j, todo[self.instance[todo] == j])
+
+    @precision(_DOUBLE)
+    def _prove_some(self, j: int, chosen: np.ndarray) -> None:
+        balls, real_rows = BallSystem(self.system, self.knowns.numbers(j)), self.knowns.discs.is_real
+        known = self.knowns.discs.middle[j].astype(complex)
+        proved = prove_points(balls, self.given[:, chosen], self.near[chosen], known, real_rows=real_rows)
+        for i, box, reason in zip(chosen.tolist(), proved.boxes, proved.reasons, strict=True):
+            if box is None:
+                self.reasons[i] = reason
+            else:
+                self.boxes[i] = box
+                self.centre[:, i], self.half[i], self.real[i] = box.point, (box.rounding + box.radius) * UP, box.ring.is_real
+
+    def leave_out_far_ones(self) -> None:
+        """Roots that are too far from their points to be what was given."""
+        for i in np.flatnonzero(self.found & ~(_away(self.centre, self.half, self.given) <= _FARTHEST)).tolist():
+            self.half[i] = np.inf
+            self.reasons[i] = "the point is not a root; the one found is farther away than 1e-7"
+
+    def collect(self, size: float) -> CertificateBatch:
+        """All that is proved of the roots, beyond their boxes."""
+        found, some = self.found, np.flatnonzero(self.found)
+        of, instance = self._features(some), self.instance[some]
+        real, pose = np.full(len(found), "unknown", dtype="<U8"), np.zeros(len(found), dtype=bool)
+        real[some[self.real[some]]] = "real"
+        real[some[self._not_real(some)]] = "not real"
+        pose[some] = of.poses
+        for i in some[~of.poses].tolist():
+            pose[i] = is_pose(self.system, self._box(i))
+        distinct = np.bincount(instance, minlength=self.knowns.count)
+        for j in np.flatnonzero(~are_apart(of.mixed, instance, len(distinct))).tolist():
+            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in some[instance == j].tolist()]))
+        return CertificateBatch(
+            system=self.system, knowns=self.knowns, instance=self.instance, size=size, given=self.given, certified=found,
+            centre=np.where(found, self.centre, self.given), ball=self.half, real=real, pose=pose, distinct=distinct,
+            reasons=self.reasons,
+        )  # fmt: skip
+
+    def _features(self, some: np.ndarray) -> Features:
+        """Of roots within discs that hold their boxes."""
+        half = self.half[some]
+        radius = np.where(self.real[some], half, half * _DIAGONAL)
+        return features(self.system, Discs(self.centre[:, some].T, np.repeat(radius[:, None], self.system.width, axis=1)))
+
+    def _not_real(self, some: np.ndarray) -> np.ndarray:
+        """Which of some roots are proved not to be real."""
+        result = np.zeros(len(some), dtype=bool)
+        open_ones = np.flatnonzero(~self.real[some])
+        if open_ones.size:
+            result[open_ones] = are_not_real(self.system, self.centre[:, some[open_ones]], self.half[some[open_ones]])
+        for i in open_ones[~result[open_ones]].tolist():
+            result[i] = not_real(self.system, self._box(int(some[i])))
+        return result
+
+    def _box(self, i: int) -> Box:
+        if i not in self.boxes:
+            ring = REAL if self.real[i] else COMPLEX
+            self.boxes[i] = box_about(ring, self.centre[:, i], float(self.half[i]))
+        return self.boxes[i]
 
 
-def _middle(value: Number) -> complex:
-    return complex(float(value.real), float(value.imag)) if isinstance(value, (arb, acb)) else complex(value)
-
-
-def _conjugates(given: np.ndarray) -> dict[int, int]:
-    """Points whose conjugates stand among the earlier points, up to rounding."""
-    weights = np.random.default_rng(0).normal(size=len(given))
-    mixed = weights @ given
+def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """No point of a box of half width (n,) about its centre (width, n) is farther than this from its point (width, n) in any
+    |Re| or |Im|; infinite without a box."""
+    apart = centre - points
     with np.errstate(invalid="ignore"):
-        candidates = np.argwhere(np.tril(np.abs(mixed[:, None] - np.conj(mixed)) < len(given) * 10 * _CONJUGATE, -1)).tolist()
-    return {i: j for i, j in candidates if np.max(np.abs(given[:, i] - np.conj(given[:, j]))) < _CONJUGATE}
-
-
-def _polished(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, list[np.ndarray | None]]:
-    """Newton steps, and the last inverse of dF/dz with the patch; None where there is none or rows are too many."""
-    n, width = z.shape[1], system.width
-    if system.count + bool(system.projective) != width or not np.isfinite(z).all():
-        return z, [None] * n
-    patch = np.zeros((n, int(bool(system.projective)), width), dtype=complex)
-    patch[:, :, list(system.projective)] = np.conj(z[list(system.projective)].T)[:, None]
-    known = np.repeat(k[:, None], n, axis=1)
-    centre, inverses = z, np.zeros((n, width, width), dtype=complex)
-    with np.errstate(all="ignore"):
-        for _ in range(_NEWTON_STEPS):
-            f, j = system.linearise(centre, known)
-            try:
-                inverses = np.linalg.inv(np.concatenate([j, patch], axis=1))
-            except np.linalg.LinAlgError:
-                return z, [None] * n
-            step = np.einsum("nij,nj->in", inverses[:, :, : system.count], f)
-            centre = centre - step
-            if np.max(np.abs(step), initial=0.0) < _SMALL_STEP:
-                break
-    fine = np.isfinite(centre).all(axis=0) & np.isfinite(inverses).all(axis=(1, 2))
-    return centre, [inverses[i] if fine[i] else None for i in range(n)]
+        far = np.abs(apart.view(float)).max(axis=0).reshape(-1, 2).max(axis=1) if apart.size else np.zeros(len(half))
+        return np.asarray((far + half) * UP)

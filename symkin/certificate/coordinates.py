@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.caching import cached_property, lru_cache
-from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import REAL, BallFunction, precision, upper
+from symkin.caching import lru_cache
+from symkin.certificate.balls import REAL, BallFunction, Number, precision, upper
+from symkin.certificate.discs import DiscFunction, Discs
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.tape import build_tape
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.spatial.rotation import conjugate, multiply
 
@@ -19,25 +18,37 @@ _ROUNDING = 2.0**-49
 """Allowance for coordinates that are computed from z in double precision, relative to 1 and to each coordinate."""
 
 
-@dataclass(frozen=True, eq=False)
-class Coordinates:
-    """Coordinates of a system's real roots at given known values."""
+def spread(system: AlgebraicSystem, points: np.ndarray, distance: np.ndarray, knowns: Knowns, instance: np.ndarray) -> np.ndarray:
+    """No coordinate at a real point within `distance` (n,) of its point (width, n) differs by more from the one there: lengths
+    and position over the size, angles, unit quaternion."""
+    result = np.zeros(points.shape[1])
+    function = _disc_coordinates(system)
+    if function is not None and knowns.discs.is_real:
+        around = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
+        values = function.evaluate(0, around, function.prepare(knowns.discs), instance)
+        size = np.abs(values.middle) + values.radius
+        result = np.max(2.0 * values.radius + _ROUNDING * (1.0 + size), axis=1, initial=0.0)
+    for i in np.flatnonzero(~np.isfinite(result)).tolist():
+        result[i] = _ball_spread(system, points[:, i], float(distance[i]), knowns.numbers(int(instance[i])))
+    return result
 
-    balls: BallSystem
 
-    @cached_property
-    def _prepared(self) -> list[Any]:
-        with precision(64):
-            return _coordinates(self.balls.system).prepare(REAL, self.balls.known)
+def _ball_spread(system: AlgebraicSystem, point: np.ndarray, distance: float, known: tuple[Number, ...]) -> float:
+    """`spread` of one point, by balls."""
+    with precision(64):
+        side, function = arb(0.0, distance), _coordinates(system)
+        z = [arb(v) + side for v in point.tolist()]
+        values = function.evaluate(0, z, function.prepare(REAL, known))
+        return max((2.0 * upper(v.rad()) + _ROUNDING * (1.0 + upper(v)) for v in values), default=0.0)
 
-    def spread(self, point: np.ndarray, distance: float) -> float:
-        """No coordinate at a real point within `distance` of `point` (width,) differs by more from the one at `point`:
-        lengths and position over the size, angles, unit quaternion."""
-        with precision(64):
-            side = arb(0.0, distance)
-            z = [arb(v) + side for v in point.real.tolist()]
-            values = _coordinates(self.balls.system).evaluate(0, z, self._prepared)
-            return max((2.0 * upper(v.rad()) + _ROUNDING * (1.0 + upper(v)) for v in values), default=0.0)
+
+@lru_cache(maxsize=64)
+def _disc_coordinates(system: AlgebraicSystem) -> DiscFunction | None:
+    function = _coordinates(system)
+    try:
+        return DiscFunction(build_tape(function.z, function.k, function.f, ("value",)))
+    except NotImplementedError:
+        return None
 
 
 @lru_cache(maxsize=64)
@@ -67,10 +78,10 @@ def in_phase(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     return z
 
 
-def aligned(system: AlgebraicSystem, point: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """The same root as `point` (width,), written as near as possible to each of the centres (width, n): angles by whole
-    turns, rods by the sign of their length, rays by their phase."""
-    points = np.repeat(point[:, None], centres.shape[1], axis=1)
+def aligned(system: AlgebraicSystem, points: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """The same roots as `points` (width, n), each written as near as possible to its centre (width, n): angles by whole turns,
+    rods by the sign of their length, rays by their phase."""
+    points = np.array(points, dtype=complex)
     for i, c in enumerate(system.unknowns):
         if c.kind == "angle":
             points[i] += 2 * np.pi * np.round((centres[i] - points[i]).real / (2 * np.pi))
@@ -79,8 +90,8 @@ def aligned(system: AlgebraicSystem, point: np.ndarray, centres: np.ndarray) -> 
             points[i] = np.where(np.abs(other - centres[i]) < np.abs(points[i] - centres[i]), other, points[i])
     if system.projective:
         ray = list(system.projective)
-        x = point[ray] / np.linalg.norm(point[ray])
-        along = np.conj(x) @ centres[ray]
+        x = points[ray] / np.linalg.norm(points[ray], axis=0)
+        along = np.sum(np.conj(x) * centres[ray], axis=0)
         with np.errstate(all="ignore"):
-            points[ray] = x[:, None] * (along / np.abs(along))
+            points[ray] = x * (along / np.abs(along))
     return points

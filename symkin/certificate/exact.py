@@ -12,6 +12,9 @@ from flint import arb
 
 from symkin.caching import lru_cache
 from symkin.certificate.balls import REAL, BallFunction, Number, precision
+from symkin.certificate.discs import DiscFunction, Discs
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.tape import build_tape
 from symkin.closure.rows import RowBuilder
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import distance_function, is_universal
@@ -32,6 +35,25 @@ def exact_known(problem: Problem, values: np.ndarray) -> tuple[Number, ...]:
             return tuple(d / size for d in distances.evaluate(0, joints, distances.prepare(REAL, ())))
         scale = coordinate_scale(problem, problem.known_coordinates)
         return tuple(arb(float(v)) / arb(float(s)) for v, s in zip(values, scale, strict=True))
+
+
+def knowns_of(problem: Problem, values: np.ndarray) -> Knowns:
+    """Known values (m, known) of m instances, length unit and radians, as `exact_known` has them."""
+    size, function = problem.closure.size, _disc_distances(problem)
+    if function is not None:
+        joints = Discs.exact(np.asarray(values, dtype=float))
+        numbers = function.evaluate(0, joints, function.prepare(joints), np.arange(len(values)))
+        discs = numbers.divided(np.full(numbers.middle.shape[1], size))
+    else:
+        scale = coordinate_scale(problem, problem.known_coordinates)
+        discs = Discs.exact(np.asarray(values, dtype=float)).divided(scale)
+    return Knowns(discs, lambda j: exact_known(problem, values[j]))
+
+
+@lru_cache(maxsize=128)
+def _disc_distances(problem: Problem) -> DiscFunction | None:
+    balls = _distances(problem)
+    return None if balls is None else DiscFunction(build_tape(balls.z, balls.k, balls.f, ("value",)))
 
 
 @lru_cache(maxsize=128)

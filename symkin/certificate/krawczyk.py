@@ -31,6 +31,8 @@ _INSIDE = 0.99
 """The image lies in the box shrunk by this factor, hence in its interior."""
 _REFINEMENTS = 10
 """Newton steps at most; from a good start each doubles the digits."""
+_BITS = 64
+"""Precision at which a box about a point in double precision is handled."""
 _NEARLY_ZERO = 1e-10
 """Components of a unit ray below this are tried as exact zeros."""
 
@@ -91,6 +93,13 @@ class Box:
         patch = None if chart.patch is None else tuple(p.conjugate() for p in chart.patch)
         centre = self.centre if self.ring.is_real else tuple(c.conjugate() for c in self.centre)
         return replace(self, chart=replace(chart, patch=patch), centre=centre, point=np.conj(self.point))
+
+
+def box_about(ring: Ring, centre: np.ndarray, radius: float) -> Box:
+    """A box of all unknowns that is proved elsewhere, about a point (width,) in double precision."""
+    width = len(centre)
+    chart = Chart((), tuple(range(width)), None, width)
+    return Box(chart, ring, _BITS, tuple(_exact(ring, v) for v in centre.tolist()), radius, centre, 0.0)
 
 
 def enclose(

@@ -7,14 +7,19 @@ ratios x_j / (a.x), a fixed. A complex number t = c.(features) is then equal too
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf, nextafter
 
+import casadi as ca
 import numpy as np
 from flint import acb, arb
 
 from symkin.caching import lru_cache
 from symkin.certificate.balls import Number, precision
+from symkin.certificate.disc_arithmetic import UP
+from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.krawczyk import Box
+from symkin.certificate.tape import build_tape
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 _WEIGHTS = 3
@@ -64,9 +69,14 @@ def _mixed(system: AlgebraicSystem, box: Box, which: int) -> acb:
 
 @lru_cache(maxsize=64)
 def _random_weights(system: AlgebraicSystem, which: int) -> tuple[list[acb], list[acb], list[acb]]:
+    return tuple([acb(w.real, w.imag) for w in group] for group in _random_numbers(system, which))  # type: ignore[return-value]
+
+
+def _random_numbers(system: AlgebraicSystem, which: int) -> tuple[list[complex], list[complex], list[complex]]:
+    """Weights of the affine unknowns' features, and a and b of the ray's ratio a.x / b.x."""
     rng = np.random.default_rng(which)
     sizes = (len(system.unknowns), len(system.projective), len(system.projective))
-    return tuple([acb(*rng.normal(size=2).tolist()) for _ in range(m)] for m in sizes)  # type: ignore[return-value]
+    return tuple([complex(*rng.normal(size=2).tolist()) for _ in range(m)] for m in sizes)  # type: ignore[return-value]
 
 
 def _sides(t: acb) -> tuple[float, float, float, float]:
@@ -107,3 +117,90 @@ def is_pose(system: AlgebraicSystem, box: Box) -> bool:
 
 def _has_zero(x: Number) -> bool:
     return bool(x.contains(0)) or not x.is_finite()
+
+
+# --- many boxes, in double precision ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """Of n roots within discs: the numbers t, `mixed` (n, 3), and which are proved to be poses, (n,)."""
+
+    mixed: Discs
+    poses: np.ndarray
+
+
+def features(system: AlgebraicSystem, z: Discs) -> Features:
+    """Features of roots within discs z (n, width)."""
+    function, weights = _mixing(system)
+    n = len(z.middle)
+    values = function.evaluate(0, z.as_complex(), weights, np.zeros(n, dtype=int))
+    if not system.projective:
+        return Features(values, np.ones(n, dtype=bool))
+    square = values.middle[:, _WEIGHTS]
+    poses = np.maximum(np.abs(square.real), np.abs(square.imag)) > values.radius[:, _WEIGHTS]
+    return Features(Discs(values.middle[:, :_WEIGHTS], values.radius[:, :_WEIGHTS]), poses)
+
+
+def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
+    """For each of `count` instances whether all its roots are proved to differ: by disjoint intervals of Re t, for one of the t.
+    `instance` (n,) is ascending."""
+    apart = np.zeros(count, dtype=bool)
+    for which in range(_WEIGHTS):
+        middle, radius = mixed.middle[:, which].real, mixed.radius[:, which]
+        order = np.lexsort((middle, instance))
+        middle, radius, owner = middle[order], radius[order], instance[order]
+        gap, reach = middle[1:] - middle[:-1], (radius[1:] + radius[:-1]) * UP
+        meeting = ~(gap > reach * UP) & (owner[1:] == owner[:-1])
+        here = np.ones(count, dtype=bool)
+        here[owner[1:][meeting]] = False
+        apart |= here
+        if apart.all():
+            break
+    return apart
+
+
+def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Which roots in boxes of half width (n,) about centres (width, n) are proved to differ from their conjugates."""
+    ray = list(system.projective)
+    affine = list(range(len(system.unknowns)))
+    shown: np.ndarray = np.max(np.abs(centre[affine].imag), axis=0, initial=0.0) > half
+    if ray and half.size:
+        # Im (x_i conj(x_j)) for the largest x_i: off by 2 h (|x_i| + |x_j|) + 2 h^2 in the box, and by 4 u |x_i| |x_j| in rounding
+        x = centre[ray]
+        first = x[np.argmax(np.abs(x), axis=0), np.arange(x.shape[1])]
+        size, most = np.abs(x.real) + np.abs(x.imag), np.abs(first.real) + np.abs(first.imag)
+        off = 2.0 * half * (size + most + half) + 2.0**-50 * size * most
+        shown = shown | np.any(np.abs((first * np.conj(x)).imag) > off * UP, axis=0)
+    return shown
+
+
+@lru_cache(maxsize=64)
+def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
+    """The numbers t of a point, and, of a ray, e.e, as a function of z and of the weights; and these."""
+    z, ray = system.z, list(system.projective)
+    # the size and the least lengths are weights too: CasADi would round their quotients
+    least = [complex(c.least or 0.0) for c in system.unknowns]
+    weights, rows = [1j, complex(system.size), *least], []
+    symbols = ca.SX.sym("w", len(weights) + _WEIGHTS * (len(system.unknowns) + 2 * len(ray)))
+    for which in range(_WEIGHTS):
+        total = ca.SX(0)
+        affine, top, bottom = _random_numbers(system, which)
+        for i, (w, c) in enumerate(zip(affine, system.unknowns, strict=True)):
+            weight = symbols[len(weights)]
+            weights.append(w)
+            if c.kind == "angle":
+                total += weight * (ca.cos(z[i]) + symbols[0] * ca.sin(z[i]))
+            elif c.least is None:
+                total += weight * z[i]
+            else:
+                total += weight * (z[i] - symbols[2 + i] / symbols[1]) ** 2
+        if ray:
+            own = symbols[len(weights) : len(weights) + 2 * len(ray)]
+            weights += [*top, *bottom]
+            total += ca.dot(own[: len(ray)], z[ray]) / ca.dot(own[len(ray) :], z[ray])
+        rows.append(total)
+    if ray:
+        rows.append(ca.sumsqr(z[ray[:4]]))
+    function = DiscFunction(build_tape(z, symbols, ca.vertcat(*rows), ("value",)))
+    return function, function.prepare(Discs.exact(np.array([weights], dtype=complex)))

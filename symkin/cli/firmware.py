@@ -37,12 +37,13 @@ def firmware(
     ] = None,
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
-    from symkin.codegen.folder import write_folder
-    from symkin.codegen.options import Options
+    from symkin.codegen.folder import write_firmware
     from symkin.model.file import load
 
     mechanism = load(mech)
     pose = numbers_from(home, "home", mechanism.angle_unit)
-    options = Options(real.value, home_relative, geometry.value, None if pose is None else tuple(pose))
-    for path in write_folder(mechanism, output, options):
+    files = write_firmware(
+        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose
+    )  # fmt: skip
+    for path in files:
         print(path)

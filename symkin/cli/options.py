@@ -72,6 +72,6 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
         raise InputError(f"-o: {str(output)!r} is the name of a mechanism file; give another suffix")
 
 
-def print_result(as_json: bool, to_json: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:
+def print_result(as_json: bool, to_dict: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:
     """One JSON object, or the text for people."""
-    print(json.dumps(to_json(), allow_nan=False) if as_json else to_text())
+    print(json.dumps(to_dict(), allow_nan=False) if as_json else to_text())

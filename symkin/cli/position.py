@@ -70,7 +70,7 @@ def modes(
         from symkin.plots.plot import draw_modes
 
         draw_modes(found, plot)
-    print_result(as_json, found.to_json, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
+    print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
 
@@ -85,7 +85,6 @@ def solve(
     """Find one solution near a start."""
     from symkin.model.file import load
     from symkin.position.solve import solve as solve_one
-    from symkin.position.table import solve_text
 
     mechanism = load(mech)
     unit = mechanism.angle_unit
@@ -93,5 +92,5 @@ def solve(
         mechanism, joints=numbers_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
         start=numbers_from(start, "start", unit), solver=solver.value, check=False,
     )  # fmt: skip
-    print_result(as_json, result.to_json, lambda: solve_text(result))
+    print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

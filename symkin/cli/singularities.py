@@ -21,9 +21,10 @@ from symkin.cli.options import (
 )
 from symkin.cli.progress import progress_bar
 from symkin.cli.streams import say
-from symkin.errors import InputError, SolveError
+from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.written_number import written_number
+from symkin.position.solve_result import SolveError
 
 
 def singularities(
@@ -64,7 +65,6 @@ def singularities(
 ) -> None:
     """Name the singularity of one configuration, or draw the loci over a plane through it."""
     from symkin.model.file import load
-    from symkin.position.solution import SolveResult
     from symkin.singularities.configuration import configuration
 
     if plane is None:
@@ -83,19 +83,19 @@ def singularities(
     try:
         solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
     except SolveError as error:
-        if as_json and isinstance(error.result, SolveResult):
-            print(json.dumps(error.result.to_json(), allow_nan=False))
+        if as_json and error.result is not None:
+            print(json.dumps(error.result.to_dict(), allow_nan=False))
         say(error)
         raise typer.Exit(3) from None
     if plane is None:
+        from symkin.singularities.classification import classify
         from symkin.singularities.output import make_output
-        from symkin.singularities.singularity import classify
 
         names = None if output is None else [name.strip() for name in output.split(",")]
         found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
-        print_result(as_json, found.to_json, lambda: str(found))
+        print_result(as_json, found.to_dict, lambda: str(found))
         return
-    from symkin.singularities.loci import DEFAULT_STARTS, singular_loci
+    from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
     names = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):
@@ -105,7 +105,7 @@ def singularities(
         from symkin.plots.loci_plot import draw_loci
 
         draw_loci(loci, plot)
-    print_result(as_json, loci.to_json, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
+    print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
 
 
 def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:

@@ -68,7 +68,7 @@ def track(
 
         draw_track(found, drawn)
     files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
-    print_result(as_json, found.to_json, lambda: str(found) + files)
+    print_result(as_json, found.to_dict, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -23,6 +25,31 @@ from symkin.model.mechanism import Mechanism
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
+
+
+def write_firmware(
+    mechanism: Mechanism,
+    directory: Path | str,
+    *,
+    real: Literal["float", "double"] = "double",
+    home_relative: bool = False,
+    geometry: Literal["fixed", "struct"] = "fixed",
+    home: Sequence[float] | None = None,
+) -> list[Path]:
+    """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
+
+    `real` is the C type of numbers; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
+    gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
+    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. Raises InputError for a
+    mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
+
+    >>> import symkin, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
+    ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
+    """
+    options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home))
+    return write_folder(mechanism, Path(directory), options)
 
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:

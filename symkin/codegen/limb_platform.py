@@ -25,7 +25,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
-from symkin.position.mobility import analyse_mobility
+from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, build_problem
 
 _CHECKED = 5
@@ -144,11 +144,11 @@ class LimbPlatform:
 
     def _check_independent_joints(self) -> None:
         """Raises InputError where actuated joints are more than the freedoms that they move."""
-        mobility = analyse_mobility(self.mechanism)
-        if mobility.closed and mobility.direct_rank.value < mobility.rank.value:
-            more = mobility.rank.value - mobility.direct_rank.value
+        found = mobility(self.mechanism)
+        if found.closed and found.direct_rank.value < found.rank.value:
+            more = found.rank.value - found.direct_rank.value
             raise InputError(
-                f"{self.name}: {mobility.actuated} actuated joints move {mobility.mobility} freedoms, so that their values must agree "
+                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so that their values must agree "
                 "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
                 f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
             )

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
 from symkin.errors import InputError
 from symkin.following.track import track
@@ -23,7 +24,8 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.given import given_from
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
-from symkin.position.solution import Modes, Solution
+from symkin.position.solution import Solution
+from symkin.result import Result, Summary
 
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are the same mode."""
@@ -43,8 +45,8 @@ class Axis:
     high: float
 
 
-@dataclass(frozen=True, eq=False)
-class ModeGraph:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModeGraph(Result):
     """`found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
     in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
     `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
@@ -92,7 +94,7 @@ class ModeGraph:
         moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
         return np.asarray(rows[np.append(True, moved)])
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
             "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],
@@ -100,16 +102,18 @@ class ModeGraph:
             "stopped": self.stopped, "unmatched": self.unmatched,
         }  # fmt: skip
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
+        """Counts of points, modes, sheets and edges, and the chosen input's modes that connect."""
         named = ", ".join(f"{a.name} {a.low:g} to {a.high:g}" for a in self.axes)
         groups = "; ".join(" and ".join(str(k + 1) for k in group) for group in self.groups)
         proved = "each proved in ball arithmetic" if self.certified else "not proved"
-        return (
+        text = (
             f"{self.mechanism.name}: {self.n} x {self.n} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
             f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); modes of the chosen input that "
             f"connect without a singularity: {groups or 'none'}"
-            + (f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else "")
         )
+        missing = f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else ""
+        return Summary([text + missing])
 
 
 def mode_graph(

@@ -23,7 +23,8 @@ from symkin.quiet import warnings_ignored
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.position.solution import Modes, Solution
+    from symkin.assembly.mode_list import Modes
+    from symkin.position.solution import Solution
 
 _DPI = 150
 _NOT_DRAWN = ("pgf", "raw", "rgba")

@@ -83,7 +83,13 @@ def _panels(track: Track) -> Iterator[tuple[str, dict[str, np.ndarray]]]:
 
 
 def _singular_panel(ax: Any, track: Track, where: np.ndarray) -> None:
-    ax.plot(where, [s.smallest for s in track.samples], color=COLOURS["accent"], lw=1.6, marker="." if len(where) < 40 else None)
+    ax.plot(
+        where,
+        [s.smallest_singular_value for s in track.samples],
+        color=COLOURS["accent"],
+        lw=1.6,
+        marker="." if len(where) < 40 else None,
+    )
     ax.set_ylim(bottom=0.0)
     ax.set_ylabel("smallest\nsingular value")
 

@@ -10,19 +10,19 @@ from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import CLEAR_GAP
-from symkin.position.mobility import Mobility, analyse_mobility, fewer_rows
+from symkin.position.mobility import Mobility, fewer_rows, mobility
 from symkin.position.problem import build_problem
 
 
 def describe(mechanism: Mechanism) -> str:
     """A readable account of a mechanism, with every figure computed from its closure."""
-    mobility = analyse_mobility(mechanism)
+    found = mobility(mechanism)
     sections = [
         _heading(mechanism),
-        _limbs(mechanism, mobility),
-        _closure(mechanism, mobility),
-        _mobility(mobility),
-        _screws(mobility),
+        _limbs(mechanism, found),
+        _closure(mechanism, found),
+        _mobility(found),
+        _screws(found),
     ]
     return "\n\n".join(sections)
 
@@ -38,9 +38,9 @@ def _heading(mechanism: Mechanism) -> str:
     return "\n".join(lines)
 
 
-def _limbs(mechanism: Mechanism, mobility: Mobility) -> str:
+def _limbs(mechanism: Mechanism, found: Mobility) -> str:
     lines = ["Limbs"]
-    relations = Counter((row.limb, row.relation) for row in mobility.closure.row_sources)
+    relations = Counter((row.limb, row.relation) for row in found.closure.row_sources)
     for limb in mechanism.limbs:
         rows = (
             ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
@@ -49,8 +49,8 @@ def _limbs(mechanism: Mechanism, mobility: Mobility) -> str:
         lines += [f"    {_joint(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
         if isinstance(limb, Limb):
             lines += [f"    rod from {_vector(rod.start)} to {_vector(rod.platform)} (platform)" for rod in limb.rods]
-    if mobility.closure.idle:
-        lines.append("  not in the closure: " + "; ".join(mobility.closure.idle))
+    if found.closure.idle:
+        lines.append("  not in the closure: " + "; ".join(found.closure.idle))
     return "\n".join(lines)
 
 
@@ -68,8 +68,8 @@ def _rod(limb: RodLimb) -> str:
     return f"rod from {_vector(limb.base)} to {_vector(limb.platform)} (platform), actuated{offset}"
 
 
-def _closure(mechanism: Mechanism, mobility: Mobility) -> str:
-    closure = mobility.closure
+def _closure(mechanism: Mechanism, found: Mobility) -> str:
+    closure = found.closure
     lines = ["Closure F(q, x, X, p) = 0"]
     for role, text in (("actuated", "q, actuated"), ("passive", "x, passive"), ("pose", "X, pose")):
         names = [c.name for c in closure.role(role)]

@@ -73,7 +73,7 @@ class Mobility:
         return len(self.closure.mechanism.actuated)
 
 
-def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
+def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """Rank and mobility at generic closed configurations near the reference, screws at the reference where its rank is
     generic."""
     closure = build_closure(mechanism)
@@ -103,16 +103,16 @@ def analyse_mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     )  # fmt: skip
 
 
-def fewer_rows(mobility: Mobility) -> tuple[Motion, int] | None:
+def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
     """The motion of a platform declared spatial that the joints leave it anyway and that removes most redundant rows, with
     the number of those left; None where there is none. Declared, it changes no solution of the same assembly."""
-    mechanism = mobility.closure.mechanism
-    if mechanism.serial or mechanism.motion != "spatial" or not mobility.redundant or not mobility.closed:
+    mechanism = found.closure.mechanism
+    if mechanism.serial or mechanism.motion != "spatial" or not found.redundant or not found.closed:
         return None
-    restricted = [(m, analyse_mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
-    kept = [(m, found.redundant) for m, found in restricted if found.closed and found.mobility == mobility.mobility]
+    restricted = [(m, mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
+    kept = [(m, other.redundant) for m, other in restricted if other.closed and other.mobility == found.mobility]
     best = min(kept, key=lambda pair: pair[1], default=None)
-    return best if best is not None and best[1] < mobility.redundant else None
+    return best if best is not None and best[1] < found.redundant else None
 
 
 def implied_motion(mechanism: Mechanism) -> Motion | None:
@@ -120,13 +120,13 @@ def implied_motion(mechanism: Mechanism) -> Motion | None:
     to satisfy conditions. None where there is none, so that what moves is no group of motions, or tied within one."""
     if mechanism.serial or mechanism.motion != "spatial":
         return None
-    spatial = analyse_mobility(mechanism)
+    spatial = mobility(mechanism)
     for motion in MOTIONS:
         restricted = mechanism if motion == "spatial" else replace(mechanism, motion=motion)
         coordinates = sum(c.freedom for c in build_closure(restricted).role("pose"))
         if motion == "spatial" or coordinates != spatial.mobility:
             continue
-        found = analyse_mobility(restricted)
+        found = mobility(restricted)
         if found.closed and found.mobility == spatial.mobility:
             return motion
     return None

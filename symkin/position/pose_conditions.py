@@ -17,7 +17,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.position.given import pose_coordinates
-from symkin.position.mobility import analyse_mobility, fewer_rows
+from symkin.position.mobility import fewer_rows, mobility
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 
@@ -61,7 +61,7 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
 def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
     """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
     frame = "tool" if mechanism.serial else "platform"
-    named = None if mechanism.serial else fewer_rows(analyse_mobility(mechanism))
+    named = None if mechanism.serial else fewer_rows(mobility(mechanism))
     motion = "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
     return (
         f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "

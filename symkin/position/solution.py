@@ -1,45 +1,33 @@
-"""Solutions of position problems: values, their checks, and how they print."""
+"""One solution of a position problem: its values, their checks, and how they print."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
-import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
+from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
     from symkin.certificate.independent_rows import PartialProof
 
-Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
-Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
-
-REMEDIES: dict[str, str] = {
-    "ok": "the solution satisfies every closure row",
-    "max_iterations": "the iteration did not settle: start nearer, use the other solver (newton, ipopt), or list all with modes",
-    "singular": "the Jacobian lost rank on the way: start elsewhere, or look at the mechanism's singularities",
-    "infeasible": "no configuration near the start closes all loops: check the given values against the mechanism's reach",
-    "nonfinite": "the iteration met NaN or infinity: check the given values and start nearer",
-}
-
 ACCEPTED = 1e-9
 """A configuration is a solution when no closure error exceeds this times the size."""
 SINGULAR = 1e8
 """Condition above which a solution is called singular."""
-_SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Result):
     """One configuration that closes all loops, in radians and the mechanism's length unit.
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
@@ -99,8 +87,8 @@ class Solution:
                 out[name] = self.mechanism.angle_out(value) if c.is_angular else value
         return out
 
-    def to_json(self) -> dict[str, Any]:
-        """The object of contract 3."""
+    def to_dict(self) -> dict[str, Any]:
+        """One entry of `modes` in the JSON of `symkin modes --json`."""
         return {
             "pose": {
                 "position": self.position.tolist(),
@@ -109,13 +97,21 @@ class Solution:
             },
             "joints": self.joints,
             "residual": self.residual,
-            "condition": _finite(self.condition),
+            "condition": finite(self.condition),
             "certified": self.certified,
             "radius": self.radius,
             "ground": None if self.ground is None else asdict(self.ground),
             "within_limits": self.within_limits,
             "notes": list(self.notes),
         }
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """Pose, joints and checks, a row each."""
+        unit = self.mechanism.length_unit
+        pose = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True))
+        values = {**pose, **self.joints, f"residual, {unit}": self.residual, "condition": self.condition}
+        rows = [[name, f"{value:.7g}"] for name, value in values.items() if isinstance(value, float)]
+        return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
     def __str__(self) -> str:
         position = ", ".join(f"{v:.6g}" for v in self.position)
@@ -126,215 +122,43 @@ class Solution:
             f"{joints}; residual {self.residual:.1e}, condition {self.condition:.3g}"
         )
 
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """One step of an iteration: pose (or None for unknown joints only) and the largest closure row (length unit)."""
-
-    values: np.ndarray
-    pose: Pose
-    residual: float
-
-
-@dataclass(frozen=True, eq=False)
-class SolveResult:
-    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history."""
-
-    problem: Problem
-    given: dict[str, list[float]]
-    status: Status
-    solution: Solution | None
-    iterations: int
-    history: tuple[Iterate, ...]
-    smallest_residual: float | None
-    method: str
-    elapsed_s: float
-    notes: tuple[str, ...] = ()
-
-    @property
-    def message(self) -> str:
-        mechanism = self.problem.mechanism
-        left = "" if self.smallest_residual is None else f" (closure error {self.smallest_residual:.3g} {mechanism.length_unit})"
-        return f"{mechanism.name}: {self.status} after {self.iterations} iterations{left}; {REMEDIES[self.status]}"
-
-    def to_json(self) -> dict[str, Any]:
-        return {
-            **_heading(self.problem, self.given),
-            "solution": None if self.solution is None else self.solution.to_json(),
-            "status": self.status,
-            "iterations": self.iterations,
-            "smallest_residual": _finite(self.smallest_residual),
-            "method": self.method,
-            "elapsed_s": self.elapsed_s,
-            "notes": list(self.notes),
-        }
-
-    def __str__(self) -> str:
-        return self.message if self.solution is None else f"{self.solution} ({self.iterations} iterations)"
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """All solutions found for one set of given values, with a statement of completeness that is never too large.
-
-    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
-    one more start finds a new mode (both for multistart only); `engine` is what tracked the paths.
-    """
-
-    problem: Problem
-    given: dict[str, list[float]]
-    modes: tuple[Solution, ...]
-    completeness: Completeness
-    method: str
-    seed: int | None
-    elapsed_s: float
-    starts: int | None = None
-    estimated_unseen: float | None = None
-    next_new: float | None = None
-    complex_count: int | None = None
-    unresolved_paths: int | None = None
-    smallest_residual: float | None = None
-    positive_dimensional: bool = False
-    notes: tuple[str, ...] = field(default=())
-    engine: str | None = None
-
-    def __len__(self) -> int:
-        return len(self.modes)
-
-    def __iter__(self) -> Iterator[Solution]:
-        return iter(self.modes)
-
-    def __getitem__(self, index: int) -> Solution:
-        return self.modes[index]
-
-    @cached_property
-    def representatives(self) -> list[Solution]:
-        """The first mode at each distinct pose."""
-        size = self.problem.closure.size
-        kept: list[Solution] = []
-        known = np.zeros((0, 12))
-        for mode in self.modes:
-            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
-            if np.all(np.max(np.abs(known - feature), axis=1, initial=0.0) > 1e-6 * size):
-                kept.append(mode)
-                known = np.vstack([known, feature])
-        return kept
-
-    @property
-    def poses(self) -> int:
-        """Count of distinct poses among the modes."""
-        return len(self.representatives)
-
-    def to_json(self) -> dict[str, Any]:
-        """The object of contract 3, with `starts`, `hits`, `estimated_unseen`, `engine` and `notes` beside it."""
-        hits = [mode.hits for mode in self.modes]
-        return {
-            **_heading(self.problem, self.given),
-            "modes": [mode.to_json() for mode in self.modes],
-            "poses": self.poses,
-            "complex_count": self.complex_count,
-            "completeness": self.completeness,
-            "unresolved_paths": self.unresolved_paths,
-            "smallest_residual": _finite(self.smallest_residual),
-            "method": self.method,
-            "seed": self.seed,
-            "elapsed_s": self.elapsed_s,
-            "starts": self.starts,
-            "hits": hits if any(h is not None for h in hits) else None,
-            "estimated_unseen": self.estimated_unseen,
-            "engine": self.engine,
-            "notes": list(self.notes),
-        }
-
-    def __str__(self) -> str:
-        from symkin.position.table import modes_text
-
-        return modes_text(self)
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = None, notes: tuple[str, ...] = ()) -> Solution:
     """A canonical, checked solution from a full vector of variables."""
-    values = canonical(problem.closure, values)
     closure, system = problem.closure, problem.system
-    unknown = problem.select_values(values, system.unknowns)
-    known = problem.select_values(values, problem.known_coordinates)
-    condition = system.condition(unknown, known)
-    named: dict[str, Any] = {}
-    for c in closure.coordinates:
-        part = values[closure.slices[c.name]]
-        named[c.name] = float(part[0]) if c.width == 1 else tuple(float(v) for v in part)
+    values = canonical(closure.coordinates, closure.slices, values[None])
+    unknown, known = problem.select_values(values, system.unknowns), problem.select_values(values, problem.known_coordinates)
+    condition = float(system.conditions(unknown, known)[0])
+    inside = within_limits(closure, values)
     return Solution(
         closure.mechanism,
-        named,
-        pose_of(closure, values),
-        system.residual(unknown, known),
+        named_values(closure, values[0]),
+        pose_of(closure, values[0]),
+        float(system.residuals(unknown, known)[0]),
         condition,
-        _within_limits(closure, values),
+        None if inside is None else bool(inside[0]),
         hits,
-        notes=notes if condition < SINGULAR else (*notes, _SINGULAR_NOTE),
+        notes=notes if condition < SINGULAR else (*notes, SINGULAR_NOTE),
     )
+
+
+def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
+    """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
+    numbers = values.tolist()
+    named: dict[str, Any] = {}
+    for c in closure.coordinates:
+        place = closure.slices[c.name]
+        named[c.name] = numbers[place.start] if c.width == 1 else tuple(numbers[place])
+    return named
 
 
 def pose_of(closure: Closure, values: np.ndarray) -> Pose:
     """The platform's pose, quaternion with w >= 0, from a full vector of variables."""
-    packed = np.asarray(_pose_function(closure)(values)).ravel()
-    q = packed[3:] / np.linalg.norm(packed[3:])
-    return Pose(packed[:3], _positive(q))
-
-
-def _pose_function(closure: Closure) -> ca.Function:
-    cached: ca.Function | None = closure.__dict__.get("_pose_function")
-    if cached is None:
-        expression = closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion))
-        cached = ca.Function("pose", [closure.variables], [expression])
-        closure.__dict__["_pose_function"] = cached
-    return cached
-
-
-def canonical(closure: Closure, values: np.ndarray) -> np.ndarray:
-    """The same configuration in its standard writing: rod lengths not negative, angles in (-pi, pi] and moved by
-    whole turns into their limits where possible, quaternions of unit length with w >= 0."""
-    values = values.copy()
-    for c in closure.coordinates:
-        place = closure.slices[c.name]
-        if c.kind == "quaternion":
-            values[place] = _positive(values[place] / np.linalg.norm(values[place]))
-        elif c.kind == "angle":
-            values[place] = _wrap(float(values[place][0]), c.limits)
-        elif c.least is not None and values[place][0] < c.least:
-            values[place] = 2.0 * c.least - values[place]
-        values[place] += 0.0
-    return values
-
-
-def _wrap(angle: float, limits: tuple[float, float] | None) -> float:
-    wrapped = math.remainder(angle, 2 * math.pi)
-    if wrapped <= -math.pi + 1e-15:
-        wrapped += 2 * math.pi
-    if limits is not None and not limits[0] <= wrapped <= limits[1]:
-        turns = math.ceil((limits[0] - wrapped) / (2 * math.pi) - 1e-12)
-        if wrapped + 2 * math.pi * turns <= limits[1] + 1e-12:
-            wrapped += 2 * math.pi * turns
-    return wrapped
-
-
-def _positive(q: np.ndarray) -> np.ndarray:
-    leading = next((v for v in q if abs(v) > 1e-12), 1.0)
-    return np.asarray((q if leading > 0 else -q) + 0.0)
-
-
-def _within_limits(closure: Closure, values: np.ndarray) -> bool | None:
-    limited = [c for c in closure.coordinates if c.limits is not None]
-    if not limited:
-        return None
-    return all(_inside(c, float(values[closure.slices[c.name]][0]), closure.size) for c in limited)
-
-
-def _inside(c: Coordinate, value: float, size: float) -> bool:
-    if c.limits is None:
-        return True
-    slack = 1e-9 * (1.0 if c.is_angular else size)
-    return c.limits[0] - slack <= value <= c.limits[1] + slack
+    position, quaternion = poses_of(closure, values[None])
+    return Pose(position[0], quaternion[0])
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
@@ -343,12 +167,12 @@ def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return build_closure(mechanism).coordinates
 
 
-def _finite(value: float | None) -> float | None:
+def finite(value: float | None) -> float | None:
     """JSON has no infinity: null stands for it."""
     return value if value is not None and math.isfinite(value) else None
 
 
-def _heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
+def heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
     mechanism = problem.mechanism
     return {
         "mechanism": mechanism.name,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.errors import InputError, SolveError
+from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -23,14 +23,8 @@ from symkin.position.moved_starts import (
 )
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import (
-    ACCEPTED,
-    Iterate,
-    Solution,
-    SolveResult,
-    make_solution,
-    pose_of,
-)
+from symkin.position.solution import ACCEPTED, Solution, make_solution, pose_of
+from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose

@@ -1,4 +1,4 @@
-"""A twist or a wrench in words: the axis, the pitch, and what one would call it."""
+"""Name a twist or a wrench: its axis, its pitch, and what one would call it (Ball 1900)."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class NamedScrew:
             return "rotation" if self.kind == "twist" else "force"
         return "screw" if self.kind == "twist" else "wrench"
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """`vector` is (direction; moment about the base origin), `pitch` length per radian."""
         point = None if self.point is None else self.point.tolist()
         return {

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import symkin
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.plots.calibration_plot import png, residual_figure
@@ -25,7 +25,7 @@ from symkin.plots.loci_plot import draw_loci
 from symkin.plots.plot import draw_modes
 from symkin.plots.track_plot import draw_track
 from symkin.position.describe import describe
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8

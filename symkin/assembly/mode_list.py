@@ -1,0 +1,152 @@
+"""What `modes` returns: all solutions of a problem, with a statement of how complete the list is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.position.problem import Problem
+from symkin.position.solution import Solution, finite, heading
+from symkin.position.table import given_text, solution_columns
+from symkin.result import Result, Summary
+
+Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
+
+_PRINTED_ROWS = 64
+"""Modes that the command prints; of more, one at each pose."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(Result):
+    """All solutions found for one set of given values, with a statement of completeness that is never too large.
+
+    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
+    one more start finds a new mode (both for multistart only); `engine` is what tracked the paths.
+    """
+
+    problem: Problem
+    given: dict[str, list[float]]
+    modes: Sequence[Solution]
+    completeness: Completeness
+    method: str
+    seed: int | None
+    elapsed_s: float
+    starts: int | None = None
+    estimated_unseen: float | None = None
+    next_new: float | None = None
+    complex_count: int | None = None
+    unresolved_paths: int | None = None
+    smallest_residual: float | None = None
+    positive_dimensional: bool = False
+    notes: tuple[str, ...] = field(default=())
+    engine: str | None = None
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    def __iter__(self) -> Iterator[Solution]:
+        return iter(self.modes)
+
+    def __getitem__(self, index: int) -> Solution:
+        return self.modes[index]
+
+    @cached_property
+    def representatives(self) -> list[Solution]:
+        """The first mode at each distinct pose."""
+        size = self.problem.closure.size
+        kept: list[Solution] = []
+        known = np.zeros((0, 12))
+        for mode in self.modes:
+            feature = np.concatenate([mode.position, size * mode.rotation.ravel()])
+            if np.all(np.max(np.abs(known - feature), axis=1, initial=0.0) > 1e-6 * size):
+                kept.append(mode)
+                known = np.vstack([known, feature])
+        return kept
+
+    @property
+    def poses(self) -> int:
+        """Count of distinct poses among the modes."""
+        return len(self.representatives)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON object of `symkin modes --json`."""
+        hits = [mode.hits for mode in self.modes]
+        return {
+            **heading(self.problem, self.given),
+            "modes": [mode.to_dict() for mode in self.modes],
+            "poses": self.poses,
+            "complex_count": self.complex_count,
+            "completeness": self.completeness,
+            "unresolved_paths": self.unresolved_paths,
+            "smallest_residual": finite(self.smallest_residual),
+            "method": self.method,
+            "seed": self.seed,
+            "elapsed_s": self.elapsed_s,
+            "starts": self.starts,
+            "hits": hits if any(h is not None for h in hits) else None,
+            "estimated_unseen": self.estimated_unseen,
+            "engine": self.engine,
+            "notes": list(self.notes),
+        }
+
+    # --- text ------------------------------------------------------------------------------------------------------
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """The modes as a table, and what is known of their completeness."""
+        mechanism = self.problem.mechanism
+        title = mechanism.name + (f" ({mechanism.title})" if mechanism.title else "")
+        above = [f"{title}: {self.problem.kind} problem, {given_text(self.given)}"]
+        below = [self._statement(), *(f"note: {note}" for note in self.notes)]
+        shown = self._shown(most_rows)
+        if len(shown) < len(self):
+            below.insert(0, self._left_out(len(shown), most_rows))
+        header, rows = solution_columns(self.problem.kind, shown)
+        return Summary(above, header, rows, below)
+
+    def _shown(self, most_rows: int | None) -> list[Solution]:
+        most = _PRINTED_ROWS if most_rows is None else most_rows
+        if most_rows is None and len(self) > most:
+            return self.representatives[:most]
+        return list(self.modes[:most])
+
+    def _left_out(self, shown: int, most_rows: int | None) -> str:
+        if most_rows is None:
+            return f"one of the modes at each of {shown} poses of {self.poses}; all {len(self)} modes with --json"
+        return f"the first {shown} of {len(self)} modes"
+
+    def _statement(self) -> str:
+        """Count, completeness and what it rests on."""
+        count, unit = len(self), self.problem.mechanism.length_unit
+        parts = [f"{self._count()}; completeness: {self.completeness}"]
+        if self.complex_count is not None and self.method != "forward":
+            parts.append(f"{self.complex_count} complex solutions, {self.unresolved_paths} unresolved paths")
+        radii = [mode.radius or 0.0 for mode in self if mode.certified]
+        if radii:
+            every = "each mode" if len(radii) == count else f"{len(radii)} of them"
+            parts.append(f"{every} certified to {max(radii):.1e} {unit}")
+        if self.engine is not None:
+            parts.append(f"engine: {self.engine}")
+        if self.estimated_unseen is not None and count:
+            parts.append(
+                f"{self.starts} starts, seed {self.seed}; estimated still unseen: {self.estimated_unseen:.3g} or more (Chao), "
+                f"chance that the next hit is new: {self.next_new:.2g} (Good-Turing)"
+            )
+        elif self.starts and not count:
+            parts.append(f"{self.starts} starts, seed {self.seed}")
+        if self.smallest_residual is not None:
+            parts.append(f"smallest closure error reached: {self.smallest_residual:.4g} {unit}")
+        return "; ".join(parts)
+
+    def _count(self) -> str:
+        count, poses = len(self), self.poses
+        if not count:
+            return "no isolated solution" if self.positive_dimensional else "no real solution"
+        return f"{count} {_plural('mode', count)}" + (f" at {poses} {_plural('pose', poses)}" if poses != count else "")
+
+
+def _plural(word: str, count: int) -> str:
+    return word if count == 1 else word + "s"

@@ -1,0 +1,66 @@
+"""Known values of many instances at once: as discs for the quick test, and as balls for what it leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from flint import acb, arb
+
+from symkin.certificate.balls import Number
+from symkin.certificate.disc_arithmetic import TINY, UP
+from symkin.certificate.discs import Discs
+
+
+@dataclass(frozen=True, eq=False)
+class Knowns:
+    """Known values of instances 0, 1, ...: discs (m, known), and the same values of one instance as numbers, balls where
+    they are not doubles."""
+
+    discs: Discs
+    numbers: Callable[[int], tuple[Number, ...]]
+
+    @property
+    def count(self) -> int:
+        """Instances."""
+        return len(self.discs.middle)
+
+    def beside(self, numbers: Sequence[float]) -> Knowns:
+        """With further doubles behind, the same in each instance."""
+        return Knowns(self.discs.beside(np.array(numbers)), lambda j: (*self.numbers(j), *numbers))
+
+    @staticmethod
+    def of_one(k: Sequence[Number] | np.ndarray) -> Knowns:
+        """One instance: doubles and complex numbers, taken as exact, or balls."""
+        numbers = tuple(plain(v) for v in k)
+        pairs = [_disc(v) for v in numbers]
+        middle = np.array([m for m, _ in pairs])
+        return Knowns(Discs(middle[None], np.array([[r for _, r in pairs]])), lambda _: numbers)
+
+    @staticmethod
+    def exact(k: np.ndarray) -> Knowns:
+        """Doubles or complex numbers (m, known), taken as exact."""
+        middle = np.asarray(k)
+        if np.iscomplexobj(middle) and not np.any(middle.imag):
+            middle = middle.real
+        return Knowns(Discs.exact(np.ascontiguousarray(middle)), lambda j: tuple(plain(v) for v in middle[j]))
+
+
+def plain(value: Number) -> Number:
+    """A known value as a float, a complex number that is not real, or a ball."""
+    if isinstance(value, (arb, acb)):
+        return value.real if isinstance(value, acb) and value.imag == 0 else value
+    number = complex(value)
+    return number.real if number.imag == 0.0 else number
+
+
+def _disc(value: Number) -> tuple[float | complex, float]:
+    """Middle and radius: of a ball, the double next to its middle, and what that leaves out."""
+    if isinstance(value, arb):
+        middle = float(value)
+        return middle, float((value - middle).abs_upper()) * UP + TINY
+    if isinstance(value, acb):
+        point = complex(float(value.real), float(value.imag))
+        return point, float((value - point).abs_upper()) * UP + TINY
+    return value, 0.0

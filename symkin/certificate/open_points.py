@@ -1,0 +1,103 @@
+"""Proofs by balls, point by point, of what the quick test leaves open: more bits, parts of the rows, nearly double roots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.certificate.ball_system import BallSystem
+from symkin.certificate.balls import COMPLEX, REAL, RINGS
+from symkin.certificate.krawczyk import Box, chart_of, enclose
+from symkin.homotopy.algebraic import AlgebraicSystem
+
+_BITS = (64, 128, 256)
+"""Precisions tried in turn; up to 64 bits a number is one machine word."""
+_NEWTON_STEPS, _SMALL_STEP = 2, 1e-10
+"""Newton steps in double precision at most, and the largest one that is not followed by another."""
+_CONJUGATE = 1e-9
+"""Two points so close to conjugate share one proof."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proved:
+    """Of each point: its box, or None and the reason."""
+
+    boxes: list[Box | None]
+    reasons: list[str]
+
+
+def prove_points(balls: BallSystem, given: np.ndarray, near: np.ndarray, known: np.ndarray, *, real_rows: bool) -> Proved:
+    """Boxes of points (width, n) of one instance: real ones are tried where `near` (n,). `known` are about its values; with
+    real rows, one proof serves a pair of conjugate points."""
+    centre, inverses = _polished(balls.system, np.where(near, given.real, given), known)
+    mates = _conjugates(given) if real_rows else {}
+    proved = Proved([], [])
+    for i in range(given.shape[1]):
+        mate = proved.boxes[mates[i]] if i in mates else None
+        if mate is not None and not near[i]:
+            proved.boxes.append(mate.conjugate())
+            proved.reasons.append("")
+            continue
+        box, reason = _prove(balls, given[:, i], bool(near[i]), centre[:, i], inverses[i])
+        proved.boxes.append(box)
+        proved.reasons.append(reason)
+    return proved
+
+
+def _prove(
+    balls: BallSystem, given: np.ndarray, near: bool, centre: np.ndarray, inverse: np.ndarray | None
+) -> tuple[Box | None, str]:
+    """A box, or None and the reason: first about the polished centre in double precision, then about the given point by
+    more bits."""
+    if not np.isfinite(given).all():
+        return None, "the point is not finite"
+    chart = chart_of(balls, given.real if near else given)
+    if chart is None:
+        return None, (
+            f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others "
+            "(`symkin show` names the motion that removes some, where there is one)"
+        )
+    box = None
+    if inverse is not None and chart.is_whole:
+        box = enclose(balls, chart, REAL if near else COMPLEX, centre, _BITS[0], inverse)
+    trials = ((bits, ring) for bits in _BITS for ring in (RINGS if near else RINGS[1:]))
+    while box is None and (trial := next(trials, None)) is not None:
+        bits, ring = trial
+        box = enclose(balls, chart, ring, given.real if ring.is_real else given, bits)
+    reason = f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
+    return box, "" if box is not None else reason
+
+
+def _conjugates(given: np.ndarray) -> dict[int, int]:
+    """Points whose conjugates stand among the earlier points, up to rounding."""
+    weights = np.random.default_rng(0).normal(size=len(given))
+    mixed = weights @ given
+    with np.errstate(invalid="ignore"):
+        candidates = np.argwhere(np.tril(np.abs(mixed[:, None] - np.conj(mixed)) < len(given) * 10 * _CONJUGATE, -1)).tolist()
+    return {i: j for i, j in candidates if np.max(np.abs(given[:, i] - np.conj(given[:, j]))) < _CONJUGATE}
+
+
+def _polished(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, Sequence[np.ndarray | None]]:
+    """Newton steps, and the last inverse of dF/dz with the patch; None where there is none or rows are too many."""
+    n, width = z.shape[1], system.width
+    if system.count + bool(system.projective) != width or not np.isfinite(z).all():
+        return z, [None] * n
+    patch = np.zeros((n, int(bool(system.projective)), width), dtype=complex)
+    patch[:, :, list(system.projective)] = np.conj(z[list(system.projective)].T)[:, None]
+    known = np.repeat(k[:, None], n, axis=1)
+    centre, inverses = z, np.zeros((n, width, width), dtype=complex)
+    with np.errstate(all="ignore"):
+        for _ in range(_NEWTON_STEPS):
+            f, j = system.linearise(centre, known)
+            try:
+                inverses = np.linalg.inv(np.concatenate([j, patch], axis=1))
+            except np.linalg.LinAlgError:
+                return z, [None] * n
+            step = np.einsum("nij,nj->in", inverses[:, :, : system.count], f)
+            centre = centre - step
+            if np.max(np.abs(step), initial=0.0) < _SMALL_STEP:
+                break
+    fine = np.isfinite(centre).all(axis=0) & np.isfinite(inverses).all(axis=(1, 2))
+    return centre, [inverses[i] if fine[i] else None for i in range(n)]

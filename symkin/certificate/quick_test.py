@@ -1,0 +1,137 @@
+"""Krawczyk's test in double precision for all points at once, with bounds for every rounding.
+
+For F(z) = 0 with as many rows as unknowns (a ray's patch is one more row), points c and any matrix Y, with
+e_i >= sum_j |1 - Y F'(X)|_ij on the numbers X within `wide` of the first points and s_i >= |Y F(c)|_i,
+
+    s_i + 1.5 e_i r < r for all i
+
+shows one root, regular, within r of c, and no other in the box |Re|, |Im| <= r (see `krawczyk`, and `data/krawczyk.h` for the
+bounds). Where the known values and c are real, so is the root. What fails here may be proved by balls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.caching import lru_cache
+from symkin.certificate.disc_arithmetic import TINY, UNIT, UP, modulus
+from symkin.certificate.disc_library import disc_library
+from symkin.certificate.discs import DiscFunction, Discs
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.tape import build_tape
+from symkin.homotopy.algebraic import AlgebraicSystem
+
+_WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
+"""Distances from a point within which the derivatives are bounded, one trial after another. The first may serve to come near."""
+_MOST_UNKNOWNS = 64
+"""Up to which the rounding of sums is allowed for."""
+_WORTH_NUMPY = 250
+"""Points from which on the test in NumPy takes less time than balls."""
+_MANY = 1.0 + 2.0**-44
+"""Outweighs the roundings of sums of numbers that are not negative, for that many unknowns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosures:
+    """Of n points: the half width (n,) of the box about `centre` (width, n) that holds one root, infinite where the test is
+    open, and whether its numbers are real."""
+
+    centre: np.ndarray
+    half_width: np.ndarray
+    is_real: np.ndarray
+
+    @property
+    def found(self) -> np.ndarray:
+        return np.asarray(np.isfinite(self.half_width))
+
+
+def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray) -> Enclosures:
+    """The test at points z (width, n) of instances (n,), in real numbers where `real` (n,)."""
+    n = z.shape[1]
+    result = Enclosures(z.copy(), np.full(n, np.inf), real & knowns.discs.is_real)
+    function = disc_function(system)
+    square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
+    if function is None or not square or (disc_library() is None and n < _WORTH_NUMPY):
+        return result
+    prepared = function.prepare(knowns.discs)
+    for among in (np.flatnonzero(result.is_real), np.flatnonzero(~result.is_real)):
+        if among.size:
+            points, ready = (z[:, among].real, prepared) if result.is_real[among[0]] else (z[:, among], prepared.as_complex())
+            centre, half = _enclose(function, system.projective, points, ready, instance[among])
+            result.centre[:, among], result.half_width[among] = centre, half
+    return result
+
+
+@lru_cache(maxsize=128)
+def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
+    """The rows of a system and their derivatives over discs; None where an operation has no form over them."""
+    try:
+        return DiscFunction(build_tape(system.z, system.k, system.rows, ("value", "slope")))
+    except NotImplementedError:
+        return None
+
+
+def _enclose(
+    function: DiscFunction, ray: tuple[int, ...], z: np.ndarray, prepared: Discs, instance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (width, n) and half widths of points of one kind; trials about what the one before has come to."""
+    points, half = np.ascontiguousarray(z.T), np.full(z.shape[1], np.inf)
+    patch = np.zeros(points.shape, dtype=points.dtype)
+    patch[:, list(ray)] = np.conj(points[:, list(ray)])
+    todo = np.flatnonzero(np.isfinite(points).all(axis=1))
+    for wide in _WIDE:
+        if not todo.size:
+            break
+        points[todo], half[todo] = _test(function, points[todo], patch[todo], prepared, instance[todo], wide)
+        todo = todo[~np.isfinite(half[todo]) & np.isfinite(points[todo]).all(axis=1)]
+    return points.T, half
+
+
+def _test(
+    function: DiscFunction, points: np.ndarray, patch: np.ndarray, prepared: Discs, instance: np.ndarray, wide: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """One trial: a Newton step from points (n, width), and half widths (n,), infinite where it fails."""
+    library = disc_library()
+    if library is not None:
+        chosen = np.ascontiguousarray(instance, dtype=np.intc)
+        return library.enclose(function.tape, points, patch, (prepared.middle, prepared.radius), chosen, wide)
+    with np.errstate(all="ignore"):
+        return _test_in_numpy(function, points, patch, prepared, instance, wide)
+
+
+def _test_in_numpy(
+    function: DiscFunction, points: np.ndarray, patch: np.ndarray, prepared: Discs, instance: np.ndarray, wide: float
+) -> tuple[np.ndarray, np.ndarray]:
+    n, width = points.shape
+    rows = function.tape.parts[0].outputs
+    slope = function.evaluate(1, Discs(points, np.full(points.shape, wide)), prepared, instance)
+    middle, error = np.zeros((2, n, width, width), dtype=points.dtype)
+    middle[:, *function.tape.patterns[1]], middle[:, rows:] = slope.middle, patch[:, None][:, : width - rows]
+    error = np.zeros((n, width, width))
+    error[:, *function.tape.patterns[1]] = slope.radius
+    gamma = (2 * width + 8) * UNIT
+    inverse = _inverses(middle)
+    weights = modulus(inverse)
+    value = function.evaluate(0, Discs.exact(points), prepared, instance).middle
+    centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
+    f = function.evaluate(0, Discs.exact(centre), prepared, instance)
+    step = modulus(np.einsum("nij,nj->ni", inverse[:, :, :rows], f.middle))
+    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + TINY) * _MANY
+    off = np.sum(modulus(np.einsum("nij,njk->nik", inverse, middle) - np.eye(width)), axis=2)
+    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + TINY) * _MANY
+    half = np.max(s / (0.98 - 1.5 * e), axis=1) * (1.0 + 2.0**-40)
+    away = modulus(centre - points) + 1.5 * half[:, None]
+    inside = (e < 0.6) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+    return centre, np.where(inside.all(axis=1), half, np.inf)
+
+
+def _inverses(matrices: np.ndarray) -> np.ndarray:
+    """About the inverses (n, m, m); no numbers where there is none."""
+    try:
+        return np.linalg.inv(matrices)
+    except np.linalg.LinAlgError:
+        singular = np.linalg.matrix_rank(np.nan_to_num(matrices)) < matrices.shape[1]
+        regular = np.where(singular[:, None, None], np.eye(matrices.shape[1]), matrices)
+        return np.where(singular[:, None, None], np.nan, np.linalg.inv(regular))
