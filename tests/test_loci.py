@@ -24,7 +24,7 @@ from helpers.samples import (
 )
 from symkin import InputError
 from symkin.cli.app import main
-from symkin.plots.loci_plot import draw_loci, figure_of_loci
+from symkin.plots.loci_plot import figure_of_loci
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
 from symkin.singularities.classification import classify
@@ -284,10 +284,10 @@ def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
     content = json.loads(json.dumps(bars.to_dict(), allow_nan=False))
     assert content["plane"] == ["q1", "q2"]
     assert len(content["curves"]) == len(bars.curves) == str(bars).count("type 2")
-    draw_loci(bars, tmp_path / "loci.png")
+    bars.plot(tmp_path / "loci.png")
     assert (tmp_path / "loci.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(InputError, match="no picture format"):
-        draw_loci(bars, tmp_path / "loci.xyz")
+        bars.plot(tmp_path / "loci.xyz")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from helpers.laws import act, joint_displacement
 from helpers.samples import DELTA, delta, delta_directions
 from symkin import Joint, Limb, Mechanism
-from symkin.plots.loci_plot import draw_loci, figure_of_loci
+from symkin.plots.loci_plot import figure_of_loci
 from symkin.singularities.configuration import configuration
 from symkin.singularities.loci import LOST_OVER_PLANE, NONE_MET, Loci
 from symkin.singularities.locus import Locus, merged
@@ -181,7 +181,7 @@ def test_no_curve_says_that_some_may_be_missing(tmp_path: Path) -> None:
     (axes,) = figure_of_loci(loci).axes
     assert "raise --starts" in axes.get_xlabel()
     assert [text.get_text() for text in axes.texts] == ["no locus was met in this window"]
-    draw_loci(loci, tmp_path / "none.png")
+    loci.plot(tmp_path / "none.png")
 
 
 def test_the_picture_writes_over_no_curve() -> None:

@@ -84,7 +84,7 @@ def modes(
 def modes_at_need(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     starts: int = DEFAULT_STARTS,
     seed: int = DEFAULT_SEED,

@@ -21,7 +21,7 @@ from symkin.errors import InputError
 from symkin.following.track import track
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import given_from
+from symkin.position.given import Joints, given_from
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
 from symkin.position.solution import Solution
@@ -117,7 +117,7 @@ class ModeGraph(Result):
 
 
 def mode_graph(
-    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Sequence[float] | None = None,
+    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
     progress: Progress | None = None,
 ) -> ModeGraph:  # fmt: skip
     """The graph over two actuated joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypedDict, Unpack
 
@@ -19,6 +19,7 @@ from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
+from symkin.position.given import Joints
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import SINGULAR, Solution
 from symkin.position.solve import solve
@@ -28,7 +29,7 @@ from symkin.spatial.pose import Pose
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or rad)."""
 
-Start = Solution | Sequence[float] | Pose | None
+Start = Solution | Joints | Pose | None
 
 
 class TrackOptions(TypedDict, total=False):
@@ -63,7 +64,7 @@ class _Options:
 def track(
     mechanism: Mechanism,
     *,
-    joints: Sequence[Sequence[float]] | np.ndarray | None = None,
+    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
     start: Start = None,
     **options: Unpack[TrackOptions],
@@ -73,7 +74,7 @@ def track(
     The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved by Krawczyk's operator in ball
     arithmetic: exactly one solution for every input of the step, and no singularity (Krawczyk 1969; see `step_certificate`).
 
-    `joints` (n, actuated joints) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's units; between two rows joint
+    `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's units; between two rows joint
     values and positions move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at
     the first row, or what `solve` takes as its start. `options` are those of `TrackOptions`: times, samples, limits, name_modes,
     notes, progress.

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.box import COLOURS, drawing
-from symkin.plots.plot import check_picture_path, write_picture
+from symkin.plots.style import COLOURS, drawing
 from symkin.position.varied_pose import axis_title
 from symkin.singularities.loci import MISSING, NONE_MET
 
@@ -22,14 +20,6 @@ KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
 """Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
 _NARROW = 4.0
 """Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
-
-
-def draw_loci(loci: Loci, path: Path | str) -> None:
-    """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
-
-    target = check_picture_path(path)
-    figure = figure_of_loci(loci)
-    write_picture(figure, target)
 
 
 def figure_of_loci(loci: Loci) -> Figure:

@@ -24,6 +24,7 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.position.given import Joints
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
@@ -44,9 +45,9 @@ TOLERANCE = 1e-6
 def singularity(
     mechanism: Mechanism | Solution,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Sequence[float] | Pose | None = None,
+    start: Joints | Pose | None = None,
     tolerance: float = TOLERANCE,
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,

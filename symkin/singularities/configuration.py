@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import Given, given_from
+from symkin.position.given import Given, Joints, given_from
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import ACCEPTED, Solution, make_solution
@@ -22,9 +22,9 @@ from symkin.spatial.pose import Pose
 def configuration(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Sequence[float] | Pose | None = None,
+    start: Joints | Pose | None = None,
 ) -> Solution:
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
     and that first where the start is singular and nearly closes the loops: it is meant as it is.
