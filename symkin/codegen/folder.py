@@ -1,4 +1,4 @@
-"""The folder of one mechanism: sources, test, build files, derivation and manifest; the same model gives the same bytes."""
+"""Write the folder of one mechanism: sources, test, build files, README and manifest; the same model gives the same bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where generated code takes its geometry from: numbers folded into it, or the members of a struct given at run time."""
+"""Give generated code its geometry: numbers folded into it, or the members of a struct given at run time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The home of a platform on six rods: the pose about which code is tuned and tested, chosen and judged."""
+"""Choose and judge the home of a platform on six rods: the pose about which code is tuned and tested."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jacobians as one C function, printed by the firmware's emitter."""
+"""Write a Jacobian as one C function."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Expressions and closure equations as LaTeX."""
+"""Write expressions and closure equations as LaTeX."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be chosen about generated code."""
+"""State what can be chosen about generated code."""
 
 from __future__ import annotations
 

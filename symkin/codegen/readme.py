@@ -1,4 +1,4 @@
-"""README.md of a generated folder: how to use it and the equations that it solves, for the next engineer."""
+"""Write the README.md of a generated folder: how to use it, the equations that it solves, and what is proved of its answers."""
 
 from __future__ import annotations
 

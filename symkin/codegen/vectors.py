@@ -1,4 +1,4 @@
-"""Test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
+"""Make test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
 
 from __future__ import annotations
 
