@@ -16,7 +16,7 @@ from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, are_many, given_from, given_many
+from symkin.position.given import Given, Joints, are_many, given_from, given_many
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
