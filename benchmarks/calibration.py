@@ -40,14 +40,13 @@ from helpers.inclinometer import (
 )
 from helpers.tracker import Hexapod
 from symkin.calibration.calibrate import METHODS, calibrate
-from symkin.calibration.direct import ROUGH, solve_postures
-from symkin.calibration.estimator import Estimate, estimate
-from symkin.calibration.gauge import joint_frames
-from symkin.calibration.linear import linear_model
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.outliers import screen
-from symkin.calibration.problem import CalibrationProblem, build_calibration
-from symkin.calibration.statistics import covariance
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import joint_frames
+from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, solve_configurations
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.solver import Estimate, estimate
+from symkin.calibration.judge.outliers import screen_readings
+from symkin.calibration.judge.statistics import covariance, linear_model
 from symkin.model.file import parse
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
@@ -70,7 +69,7 @@ class Lines:
 
 def fit(problem: CalibrationProblem, method: str = "nested") -> Estimate:
     """From nominal to the estimate: direct problems, then least squares."""
-    postures = solve_postures(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGH)
+    postures = solve_configurations(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
     return estimate(problem, postures.z, method=method)
 
 
@@ -150,7 +149,7 @@ def report_designs(lines: Lines, seed: int) -> None:
 def spoilt(data: Measurements, truth: Geometry, rng: np.random.Generator) -> tuple[Measurements, int]:
     """One inclination of a random posture off by 0.01 deg."""
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_postures(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture
@@ -160,7 +159,7 @@ def normal_noise(truth: Geometry, rng: np.random.Generator) -> Measurements:
     """Exact groups whose inclinations are each off by normal errors of 0.001 deg, rods by 2 um / sqrt(12)."""
     data = measured(truth, rng)
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_postures(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
     joints = data.joints + 2e-6 / np.sqrt(12) * rng.normal(size=data.joints.shape)
     for k in range(len(data)):
         joints = tilted(truth, joints, poses, k, GAUSS * rng.normal(size=2))
@@ -181,7 +180,7 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
             bad, posture = spoilt(clean, truth, rng)
             for data, is_bad in ((bad, True), (clean, False)):
                 problem = build_calibration(NOMINAL, data, fixed=HELD)
-                found = [o.posture for o in screen(problem, linear_model(problem, fit(problem).state)).outliers]
+                found = [o.posture for o in screen_readings(problem, linear_model(problem, fit(problem).state)).outliers]
                 hits, flagged = hits + (is_bad and posture in found), flagged + (not is_bad and bool(found))
         strict = name.startswith("uniform")
         share, false = hits / trials, flagged / trials

@@ -24,10 +24,10 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from symkin.calibration.files import read_measurements
-from symkin.calibration.pose_noise import pose_sigma
+from symkin.calibration.data.files import read_measurements
+from symkin.calibration.fit_file import calibrated_mechanism, fit_file
+from symkin.calibration.judge.pose_accuracy import pose_sigma
 from symkin.calibration.report import FitReport
-from symkin.calibration.run import calibrated_mechanism, fit_file
 from symkin.errors import SymkinError
 
 MOST = 5.0

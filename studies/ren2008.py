@@ -39,8 +39,8 @@ from ren2008_pictures import draw_before, draw_calibration, draw_figure_1, draw_
 from ren2008_planning import report_24
 from ren2008_procedure import condition, report_levelling, report_range, report_servo, report_wedges
 from report import Report, options_parser
-from symkin.calibration.identifiability import identifiability
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.judge.identifiability import identifiability
 
 SEED = 8
 SUITS_GROUPS, SUITS_EACH = 10, 4

@@ -25,7 +25,7 @@ from ren2008_method import BEST, EXACT, Fits, fit, inclinations, measure, postur
 from ren2008_model import NAMES, Case, angles_of, direct, eta_from, eta_of, free_columns, inverse, slopes
 from ren2008_tables import NOMINAL, TRUE, held_names
 from report import Report
-from symkin.calibration.identifiability import identifiability
+from symkin.calibration.judge.identifiability import identifiability
 
 GROUPS, EACH = 10, 4
 

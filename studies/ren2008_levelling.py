@@ -25,7 +25,7 @@ import numpy as np
 
 from ren2008_method import Precision, centres_of, posture_at, random_postures, readings
 from ren2008_model import direct, inverse, turn
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
 
 MOST = 20
 STARTS = ("plain", "carried")

@@ -13,8 +13,9 @@ import numpy as np
 import symkin
 from ren2008_model import NAMES, angles_of, eta_from, eta_of, inverse, turn
 from ren2008_tables import ASIDE, BASE_CENTRE, EXTENSIONS, HEIGHTS, PLATFORM_CENTRE, TILT, held_names
-from symkin.calibration.calibrate import Calibration, calibrate
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.calibrate import calibrate
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.judge.result import Calibration
 from symkin.spatial.rotation import quaternion_from_matrix
 
 TESTS = 200

@@ -30,7 +30,7 @@ from ren2008_model import Case, joints_of
 from ren2008_model import eta_from as eta_of_values
 from ren2008_tables import DEVIATIONS
 from report import Report
-from symkin.calibration.calibrate import Calibration
+from symkin.calibration.judge.result import Calibration
 
 ESTIMATORS = {"differences": "neighbour differences", "means": "group means"}
 GROUPS, EACH = (10, 15, 20), 4

@@ -20,11 +20,11 @@ from ren2008_method import BEST, Fits, centres_of, fit, measure, measure_at, pos
 from ren2008_model import Case, eta_from
 from ren2008_tables import ASIDE, HEIGHTS, TILT
 from report import Report, new_figure, options_parser
-from symkin.calibration.calibrate import Calibration
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.planning import Plan, plan_measurements
-from symkin.calibration.simulate import Noise
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.design.planning import Plan, plan_measurements
+from symkin.calibration.design.simulation import Noise
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.judge.result import Calibration
 
 SEED = 8
 WANTED = (0.1, 0.01)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 import symkin
-from symkin.calibration.gauge import joint_frames
+from symkin.calibration.data.parameters import joint_frames
 
 NOMINAL = {
     "base": [(0, 0, 0), (0.1504, 0, 0), (0.6283, 0.8278, 0), (0.5531, 0.958, 0), (-0.4027, 0.958, 0), (-0.4779, 0.8278, 0)],

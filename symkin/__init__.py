@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from symkin.calibration.calibrate import calibrate
-    from symkin.calibration.measurements import Measurements
-    from symkin.calibration.planning import plan_measurements
-    from symkin.calibration.result import Calibration
+    from symkin.calibration.data.measurements import Measurements
+    from symkin.calibration.design.planning import plan_measurements
+    from symkin.calibration.judge.result import Calibration
     from symkin.codegen.folder import write_firmware
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
@@ -94,11 +94,11 @@ __all__ = [
 ]
 
 _LATER = {
-    "Calibration": "symkin.calibration.result",
+    "Calibration": "symkin.calibration.judge.result",
     "Jacobian": "symkin.velocity.jacobian",
     "LeastSquares": "symkin.position.least_squares",
     "Loci": "symkin.singularities.loci",
-    "Measurements": "symkin.calibration.measurements",
+    "Measurements": "symkin.calibration.data.measurements",
     "ModeGraph": "symkin.following.mode_graph",
     "Newton": "symkin.position.newton",
     "Singularity": "symkin.singularities.singularity",
@@ -106,7 +106,7 @@ _LATER = {
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
     "mode_graph": "symkin.following.mode_graph",
-    "plan_measurements": "symkin.calibration.planning",
+    "plan_measurements": "symkin.calibration.design.planning",
     "singular_loci": "symkin.singularities.singular_loci",
     "singularity": "symkin.singularities.classification",
     "sweep": "symkin.sweeps.run",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 
 _DIRECTIONS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
 """Bidirectional classes of characters that reorder the text after them (Unicode, annex 9)."""
@@ -74,6 +75,12 @@ def shortened(message: str) -> str:
 def _cut(text: str, kept: int) -> str:
     """Both ends of a text."""
     return f"{text[:kept]}...{text[-kept // 4 :]}"
+
+
+def first_of(items: Sequence[str], count: int = 5) -> str:
+    """The first few of some names, and how many more there are."""
+    more = len(items) - count
+    return ", ".join(items[:count]) + (f" and {more} more" if more > 0 else "")
 
 
 # --- outputs -------------------------------------------------------------------------------------------------------

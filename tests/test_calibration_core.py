@@ -19,16 +19,13 @@ from helpers.inclinometer import (
 from helpers.samples import five_bar, three_rrr
 from symkin import InputError
 from symkin.calibration.calibrate import METHODS, calibrate
-from symkin.calibration.corrected import with_parameters
-from symkin.calibration.direct import solve_postures
-from symkin.calibration.gauge import joint_frames
-from symkin.calibration.mapped import build_mapped
-from symkin.calibration.measurements import Distance, Measurements
-from symkin.calibration.model import build_model
-from symkin.calibration.parameters import nominal_parameters
-from symkin.calibration.problem import build_calibration, default_parameters
-from symkin.calibration.residuals import FORMS
-from symkin.calibration.state import evaluate
+from symkin.calibration.data.measurements import Distance, Measurements
+from symkin.calibration.data.parameters import joint_frames, nominal_parameters, with_parameters
+from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.model import build_model, map_functions
+from symkin.calibration.estimate.problem import build_calibration, default_parameters
+from symkin.calibration.estimate.residuals import FORMS
+from symkin.calibration.estimate.state import evaluate
 from symkin.closure.closure import build_closure
 from symkin.model.file import parse
 
@@ -46,8 +43,8 @@ def poses_measured(mechanism, joints, truth, *, names=None, orientation=True, si
     names = default_parameters(mechanism) if names is None else names
     blank = Measurements(joints, position=np.zeros((len(joints), 3)), orientation=np.tile([1.0, 0, 0, 0], (len(joints), 1)))
     model = build_model(mechanism, blank, names)
-    near = solve_postures(model, Measurements(joints), model.nominal)
-    found = solve_postures(model, Measurements(joints), truth, z=near.z)
+    near = solve_configurations(model, Measurements(joints), model.nominal)
+    found = solve_configurations(model, Measurements(joints), truth, z=near.z)
     keep = near.solved & found.solved
     poses = model.poses(found.z, truth)[keep]
     positions = poses[:, :3] + noise * np.random.default_rng(seed).normal(size=(len(poses), 3))
@@ -83,15 +80,15 @@ def test_methods_agree(form):
 
 def test_ipopt_alone_reaches_the_minimum():
     """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved the same program."""
-    from symkin.calibration.estimator import estimate
-    from symkin.calibration.lifted import build_program
-    from symkin.calibration.state import settled
+    from symkin.calibration.estimate.lifted import build_program
+    from symkin.calibration.estimate.solver import estimate
+    from symkin.calibration.estimate.state import closed_state
 
     rng = np.random.default_rng(5)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     problem = build_calibration(NOMINAL, measured(truth, rng, noisy=True), fixed=HELD)
-    z = solve_postures(problem.model, problem.measurements, problem.model.nominal).z
-    program = build_program(problem, settled(problem, problem.model.nominal, z, "means", None), None, 200)
+    z = solve_configurations(problem.model, problem.measurements, problem.model.nominal).z
+    program = build_program(problem, closed_state(problem, problem.model.nominal, z, "means", None), None, 200)
     values = np.asarray(program.solver(x0=program.start, lbg=0.0, ubg=0.0)["x"]).ravel()[: program.parameters]
     found = problem.model.nominal + problem.model.scales * values
     assert np.max(np.abs(found - estimate(problem, z).state.p)) < 1e-7
@@ -107,7 +104,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     problem = build_calibration(NOMINAL, measured(truth, rng, 3), fixed=HELD, residual=form)
     model, data = problem.model, problem.measurements
-    z = solve_postures(model, data, model.nominal).z
+    z = solve_configurations(model, data, model.nominal).z
     exact = evaluate(problem, model.nominal, z, form).fit.matrix
     for k in (0, 7, 20):
         step = np.zeros(len(model.nominal))
@@ -115,7 +112,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
         ends = []
         for sign in (1, -1):
             p = model.nominal + sign * step
-            there = solve_postures(model, data, p, z=z).z
+            there = solve_configurations(model, data, p, z=z).z
             ends.append(evaluate(problem, p, there, form).fit.vector)
         column = (ends[0] - ends[1]) / 2e-6
         assert np.max(np.abs(column - exact[:, k])) < 1e-6 * np.max(np.abs(exact))
@@ -126,7 +123,7 @@ def test_compiled_and_interpreted_functions_agree():
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y", 3)
     f = ca.Function("symkin_probe", [x, y], [ca.densify(ca.mtimes(x, y.T)), ca.sin(x)])
     xs, ys = np.arange(10.0).reshape(5, 2), np.array([1.0, -2.0, 0.5])
-    (plain,) = build_mapped([f])
+    (plain,) = map_functions([f])
     before = plain(5, (xs, ys))
     plain.engine.compile()
     after = plain(5, (xs, ys))
@@ -225,7 +222,7 @@ def test_absolute_inclinations_and_distances():
     truth = random_geometry(geometry(NOMINAL), HELD, 0.003, rng)
     data = measured(truth, rng, rods=False)
     problem = build_calibration(NOMINAL, data, fixed=HELD)
-    exact = solve_postures(problem.model, data, truth.values(problem.names))
+    exact = solve_configurations(problem.model, data, truth.values(problem.names))
     poses = problem.model.poses(exact.z, truth.values(problem.names))
     w, x, y, z = poses[:, 3:].T
     tilt = np.column_stack([np.arctan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), np.arcsin(2 * (w * y - x * z))])

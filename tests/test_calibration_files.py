@@ -11,13 +11,13 @@ import pytest
 
 import symkin
 from symkin import InputError
-from symkin.calibration.columns import SEQUENCES
-from symkin.calibration.files import read_measurements, write_measurements
-from symkin.calibration.run import fit_file, matching
-from symkin.calibration.sequence import find_sequence
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.suspicions import suspicions
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.columns import SEQUENCES
+from symkin.calibration.data.files import read_measurements, write_measurements
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import fit_file, match_parameters
+from symkin.calibration.judge.diagnoses import diagnose
+from symkin.calibration.judge.euler_sequence import find_sequence
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 QUIET = Noise(lengths=1e-6, group=1e-5, inclination=1e-5, position=1e-5, orientation=1e-5)
@@ -27,8 +27,8 @@ QUIET = Noise(lengths=1e-6, group=1e-5, inclination=1e-5, position=1e-5, orienta
 def measured():
     rng = np.random.default_rng(4)
     groups = group_numbers(24, 6)
-    made = random_postures(Workspace.about(TRUE), groups, QUIET, rng)
-    return read(TRUE, made, groups, ("inclination", "pose"), QUIET, rng)
+    made = random_configurations(Workspace.about(TRUE), groups, QUIET, rng)
+    return simulate_readings(TRUE, made, groups, ("inclination", "pose"), QUIET, rng)
 
 
 def rewritten(path, change):
@@ -177,7 +177,7 @@ def test_names_of_joints_come_before_names_of_readings(tmp_path):
     rng = np.random.default_rng(0)
     workspace = Workspace.about(gantry)
     made = workspace.draw(workspace.inclinations(5, rng), rng, held=False)
-    taken = read(gantry, made, np.full(5, -1), ("position",), Noise(position=0.1), rng)
+    taken = simulate_readings(gantry, made, np.full(5, -1), ("position",), Noise(position=0.1), rng)
     path = tmp_path / "data.csv"
     write_measurements(path, gantry, taken)
     header = path.read_text().splitlines()[0]
@@ -205,7 +205,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     made = workspace.draw(workspace.inclinations(rows, rng), rng, held=False)
     path = tmp_path / "data.csv"
     write_measurements(
-        path, true, read(true, made, group_numbers(rows, 0), ("pose",), noise, rng), sequence=sequence, hidden=True
+        path, true, simulate_readings(true, made, group_numbers(rows, 0), ("pose",), noise, rng), sequence=sequence, hidden=True
     )
     assert sequence not in path.read_text()
 
@@ -246,14 +246,14 @@ def test_slips_are_suspected(measured, slip, word):
         position_sigma=None,
         orientation_sigma=None,
     )
-    assert suspicions(NOMINAL, grouped) == ()
-    assert word in suspicions(NOMINAL, replace(grouped, joints=slip(grouped.joints)))[0]
+    assert diagnose(NOMINAL, grouped) == ()
+    assert word in diagnose(NOMINAL, replace(grouped, joints=slip(grouped.joints)))[0]
 
 
 def test_patterns_name_parameters():
     """Patterns match names of parameters; `all` is the closure's; what matches nothing is refused with examples."""
-    assert len(matching(NOMINAL, "all")) == 42
-    assert matching(NOMINAL, "leg2.base.*, leg1.offset") == ("leg1.offset", "leg2.base.x", "leg2.base.y", "leg2.base.z")
-    assert len(matching(NOMINAL, "all,leg*.scale")) == 48
+    assert len(match_parameters(NOMINAL, "all")) == 42
+    assert match_parameters(NOMINAL, "leg2.base.*, leg1.offset") == ("leg1.offset", "leg2.base.x", "leg2.base.y", "leg2.base.z")
+    assert len(match_parameters(NOMINAL, "all,leg*.scale")) == 48
     with pytest.raises(InputError, match=r"leg\*\.bse.*leg1\.base\.x"):
-        matching(NOMINAL, "leg*.bse")
+        match_parameters(NOMINAL, "leg*.bse")

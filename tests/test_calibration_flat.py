@@ -8,10 +8,10 @@ import pytest
 import symkin
 from symkin import InputError
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.files import read_measurements, write_measurements
-from symkin.calibration.run import fit_file, matching
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements, write_measurements
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import fit_file, match_parameters
 
 
 def three_rps():
@@ -47,7 +47,9 @@ def five_bar(motion="spatial"):
 
 def measured(mechanism, readings, noise, seed=0, count=40):
     rng, groups = np.random.default_rng(seed), group_numbers(count, 0)
-    return read(mechanism, random_postures(Workspace.about(mechanism), groups, noise, rng), groups, readings, noise, rng)
+    return simulate_readings(
+        mechanism, random_configurations(Workspace.about(mechanism), groups, noise, rng), groups, readings, noise, rng
+    )
 
 
 def quiet(mechanism):
@@ -102,6 +104,6 @@ def test_what_a_motion_binds_is_left_out_and_said(tmp_path):
         assert report.usable, report.verdict
         assert not {"left.crank1.axis.x", "left.elbow1.axis.y"} & set(report.fit.values)
         assert any("bound by the planar motion" in note and "left.crank1.axis.x" in note for note in report.notes)
-    assert "left.crank1.axis.x" in matching(mechanism, "left.crank1.axis.x")
+    assert "left.crank1.axis.x" in match_parameters(mechanism, "left.crank1.axis.x")
     with pytest.raises(InputError, match="leave it out of the parameters to identify, hold it, or declare the motion spatial"):
         fit_file(mechanism, data, parameters="left.crank1.axis.x,left.elbow1.point.x")

@@ -9,8 +9,8 @@ import pytest
 
 from helpers.tracker import NOISE, Hexapod
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.holdout import draw, held_out_count, predict
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
 from symkin.cli.app import main
 from symkin.errors import InputError
 
@@ -36,7 +36,7 @@ def test_predictions_scatter_as_they_say():
     for seed in range(8):
         data = measured(36, seed)
         fit = calibrate(MECHANISM, data.subset(np.arange(24)), outliers="ignore")
-        found = predict(fit, data.subset(np.arange(24, 36)), 0)
+        found = predict_held_out(fit, data.subset(np.arange(24, 36)), 0)
         assert not found.unsolved
         chi_square, degrees = chi_square + found.chi_square, degrees + found.degrees
         alone += (found.rms["position"] / NOISE) ** 2 * 36
@@ -51,11 +51,11 @@ def test_a_draw_takes_whole_groups_and_what_is_read():
     inclination = np.where(np.arange(40)[:, None] < 38, 0.1, np.nan) * np.ones(2)
     data = Measurements(np.zeros((40, 6)), groups=groups, inclination=inclination)
     for seed in range(20):
-        held = draw(data, 10, seed)
+        held = draw_held_out(data, 10, seed)
         assert 10 <= held.sum() <= 13
         assert not held[38:].any()
         assert all(len(set(held[groups == k])) == 1 for k in range(9))
-    assert not np.array_equal(draw(data, 10, 1), draw(data, 10, 2))
+    assert not np.array_equal(draw_held_out(data, 10, 1), draw_held_out(data, 10, 2))
 
 
 @pytest.mark.parametrize("asked", ["", "some", "0", "40", "100%", "2.5", "-3"])
@@ -96,7 +96,7 @@ def test_a_missed_prediction_is_not_believable(tmp_path):
     """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable, with the reason. Of one such row
     the line is named as an outlier, and the fit stands."""
     data = measured(60, 4)
-    held = np.flatnonzero(draw(data, 15, 0))
+    held = np.flatnonzero(draw_held_out(data, 15, 0))
     for spoilt, believable in ((held, False), (held[:1], True)):
         position = data.position.copy()
         position[spoilt] += 0.3 * np.random.default_rng(5).choice([-1.0, 1.0], (len(spoilt), 3))

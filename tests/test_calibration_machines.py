@@ -10,8 +10,8 @@ import pytest
 import symkin
 from helpers import hexapods
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.files import read_measurements
-from symkin.calibration.run import fit_file
+from symkin.calibration.data.files import read_measurements
+from symkin.calibration.fit_file import fit_file
 from symkin.cli.app import main
 
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from helpers import hexapod_log
-from symkin.calibration import removal
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.estimator import estimate
-from symkin.calibration.files import write_measurements
-from symkin.calibration.outcome import Fitted
+from symkin.calibration.data.files import write_measurements
+from symkin.calibration.estimate.solver import estimate
+from symkin.calibration.judge import outlier_removal
+from symkin.calibration.judge.assessment import Fit
 from symkin.cli.app import main
 
 
@@ -74,8 +74,8 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
         return replace(found, result=replace(found.result, status="stalled"))
 
     result = estimate(first.problem, first.state.z, p=first.state.p)
-    found = Fitted(first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.signs)
-    made = removal.cleaned(fit, bad, found, 0.02)
+    found = Fit(first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs)
+    made = outlier_removal.fit_without_outliers(fit, bad, found, 0.02)
     assert made.found is found
     assert made.refused is None
     assert not made.screening.outliers

@@ -10,14 +10,13 @@ import pytest
 
 import symkin
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.column_slips import wrong_columns
-from symkin.calibration.files import read_measurements, write_measurements
-from symkin.calibration.parameters import bound_by_motion
-from symkin.calibration.problem import default_parameters
-from symkin.calibration.run import fit_file, matching
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.suspicions import misfit
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements, write_measurements
+from symkin.calibration.data.parameters import bound_by_motion
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.problem import default_parameters
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import fit_file, match_parameters
+from symkin.calibration.judge.diagnoses import column_orders, nominal_misfit
 from symkin.cli.app import main
 from symkin.closure.closure import build_closure
 
@@ -88,8 +87,8 @@ def quiet(mechanism):
 
 def file_of(folder, mechanism, readings, postures=40, **region):
     rng, groups, noise = np.random.default_rng(3), group_numbers(postures, 0), quiet(mechanism)
-    made = random_postures(Workspace.about(mechanism, **region), groups, noise, rng)
-    write_measurements(folder / "data.csv", mechanism, read(mechanism, made, groups, readings, noise, rng))
+    made = random_configurations(Workspace.about(mechanism, **region), groups, noise, rng)
+    write_measurements(folder / "data.csv", mechanism, simulate_readings(mechanism, made, groups, readings, noise, rng))
     return folder / "data.csv"
 
 
@@ -98,12 +97,12 @@ def test_all_is_minimal_and_whole():
     file has. Those that move the platform out of the plane count by themselves."""
     mechanism = planar_3rpr()
     rng, names = np.random.default_rng(0), default_parameters(mechanism)
-    made = random_postures(Workspace.about(mechanism, tilt=0.0), group_numbers(20, 0), Noise(), rng)
+    made = random_configurations(Workspace.about(mechanism, tilt=0.0), group_numbers(20, 0), Noise(), rng)
     poses = np.column_stack([made.poses[:, :2], 2 * np.arctan2(made.poses[:, 6], made.poses[:, 3])])
     above = {"platform.position.z", "platform.quaternion.x", "platform.quaternion.y"}
     everything = [n for n in build_closure(mechanism).parameter_names if n not in bound_by_motion(mechanism) | above]
     whole, ours = (poses_by(mechanism, n, made.joints, poses) for n in (everything, [n for n in names if n not in above]))
-    assert set(names) == set(matching(mechanism, "all")) < set(everything) | above
+    assert set(names) == set(match_parameters(mechanism, "all")) < set(everything) | above
     assert np.all(np.linalg.norm(ours, axis=0) > 1e-3)
     assert rank(ours) == ours.shape[1] == rank(whole)
 
@@ -170,7 +169,7 @@ def test_order_and_signs_of_columns_are_found_together(tmp_path):
     mechanism = planar_3rpr()
     data = read_measurements(file_of(tmp_path, mechanism, ("pose",), tilt=0.0), mechanism).measurements
     joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])
-    ((text, put_right),) = wrong_columns(mechanism, replace(data, joints=joints), misfit)
+    ((text, put_right),) = column_orders(mechanism, replace(data, joints=joints), nominal_misfit)
     assert "the columns slide1, slide2, slide3 look exchanged: they seem to hold slide2, slide3, slide1" in text
     assert "the sign of slide2 looks reversed" in text
     assert np.array_equal(put_right.joints, data.joints)

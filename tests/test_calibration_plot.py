@@ -7,10 +7,10 @@ import pytest
 
 from helpers.tracker import NOISE, WORLD_POSITION, Hexapod
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.parameters import FRAMES
-from symkin.calibration.prediction import pose_sigma
-from symkin.calibration.problem import default_parameters
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.problem import default_parameters
+from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure
 
 
@@ -21,7 +21,7 @@ def case():
     nominal = Hexapod.nominal()
     posed, mechanism = nominal.spoilt(rng).postures(60, rng), nominal.mechanism()
     data = Measurements(posed.joints, position=posed.seen() + NOISE * rng.normal(size=(60, 3)), position_sigma=NOISE)
-    return posed, calibrate(mechanism, data, parameters=(*default_parameters(mechanism), *FRAMES[:9]))
+    return posed, calibrate(mechanism, data, parameters=(*default_parameters(mechanism), *MEASURING_FRAMES[:9]))
 
 
 def bars(axes):
@@ -33,7 +33,7 @@ def test_changes_stand_beside_changes_over_sigma(case):
     place, are not among them."""
     _, fit = case
     left, right = parameter_figure(fit).axes
-    own = [p for p in fit.parameters if p.name not in FRAMES]
+    own = [p for p in fit.parameters if p.name not in MEASURING_FRAMES]
     assert [label.get_text() for label in left.get_yticklabels()] == [p.name for p in own]
     assert bars(left) == pytest.approx([p.change for p in own])
     assert bars(right) == pytest.approx([p.change / p.sigma for p in own])
@@ -44,7 +44,7 @@ def test_changes_stand_beside_changes_over_sigma(case):
 def test_measured_poses_stand_on_the_map(case):
     """In the mechanism's own base frame, also where they were seen from elsewhere, in both views."""
     posed, fit = case
-    sigma = pose_sigma(fit)
+    sigma = predict_pose_sigma(fit)
     panels = [axes for axes in pose_sigma_figure(fit, sigma).axes if axes.lines]
     for axes, up in zip(panels, (1, 2), strict=True):
         drawn = np.column_stack(axes.lines[0].get_data())

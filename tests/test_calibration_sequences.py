@@ -9,11 +9,11 @@ import pytest
 
 import symkin
 from symkin import InputError
-from symkin.calibration.files import read_measurements, write_measurements
-from symkin.calibration.run import fit_file
-from symkin.calibration.sequence import Trial, find_sequence
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements, write_measurements
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import fit_file
+from symkin.calibration.judge.euler_sequence import SequenceTrial, find_sequence
 
 NOMINAL = symkin.load("zhang2009")
 NOISE = Noise(lengths=0.005, position=0.02, orientation=np.radians(0.002))
@@ -28,8 +28,8 @@ def pool():
         return tuple(np.array(point) + 0.02 * NOMINAL.size * rng.uniform(-1, 1, 3))
 
     true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
-    made = random_postures(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
-    return read(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
+    made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
+    return simulate_readings(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
 
 
 def hidden(path, measurements, sequence="XZX"):
@@ -81,11 +81,11 @@ def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
 @pytest.mark.parametrize(
     ("best", "second", "clear"),
     [
-        (Trial(30.0, 30, True), Trial(3e6, 30, True), True),
-        (Trial(0.01, 2, True), Trial(2.5, 2, True), False),
-        (Trial(30.0, 30, True), Trial(45.0, 30, True), False),
-        (Trial(1e-9, 40, False), Trial(1e-3, 40, False), True),
-        (Trial(1e-3, 1, False), Trial(1.0, 1, False), False),
+        (SequenceTrial(30.0, 30, True), SequenceTrial(3e6, 30, True), True),
+        (SequenceTrial(0.01, 2, True), SequenceTrial(2.5, 2, True), False),
+        (SequenceTrial(30.0, 30, True), SequenceTrial(45.0, 30, True), False),
+        (SequenceTrial(1e-9, 40, False), SequenceTrial(1e-3, 40, False), True),
+        (SequenceTrial(1e-3, 1, False), SequenceTrial(1.0, 1, False), False),
     ],
 )
 def test_a_choice_is_clear_where_noise_cannot_make_the_difference(best, second, clear):

@@ -10,13 +10,12 @@ import pytest
 import symkin
 from helpers import hexapods
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.closing import home_pose
-from symkin.calibration.files import read_measurements
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.problem import build_calibration
-from symkin.calibration.run import fit_file
-from symkin.calibration.starting import start_postures, started
-from symkin.calibration.workspace import platform_points
+from symkin.calibration.data.files import read_measurements
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.starting import start_configurations, with_starts
+from symkin.calibration.estimate.workspace import home_pose, platform_points
+from symkin.calibration.fit_file import fit_file
 from symkin.spatial.rotation import matrix_from_quaternion
 
 
@@ -99,8 +98,8 @@ def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
         ]
     )
     m = Measurements(hexapods.legs(base, platform, position, q), groups=groups, group_sigma=1e-5)
-    problem = build_calibration(mechanism, started(mechanism, m))
-    found = start_postures(problem, problem.model.nominal)
+    problem = build_calibration(mechanism, with_starts(mechanism, m))
+    found = start_configurations(problem, problem.model.nominal)
     at = problem.model.poses(found.z, problem.model.nominal)
     assert found.solved.all()
     assert np.max(np.abs(at[:, :3] - position)) < 20

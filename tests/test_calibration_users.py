@@ -12,16 +12,15 @@ import pytest
 import symkin
 from helpers.inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_geometry
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.corrected import with_parameters
-from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import estimate
-from symkin.calibration.gauge import joint_frames
-from symkin.calibration.linear import LinearModel, admissible, linear_model
-from symkin.calibration.problem import build_calibration
-from symkin.calibration.residuals import deviations, group_basis, linearise
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.state import evaluate_readings, slopes
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.parameters import joint_frames, with_parameters
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.residuals import deviations, group_basis, linearise
+from symkin.calibration.estimate.solver import estimate
+from symkin.calibration.estimate.state import evaluate_readings, reading_slopes_at
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.judge.statistics import LinearModel, determined_directions, linear_model
 from symkin.cli.app import main
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
@@ -57,7 +56,7 @@ def dense_model(problem, state, model):
     count = readings.values.size
     e = evaluate_readings(problem, state)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
-    columns = [(model.whiten @ slopes(e)).reshape(count, -1) @ admissible(problem, state)]
+    columns = [(model.whiten @ reading_slopes_at(e)).reshape(count, -1) @ determined_directions(problem, state)]
     basis = group_basis(readings, model.whiten)
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))
@@ -72,7 +71,7 @@ def test_the_block_diagonal_basis_is_that_of_all_columns_together():
     """Residuals, absorbed shares, degrees and what is left of any reading agree to 1e-12 with one dense orthonormal basis, before
     and after a deletion."""
     problem = build_calibration(NOMINAL, mixed_measurements(), fixed=HELD)
-    z = solve_postures(problem.model, problem.measurements, problem.model.nominal).z
+    z = solve_configurations(problem.model, problem.measurements, problem.model.nominal).z
     state = estimate(problem, z).state
     model = linear_model(problem, state)
     raw, dense = dense_model(problem, state, model)
@@ -225,7 +224,7 @@ def test_postures_start_at_home_where_the_reference_is_singular():
     rng = np.random.default_rng(2)
     truth = dict(zip(names, rng.uniform(-0.3, 0.3, 6), strict=True))
     groups, noise = group_numbers(40, 0), Noise(lengths=1e-3, inclination=1e-5)
-    made = random_postures(Workspace.about(with_parameters(nominal, truth)), groups, noise, rng)
-    fit = calibrate(nominal, read(nominal, made, groups, ["inclination"], noise, rng), parameters=names)
+    made = random_configurations(Workspace.about(with_parameters(nominal, truth)), groups, noise, rng)
+    fit = calibrate(nominal, simulate_readings(nominal, made, groups, ["inclination"], noise, rng), parameters=names)
     assert fit.believable
     assert all(abs(p.value - truth[p.name]) < 4 * p.sigma for p in fit.parameters)

@@ -12,10 +12,10 @@ import pytest
 
 import symkin
 from symkin import InputError
-from symkin.calibration.files import read_measurements, write_measurements
-from symkin.calibration.run import NotFittedError, fit_file
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements, write_measurements
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import NotFittedError, fit_file
 from symkin.cli.app import main
 from symkin.plots.calibration_plot import residual_figure
 
@@ -32,15 +32,15 @@ def poses():
         return tuple(np.array(point) + 2e-3 * NOMINAL.size * rng.uniform(-1, 1, 3))
 
     true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
-    made = random_postures(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
-    return read(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
+    made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
+    return simulate_readings(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
 
 
 @pytest.fixture(scope="module")
 def grouped():
     """Rods and groups of equal inclination: 40 postures in 5 groups."""
     rng, groups, noise = np.random.default_rng(6), group_numbers(40, 5), Noise(lengths=2e-6, group=np.radians(0.001))
-    return read(RODS, random_postures(Workspace.about(RODS_TRUE), groups, noise, rng), groups, (), noise, rng)
+    return simulate_readings(RODS, random_configurations(Workspace.about(RODS_TRUE), groups, noise, rng), groups, (), noise, rng)
 
 
 def fitted(path, mechanism, measurements, **options):

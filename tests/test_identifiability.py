@@ -18,14 +18,13 @@ from helpers.inclinometer import (
 )
 from helpers.samples import five_bar
 from symkin import InputError
-from symkin.calibration.direct import solve_postures
-from symkin.calibration.gauge import joint_frames
-from symkin.calibration.identifiability import identifiability
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.motions import named_motions
-from symkin.calibration.parameters import nominal_parameters
-from symkin.calibration.problem import build_calibration, default_parameters
-from symkin.calibration.state import evaluate
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import joint_frames, nominal_parameters
+from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.problem import build_calibration, default_parameters
+from symkin.calibration.estimate.state import evaluate
+from symkin.calibration.judge.identifiability import identifiability
+from symkin.calibration.judge.named_directions import named_motions
 from symkin.closure.closure import build_closure
 from symkin.position.problem import build_problem
 
@@ -149,13 +148,13 @@ def test_null_space_changes_nothing():
     data = grouped(np.random.default_rng(10))
     found, problem = identifiability(NOMINAL, data), build_calibration(NOMINAL, data)
     model = problem.model
-    z = solve_postures(model, data, model.nominal).z
+    z = solve_configurations(model, data, model.nominal).z
     before = evaluate(problem, model.nominal, z, "means").fit.vector
     direction = model.scales * (found.null_space @ np.random.default_rng(11).normal(size=10))
     changes = []
     for step in (1e-3, 1e-4):
         p = model.nominal + step * direction
-        changes.append(np.linalg.norm(evaluate(problem, p, solve_postures(model, data, p, z=z).z, "means").fit.vector - before))
+        changes.append(np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").fit.vector - before))
     assert changes[1] < 0.02 * changes[0]
 
 

@@ -7,9 +7,9 @@ import symkin
 from helpers.command_line import run
 from helpers.samples import Z, parallel_rrr
 from symkin import InputError, Joint, Limb, Measurements, Mechanism
-from symkin.calibration.planning import plan_measurements
-from symkin.calibration.simulate import Noise
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.design.planning import plan_measurements
+from symkin.calibration.design.simulation import Noise
+from symkin.calibration.estimate.workspace import Workspace
 from symkin.ignored_options import refuse_ignored
 from symkin.position.solve import SOLVERS
 

@@ -11,12 +11,12 @@ import symkin
 from helpers.samples import delta, three_rps
 from symkin import InputError
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.exchange import CRITERIA, Candidates, Exchange
-from symkin.calibration.measurements import NO_GROUP
-from symkin.calibration.planning import plan_measurements
-from symkin.calibration.sensitivity import pose_slopes, reading_slopes
-from symkin.calibration.simulate import Noise, group_numbers, random_postures, read
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.measurements import NO_GROUP
+from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, ExchangeSearch
+from symkin.calibration.design.planning import plan_measurements, reading_slopes
+from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.judge.pose_accuracy import pose_slopes
 from symkin.closure.closure import build_closure
 from symkin.numeric.system import System
 from symkin.spatial.pose import Pose
@@ -30,7 +30,7 @@ def exchange(criterion, seed=0):
     rows, group = rng.normal(size=(30, 2, 6)), rng.normal(size=(30, 2, 2))
     half = rng.normal(size=(6, 9))
     candidates = Candidates(rows, group, np.arange(30) % 3)
-    return Exchange(candidates, 3, criterion, half @ half.T, 1e-2)
+    return ExchangeSearch(candidates, 3, criterion, half @ half.T, 1e-2)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
@@ -110,7 +110,7 @@ def test_inclinations_that_a_platform_cannot_take_are_refused():
 
 def test_pose_slopes_are_differences_of_the_direct_problem():
     """dX/dp at held joints against a central difference of the direct problem of two neighbouring geometries."""
-    from symkin.calibration.corrected import with_parameters
+    from symkin.calibration.data.parameters import with_parameters
 
     rng = np.random.default_rng(1)
     workspace = Workspace.about(NOMINAL)
@@ -128,14 +128,14 @@ def test_pose_slopes_are_differences_of_the_direct_problem():
 
 def test_predicted_deviations_are_those_of_a_fit():
     """The information of a plan's rows is the inverse of the covariance that a maximum-likelihood fit reports, held frames."""
-    from symkin.calibration.gauge import joint_frames
-    from symkin.calibration.planning import eliminated
+    from symkin.calibration.data.parameters import joint_frames
+    from symkin.calibration.design.planning import less_inclinations
 
     rng = np.random.default_rng(3)
     groups = group_numbers(40, 10)
-    made = random_postures(Workspace.about(NOMINAL), groups, Noise(), rng)
-    quiet = read(NOMINAL, made, groups, (), Noise(), rng)
-    exact = symkin.calibration.measurements.Measurements(
+    made = random_configurations(Workspace.about(NOMINAL), groups, Noise(), rng)
+    quiet = simulate_readings(NOMINAL, made, groups, (), Noise(), rng)
+    exact = symkin.calibration.data.measurements.Measurements(
         quiet.joints, groups=groups, joint_sigma=NOISE.joints(NOMINAL), group_sigma=NOISE.group
     )
     fit = calibrate(
@@ -147,7 +147,7 @@ def test_predicted_deviations_are_those_of_a_fit():
     )
     names = fit.problem.names
     slopes = reading_slopes(NOMINAL, made, (), NOISE, names, grouped=True)
-    rows = eliminated(Candidates(slopes.parameters, slopes.group, groups), 10)
+    rows = less_inclinations(Candidates(slopes.parameters, slopes.group, groups), 10)
     covariance = np.linalg.inv(rows.T @ rows)
     sigmas = np.array([p.sigma for p in fit.parameters if not p.held])
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), sigmas, rtol=1e-3)

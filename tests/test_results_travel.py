@@ -19,12 +19,12 @@ import pytest
 import symkin
 from helpers.samples import five_bar, three_rrr
 from symkin import InputError, Mechanism, SolveError
-from symkin.calibration.files import read_measurements
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.planning import Plan, plan_measurements
-from symkin.calibration.run import NotFittedError, fit_file
-from symkin.calibration.simulate import Noise
-from symkin.calibration.workspace import Workspace
+from symkin.calibration.data.files import read_measurements
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.design.planning import Plan, plan_measurements
+from symkin.calibration.design.simulation import Noise
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.fit_file import NotFittedError, fit_file
 from symkin.closure.closure import build_closure
 from symkin.following.mode_graph import mode_graph
 from symkin.position.problem import build_problem

@@ -21,20 +21,14 @@ from helpers.inclinometer import (
     tilted,
 )
 from symkin.calibration.calibrate import calibrate
-from symkin.calibration.direct import solve_postures
-from symkin.calibration.estimator import estimate
-from symkin.calibration.gauge import joint_frames
-from symkin.calibration.linear import linear_model
-from symkin.calibration.measurements import Measurements
-from symkin.calibration.nonlinearity import CURVED, curvature
-from symkin.calibration.outliers import screen
-from symkin.calibration.pose_noise import pose_sigma
-from symkin.calibration.problem import build_calibration
-from symkin.calibration.statistics import (
-    chi_square_tail,
-    covariance,
-    f_tail,
-)
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import joint_frames
+from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.solver import estimate
+from symkin.calibration.judge.outliers import screen_readings
+from symkin.calibration.judge.pose_accuracy import pose_sigma
+from symkin.calibration.judge.statistics import DOUBTFUL_CURVATURE, chi_square_tail, covariance, curvature, f_tail, linear_model
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -42,7 +36,7 @@ HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
 
 def fitted(data, form="means"):
     problem = build_calibration(NOMINAL, data, fixed=HELD, residual=form)
-    z = solve_postures(problem.model, data, problem.model.nominal).z
+    z = solve_configurations(problem.model, data, problem.model.nominal).z
     return problem, estimate(problem, z).state
 
 
@@ -127,8 +121,8 @@ def test_pose_deviation_is_that_of_poses():
     problem, count = fit.problem, len(fit.problem.names)
     draws = rng.multivariate_normal(fit.state.p, fit.covariance[:count, :count], size=400)
     data = Measurements(joints)
-    z = solve_postures(problem.model, data, fit.state.p).z
-    positions = [problem.model.poses(solve_postures(problem.model, data, p, z=z).z, p)[:, :3] for p in draws]
+    z = solve_configurations(problem.model, data, fit.state.p).z
+    positions = [problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, p)[:, :3] for p in draws]
     np.testing.assert_allclose(np.std(positions, axis=0), sigma[:, :3], rtol=0.15)
 
 
@@ -162,7 +156,7 @@ def with_outlier(seed):
     rng, truth = np.random.default_rng(seed), geometry(TRUE)
     data = measured(truth, rng, noisy=True)
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_postures(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture, data
@@ -174,9 +168,9 @@ def test_outliers_are_found_and_clean_sets_left_alone():
     for seed in range(20):
         spoilt, posture, clean = with_outlier(500 + seed)
         problem, state = fitted(spoilt)
-        hits += posture in [o.posture for o in screen(problem, linear_model(problem, state)).outliers]
+        hits += posture in [o.posture for o in screen_readings(problem, linear_model(problem, state)).outliers]
         problem, state = fitted(clean)
-        flagged += bool(screen(problem, linear_model(problem, state)).outliers)
+        flagged += bool(screen_readings(problem, linear_model(problem, state)).outliers)
     assert hits >= 19
     assert flagged <= 1
 
@@ -238,6 +232,6 @@ def test_curvature_grows_with_the_noise():
     truth, rng = geometry(TRUE), np.random.default_rng(6)
     problem, state = fitted(measured(truth, rng, noisy=True))
     own, twice = curvature(problem, state), curvature(problem, state, spread=4.0)
-    assert 0.0 < own.max() < CURVED
+    assert 0.0 < own.max() < DOUBTFUL_CURVATURE
     np.testing.assert_allclose(twice / own, 2.0, rtol=0.1)
     assert np.isinf(curvature(problem, state, spread=1e8)).any()

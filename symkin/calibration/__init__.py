@@ -1,1 +1,1 @@
-"""Calibration: geometry from joint readings and what is known of each posture."""
+"""Calibration: identify a mechanism's geometry from joint readings and measurements of its platform."""

@@ -1,4 +1,4 @@
-"""Calibration as one call."""
+"""Calibrate a mechanism in one call: build the problem, fit it, remove outliers, and build the result."""
 
 from __future__ import annotations
 
@@ -8,23 +8,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.calibration.descent import is_rounding
-from symkin.calibration.direct import ROUGH, Postures, newton_postures, signs, solve_postures, start_points
-from symkin.calibration.estimator import Estimate, descended, estimate
-from symkin.calibration.frames import frames_at
-from symkin.calibration.from_poses import parameters_from_poses
-from symkin.calibration.gauge import least_change
-from symkin.calibration.lifted import estimate_by_ipopt
-from symkin.calibration.measurements import NO_GROUP, Measurements
-from symkin.calibration.outcome import Fitted, report
-from symkin.calibration.outliers import LEVEL, Screening
-from symkin.calibration.parameters import FRAMES
-from symkin.calibration.problem import CalibrationProblem, NothingReadError, build_calibration
-from symkin.calibration.removal import Cleaned, Near, cleaned
-from symkin.calibration.result import Calibration, Parameter, Residual
-from symkin.calibration.robust import LOSSES, loss_note, robust_estimate
-from symkin.calibration.starting import start_postures, started
-from symkin.calibration.state import evaluate
+from symkin.calibration.data.measurements import NO_GROUP, Measurements
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.configurations import (
+    ROUGH_CLOSURE_TOLERANCE,
+    SolvedConfigurations,
+    determinant_signs,
+    newton_configurations,
+    solve_configurations,
+    start_points,
+)
+from symkin.calibration.estimate.descent import is_rounding
+from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
+from symkin.calibration.estimate.lifted import estimate_by_ipopt
+from symkin.calibration.estimate.problem import CalibrationProblem, NothingReadError, build_calibration
+from symkin.calibration.estimate.robust import LOSSES, loss_note, robust_estimate
+from symkin.calibration.estimate.solver import Estimate, descend_from, estimate, move_by_least_change
+from symkin.calibration.estimate.starting import start_configurations, with_starts
+from symkin.calibration.estimate.state import evaluate
+from symkin.calibration.judge.assessment import Fit, build_result
+from symkin.calibration.judge.outlier_removal import ScreenedFit, StartValues, fit_without_outliers
+from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
+from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -33,9 +38,9 @@ from symkin.quiet import without_float_warnings
 __all__ = ["METHODS", "OUTLIER_RULES", "Calibration", "Parameter", "Residual", "calibrate"]
 
 METHODS = ("nested", "lifted", "ipopt")
-_OTHER = {"nested": "lifted", "lifted": "nested"}
+_OTHER_METHOD = {"nested": "lifted", "lifted": "nested"}
 """The form that is tried where one does not converge: they cross curved valleys in different ways."""
-_LONGER, _NEAR, _SMALL = 5, 3.0, 1e-3
+_EXTENSION_FACTOR, _NEARLY_CONVERGED_RATIO, _NEARLY_CONVERGED_SHARE = 5, 3.0, 1e-3
 """An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many standard
 deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
@@ -71,79 +76,81 @@ def calibrate(
     """
     if outliers == "ignore":
         refuse_ignored({"level": level}, "outliers = 'ignore' tests no reading")
-    level = LEVEL if level is None else level
+    level = OUTLIER_LEVEL if level is None else level
     _check_choices(method, loss, outliers, level)
     begin = time.perf_counter()
     measurements.check(mechanism)
-    _check_form(residual, measurements)
+    _check_residual_form(residual, measurements)
     free = set(parameters or ()) - set(fixed)
-    measurements = started(mechanism, measurements, posed=not free & set(FRAMES))
+    measurements = with_starts(mechanism, measurements, posed=not free & set(MEASURING_FRAMES))
     options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual, "tolerance": tolerance}
 
-    def fit(readings: Measurements, near: Near | None = None) -> Fitted:
-        return _fit(mechanism, readings, options, method, max_iterations, seed, loss=loss, near=near)
+    def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
+        return _fit_measurements(mechanism, readings, options, method, max_iterations, seed, loss=loss, near=near)
 
     found = fit(measurements)
-    screened = Cleaned(found, Screening((), ()))
+    screened = ScreenedFit(found, Screening((), ()))
     if outliers != "ignore":
-        screened = cleaned(fit, measurements, found, level)
+        screened = fit_without_outliers(fit, measurements, found, level)
         found = screened.found if outliers == "remove" else found
-    made = report(mechanism, measurements, found, screened.screening, method, time.perf_counter() - begin, outliers == "remove")
+    made = build_result(
+        mechanism, measurements, found, screened.screening, method, time.perf_counter() - begin, outliers == "remove"
+    )
     return replace(made, refused=made.refused or screened.refused)
 
 
 # --- fitting -------------------------------------------------------------------------------------------------------
 
 
-def _fit(
+def _fit_measurements(
     mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int, *, loss: str,
-    near: Near | None = None,
-) -> Fitted:  # fmt: skip
+    near: StartValues | None = None,
+) -> Fit:  # fmt: skip
     """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate. Postures without
     a reading beside the joints take no part."""
     heard = measurements.read
     if heard.any() and not heard.all():
         some = None if near is None else near.subset(heard)
-        found = _fit(mechanism, measurements.subset(heard), options, method, limit, seed, loss=loss, near=some)
+        found = _fit_measurements(mechanism, measurements.subset(heard), options, method, limit, seed, loss=loss, near=some)
         numbers = np.flatnonzero(heard)
         return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~heard))
     problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
     start = _start_parameters(problem) if near is None else near.p
     p = problem.model.nominal if start is None else start
-    postures = start_postures(problem, p, seed=seed) if near is None else _solved_near(problem, p, near, seed)
+    postures = start_configurations(problem, p, seed=seed) if near is None else _solve_from(problem, p, near, seed)
     if not postures.solved.any():
         raise InputError(
             f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
             "and the order of joints, or give starts"
         )
-    p = frames_at(problem, postures.z, p, postures.solved)
+    p = fit_measuring_frames(problem, postures.z, p, postures.solved)
     _check_determined(problem, postures, p)
-    part, notes = _partial(problem, postures, options), []
-    result = _estimate(part, postures.z[postures.solved], method, limit, p)
+    part, notes = _solved_part(problem, postures, options), []
+    result = _estimate_by(part, postures.z[postures.solved], method, limit, p)
     if not postures.solved.all():
         p = result.state.p
-        solve = start_postures if result.status == "ok" else _solve_roughly
+        solve = start_configurations if result.status == "ok" else _solve_roughly
         again = solve(problem, p, seed=seed + 1)
         if again.solved.sum() > postures.solved.sum():
-            postures, part = again, _partial(problem, again, options)
-            result = _estimate(part, again.z[again.solved], method, limit, p)
-    if result.status != "ok" and method in _OTHER:
-        other = _estimate(part, postures.z[postures.solved], _OTHER[method], limit, p)
+            postures, part = again, _solved_part(problem, again, options)
+            result = _estimate_by(part, again.z[again.solved], method, limit, p)
+    if result.status != "ok" and method in _OTHER_METHOD:
+        other = _estimate_by(part, postures.z[postures.solved], _OTHER_METHOD[method], limit, p)
         if other.status == "ok":
-            notes.append(f"the {method} form did not converge ({result.status}); the {_OTHER[method]} form was used")
+            notes.append(f"the {method} form did not converge ({result.status}); the {_OTHER_METHOD[method]} form was used")
             result = other
-    if result.status == "max_iterations" and _is_near(part, result):
-        longer = _estimate(part, result.state.z, method, _LONGER * limit, result.state.p)
+    if result.status == "max_iterations" and _is_nearly_converged(part, result):
+        longer = _estimate_by(part, result.state.z, method, _EXTENSION_FACTOR * limit, result.state.p)
         result = replace(longer, iterations=result.iterations + longer.iterations)
     if result.status == "ok":
-        result = _lower(result, descended(part, postures.z[postures.solved], p, result))
+        result = _lower_cost(result, descend_from(part, postures.z[postures.solved], p, result))
     if result.null_space.shape[1]:
-        result = least_change(part, result, "nested")
+        result = move_by_least_change(part, result, "nested")
     if loss != "squared" and result.status == "ok":
         result = robust_estimate(part, result.state.p, result.state.z, loss).result
         notes.append(loss_note(loss))
-    begin = signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
-    return Fitted(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes), loss=loss)
+    begin = determinant_signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
+    return Fit(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes), loss=loss)
 
 
 def _start_parameters(problem: CalibrationProblem) -> np.ndarray | None:
@@ -154,41 +161,41 @@ def _start_parameters(problem: CalibrationProblem) -> np.ndarray | None:
     if start is None:
         return None
     with np.errstate(all="ignore"):
-        z, solved = newton_postures(model, start_points(model, m), m.joints, model.nominal)
+        z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
         stays = bool(solved.all()) and is_rounding(problem, evaluate(problem, model.nominal, z, "means"))
     return None if stays else start
 
 
-def _solved_near(problem: CalibrationProblem, p: np.ndarray, near: Near, seed: int) -> Postures:
+def _solve_from(problem: CalibrationProblem, p: np.ndarray, near: StartValues, seed: int) -> SolvedConfigurations:
     """The direct problems from where an earlier fit has left them; postures that it had not begin where they would without it."""
     begun = start_points(problem.model, problem.measurements)
     begun = np.where(np.isnan(near.z), begun, near.z)
-    return solve_postures(problem.model, problem.measurements, p, z=begun, seed=seed, tolerance=ROUGH)
+    return solve_configurations(problem.model, problem.measurements, p, z=begun, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
 
 
-def _solve_roughly(problem: CalibrationProblem, p: np.ndarray, *, seed: int) -> Postures:
+def _solve_roughly(problem: CalibrationProblem, p: np.ndarray, *, seed: int) -> SolvedConfigurations:
     """The direct problems near their starts, whatever mode they end in."""
-    return solve_postures(problem.model, problem.measurements, p, seed=seed, tolerance=ROUGH)
+    return solve_configurations(problem.model, problem.measurements, p, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
 
 
-def _is_near(problem: CalibrationProblem, result: Estimate) -> bool:
+def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
     """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
     scatter = float(np.sqrt(result.state.cost / problem.readings.count))
-    return scatter < (_NEAR if problem.readings.known else _SMALL * problem.model.closure.size)
+    return scatter < (_NEARLY_CONVERGED_RATIO if problem.readings.known else _NEARLY_CONVERGED_SHARE * problem.model.closure.size)
 
 
-def _lower(one: Estimate, other: Estimate | None) -> Estimate:
+def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
     """The estimate with the lower cost."""
     return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
 
 
-def _estimate(problem: CalibrationProblem, z: np.ndarray, method: str, limit: int, p: np.ndarray | None = None) -> Estimate:
+def _estimate_by(problem: CalibrationProblem, z: np.ndarray, method: str, limit: int, p: np.ndarray | None = None) -> Estimate:
     if method == "ipopt":
         return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
     return estimate(problem, z, method=method, max_iterations=limit, p=p)
 
 
-def _partial(problem: CalibrationProblem, postures: Postures, options: dict[str, object]) -> CalibrationProblem:
+def _solved_part(problem: CalibrationProblem, postures: SolvedConfigurations, options: dict[str, object]) -> CalibrationProblem:
     if postures.solved.all():
         return problem
     some = problem.measurements.subset(postures.solved)
@@ -202,7 +209,7 @@ def _partial(problem: CalibrationProblem, postures: Postures, options: dict[str,
         ) from None
 
 
-def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.ndarray) -> None:
+def _check_determined(problem: CalibrationProblem, postures: SolvedConfigurations, p: np.ndarray) -> None:
     """Joint readings must fix the pose: each posture's closure has full column rank in its unknown coordinates."""
     rows_z = problem.model.rows(postures.z, problem.measurements.joints, p)[1][postures.solved]
     if rows_z.shape[2] == 0:
@@ -216,7 +223,7 @@ def _check_determined(problem: CalibrationProblem, postures: Postures, p: np.nda
         )
 
 
-def _check_form(residual: str, measurements: Measurements) -> None:
+def _check_residual_form(residual: str, measurements: Measurements) -> None:
     """Refuse a form of residuals that these readings make no use of, so that it would be that of means."""
     groups = np.array([NO_GROUP]) if measurements.groups is None else measurements.groups
     asked = {f"residual = {residual!r}": residual}

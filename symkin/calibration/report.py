@@ -1,4 +1,4 @@
-"""What a calibration says to its user: a verdict with reasons, as a short text, JSON and Markdown."""
+"""Report a calibration to its user: a verdict with reasons, as a short text, JSON and Markdown."""
 
 from __future__ import annotations
 
@@ -11,23 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.believable import is_exact
-from symkin.calibration.calibrate import Calibration, Parameter
-from symkin.calibration.departure import Departure
-from symkin.calibration.holdout import HeldOut
-from symkin.calibration.parameters import FRAMES
-from symkin.calibration.plausible import is_another, other_machine
-from symkin.calibration.prediction import PoseSigma
-from symkin.calibration.residuals import ANGULAR
-from symkin.calibration.sequence import SequenceChoice
-from symkin.calibration.statistics import UNLIKELY
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.judge.assessment import is_exact
+from symkin.calibration.judge.euler_sequence import SequenceChoice
+from symkin.calibration.judge.holdout import HeldOut
+from symkin.calibration.judge.plausibility import Departure, describe_other_machine, is_other_machine
+from symkin.calibration.judge.pose_accuracy import PoseSigma
+from symkin.calibration.judge.result import Calibration, Parameter
+from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.text import markdown, markdown_block, markdown_code
 
-_LARGEST = 6
+_MAX_SHOWN = 6
 """Changes and outliers that the short text shows."""
-_BEYOND = 0.2
+_MAX_OUTSIDE_SHARE = 0.2
 """Share of the workspace's poses beyond the measured joint values that is worth a note."""
-_FRAME = "frame"
+_FRAME_WORD = "frame"
 """Unobservable combinations with this word are frames: they move no pose against another."""
 
 
@@ -72,7 +71,7 @@ class FitReport:
             sure = (
                 "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
             )
-            other = f"; {other_machine(self.fit, self.gone)}" if is_another(self.fit, self.gone) else ""
+            other = f"; {describe_other_machine(self.fit, self.gone)}" if is_other_machine(self.fit, self.gone) else ""
             if self.held_out is not None and self.held_out.p_value is not None:
                 shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
                 link = "and" if self.fit.p_value is not None else "but"
@@ -97,12 +96,12 @@ class FitReport:
             return "no degree of freedom is left to check it; add postures"
         if fit.p_value is not None and is_exact(fit):
             return "the residuals are rounding only, far below the stated noise: a plan, or a simulation without noise?"
-        if fit.p_value is not None and fit.p_value >= 1.0 - UNLIKELY:
+        if fit.p_value is not None and fit.p_value >= 1.0 - SIGNIFICANCE:
             return (
                 f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}; the stated noise is too large, and the "
                 "standard deviations with it"
             )
-        if fit.p_value is not None and fit.p_value <= UNLIKELY:
+        if fit.p_value is not None and fit.p_value <= SIGNIFICANCE:
             return f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise larger than stated, outliers, or a model that lacks something"
         if fit.given_up:
             return "too many readings do not belong; see the notes"
@@ -134,7 +133,7 @@ class FitReport:
     def _beyond(self) -> tuple[str, ...]:
         """What is known of poses outside the measured postures, where they are many."""
         sigma, m = self.sigma.about_home, self.fit.mechanism
-        if sigma is None or not self.usable or np.mean(sigma.outside) <= _BEYOND:
+        if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
             return ()
         there, inside = (float(np.max(sigma.position[part], initial=0.0)) for part in (sigma.outside, ~sigma.outside))
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {m.length_unit} elsewhere"
@@ -146,21 +145,21 @@ class FitReport:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME in text)
+        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD in text)
 
     @property
     def unobservable(self) -> tuple[str, ...]:
-        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME not in text)
+        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD not in text)
 
     def changes(self) -> list[Parameter]:
         """The mechanism's parameters by the size of their change, angles times the size."""
         size = self.fit.mechanism.size
-        own = [p for p in self.fit.parameters if p.name not in FRAMES]
+        own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
         return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
 
     def measuring_frames(self) -> list[Parameter]:
         """Frames between the mechanism and what was measured that were identified."""
-        return [p for p in self.fit.parameters if p.name in FRAMES and not p.held]
+        return [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
 
     # --- text ------------------------------------------------------------------------------------------------------
 
@@ -177,9 +176,9 @@ class FitReport:
         if self.frames:
             lines.append(f"  frames held by the least change: {_short(self.frames, 10)}")
         missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
-        lines += [f"  {missing}: {text}" for text in self.unobservable[:_LARGEST]]
-        if len(self.unobservable) > _LARGEST:
-            lines.append(f"  and {len(self.unobservable) - _LARGEST} more combinations (report.md)")
+        lines += [f"  {missing}: {text}" for text in self.unobservable[:_MAX_SHOWN]]
+        if len(self.unobservable) > _MAX_SHOWN:
+            lines.append(f"  and {len(self.unobservable) - _MAX_SHOWN} more combinations (report.md)")
         if self.unobservable:
             lines.append(f"  {len(found.base_set)} parameters are a base set, for --parameters (report.md)")
         lines += [f"  to do: {text}" for text in found.advice]
@@ -188,15 +187,15 @@ class FitReport:
         lines.append(
             f"  the geometry's poses differ from the file's by {100 * self.gone.share:.2g} % of their spread (frames aligned)"
         )
-        changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_LARGEST]]
+        changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]]
         if changed:
             lines.append(f"  largest changes: {', '.join(changed)}")
         if placed := [f"{q.name} {_out(self, q, q.value):.7g} {_unit(self, q)}" for q in self.measuring_frames()]:
             lines.append(f"  measuring frames: {', '.join(placed)}")
-        for o in fit.outliers[:_LARGEST]:
+        for o in fit.outliers[:_MAX_SHOWN]:
             lines.append(f"  outlier: {o.reason}")
-        if len(fit.outliers) > _LARGEST:
-            lines.append(f"  and {len(fit.outliers) - _LARGEST} more outliers (report.md)")
+        if len(fit.outliers) > _MAX_SHOWN:
+            lines.append(f"  and {len(fit.outliers) - _MAX_SHOWN} more outliers (report.md)")
         said = {o.reason for o in fit.outliers} | set(found.advice)
         for note in self.all_notes:
             if not any(text in note for text in said) and not note.startswith("not observable"):
@@ -211,7 +210,7 @@ class FitReport:
         if self.fit.degrees <= 0 and self.fit.p_value is None:
             return "standard deviation of poses: unknown, no degree of freedom is left"
         stated = ""
-        if self.fit.p_value is not None and not UNLIKELY < self.fit.p_value < 1.0 - UNLIKELY:
+        if self.fit.p_value is not None and not SIGNIFICANCE < self.fit.p_value < 1.0 - SIGNIFICANCE:
             times = math.sqrt(self.fit.chi_square / self.fit.degrees)
             stated = f"; with the noise as stated, while the residuals are {times:.3g} times as large"
         return (
@@ -248,9 +247,9 @@ class FitReport:
             f"chi-square {held.chi_square:.4g} with {held.degrees} degrees of freedom{p}"
         ]
         if held.outliers:
-            lines.append(f"held-out postures that are outliers, left out of that chi-square: {_short(held.outliers, _LARGEST)}")
+            lines.append(f"held-out postures that are outliers, left out of that chi-square: {_short(held.outliers, _MAX_SHOWN)}")
         if held.unsolved:
-            lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _LARGEST)}")
+            lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _MAX_SHOWN)}")
         return lines
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:

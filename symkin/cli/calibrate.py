@@ -59,8 +59,8 @@ from symkin.files.written_files import check_own_file, write_own_file
 from symkin.ignored_options import refuse_ignored
 
 if TYPE_CHECKING:
-    from symkin.calibration.simulate import Noise
-    from symkin.calibration.workspace import Workspace
+    from symkin.calibration.design.simulation import Noise
+    from symkin.calibration.estimate.workspace import Workspace
     from symkin.model.mechanism import Mechanism
 
 calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.", no_args_is_help=True, rich_markup_mode=None)
@@ -110,8 +110,8 @@ def fit(
     force: ForceOption = False,
 ) -> None:
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
-    from symkin.calibration.files import read_measurements
-    from symkin.calibration.run import NotFittedError, fit_file
+    from symkin.calibration.data.files import read_measurements
+    from symkin.calibration.fit_file import NotFittedError, fit_file
     from symkin.model.file import load
 
     mechanism = load(mech)
@@ -175,9 +175,14 @@ def simulate(
     """Write measurements as a measuring system would take them, of random postures or those of a plan."""
     import numpy as np
 
-    from symkin.calibration.columns import DISTANCE
-    from symkin.calibration.files import measurements_text, read_measurements
-    from symkin.calibration.simulate import group_numbers, planned_postures, random_postures, read
+    from symkin.calibration.data.columns import DISTANCE
+    from symkin.calibration.data.files import measurements_text, read_measurements
+    from symkin.calibration.design.simulation import (
+        group_numbers,
+        planned_configurations,
+        random_configurations,
+        simulate_readings,
+    )
     from symkin.model.file import load
 
     check_output(output, mech, truth, plan)
@@ -205,13 +210,13 @@ def simulate(
     if plan is not None:
         planned = read_measurements(plan, mechanism)
         _check_read(planned.measurements.groups is not None, beside, noise_group)
-        numbers, made = planned_postures(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
+        numbers, made = planned_configurations(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
     else:
         _check_read(bool(groups), beside, noise_group)
         numbers = group_numbers(_POSTURES if postures is None else postures, groups or 0)
-        made = random_postures(workspace, numbers, noise, rng)
+        made = random_configurations(workspace, numbers, noise, rng)
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
-    measured = read(mechanism, made, numbers, kinds, noise, rng, ends)
+    measured = simulate_readings(mechanism, made, numbers, kinds, noise, rng, ends)
     comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
     write_own_file(output, measurements_text(mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments))
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
@@ -247,9 +252,8 @@ def plan(
     force: ForceOption = False,
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
-    from symkin.calibration.files import accuracy_text, plan_text
-    from symkin.calibration.planning import plan_measurements
-    from symkin.calibration.run import matching
+    from symkin.calibration.design.planning import accuracy_text, plan_measurements, plan_text
+    from symkin.calibration.fit_file import match_parameters
     from symkin.model.file import load
 
     check_output(output, mech)
@@ -262,7 +266,7 @@ def plan(
         _workspace(mechanism, box, tilt, spin, _MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
         readings=_split(readings),
-        parameters=None if parameters is None else matching(mechanism, parameters), aligned=not raw,
+        parameters=None if parameters is None else match_parameters(mechanism, parameters), aligned=not raw,
     )  # fmt: skip
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):
@@ -285,7 +289,7 @@ def _noise(
     m: Mechanism, joints: str | None, group: str | None, inclination: str | None, position: str | None, orientation: str | None,
     shape: Shape,
 ) -> Noise:  # fmt: skip
-    from symkin.calibration.simulate import Noise
+    from symkin.calibration.design.simulation import Noise
 
     lengths, angles = 1e-6 * m.size, quantity(_ANGLE, "angle", m, "noise-joints")
     if joints is not None:
@@ -317,11 +321,11 @@ def _split(readings: str) -> list[str]:
     return [part.strip() for part in readings.split(",") if part.strip()]
 
 
-def _check_read(grouped: bool, read: list[str], noise_group: str | None) -> None:
+def _check_read(grouped: bool, simulate_readings: list[str], noise_group: str | None) -> None:
     """Refuse what no fit could use: joints alone, and noise of groups that are not asked for."""
     if noise_group is not None and not grouped:
         raise InputError("--noise-group is given and there are no groups; give --groups, or leave --noise-group out")
-    if not grouped and not read:
+    if not grouped and not simulate_readings:
         raise InputError(
             "nothing is read beside the joints, and a fit would refuse the file; name --groups, or --readings (inclination, "
             "position, orientation, pose), or distances"
@@ -329,7 +333,7 @@ def _check_read(grouped: bool, read: list[str], noise_group: str | None) -> None
 
 
 def _workspace(mechanism: Mechanism, box: str | None, tilt: str | None, spin: str | None, margin: float = 0.0) -> Workspace:
-    from symkin.calibration.workspace import Workspace
+    from symkin.calibration.estimate.workspace import Workspace
 
     half = None if box is None else [quantity(part, "length", mechanism, "box") for part in box.split(",")]
     return Workspace.about(

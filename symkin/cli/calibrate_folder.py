@@ -14,8 +14,8 @@ from symkin.files.written_files import MANIFEST, digest, foreign_files, read_man
 from symkin.text import markdown
 
 if TYPE_CHECKING:
+    from symkin.calibration.fit_file import NotFittedError
     from symkin.calibration.report import FitReport
-    from symkin.calibration.run import NotFittedError
     from symkin.model.mechanism import Mechanism
 
 
@@ -51,7 +51,7 @@ def _check_own(folder: Path, mechanism: Mechanism) -> None:
 
 def write_fit(report: FitReport, folder: Path) -> list[Path]:
     """Every file whole or not at all; the mechanism and what it says of poses only if it can be used."""
-    from symkin.calibration.run import calibrated_mechanism
+    from symkin.calibration.fit_file import calibrated_mechanism
     from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure, residual_figure
 
     pictures = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.calibration.parameters import FRAMES
+from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from symkin.calibration.calibrate import Calibration, Parameter
-    from symkin.calibration.prediction import PoseSigma
+    from symkin.calibration.judge.pose_accuracy import PoseSigma
+    from symkin.calibration.judge.result import Calibration, Parameter
     from symkin.model.mechanism import Mechanism
 
 _DPI = 130
@@ -100,7 +100,7 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
 @drawing()
 def parameter_figure(fit: Calibration) -> Figure:
     """Changes from nominal with two standard deviations, and the changes over their standard deviations: two panels a unit."""
-    own = [p for p in fit.parameters if not p.held and p.name not in FRAMES] or [p for p in fit.parameters if not p.held]
+    own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [p for p in fit.parameters if not p.held]
     kinds = [k for k in ("length", "angle", "number") if any(p.kind == k for p in own)]
     shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
     rows = max(len(kept) for kept in shown.values())

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import symkin
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.mechanism import serial_arm_from_dh
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import symkin
-from symkin.calibration.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.plots.calibration_plot import png, residual_figure

@@ -1,0 +1,1 @@
+"""What was measured: readings and their files, and the parameters of a mechanism that they may tell."""

@@ -1,0 +1,298 @@
+"""Read the columns of a measurement file one by one; every mistake names file, line and column (formats: see `files`)."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from itertools import product
+from typing import Literal
+
+import numpy as np
+
+from symkin.calibration.data.measurements import NO_GROUP
+from symkin.errors import InputError
+from symkin.files.csv_dialect import listed
+from symkin.files.csv_table import UNITS, Table
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+
+SEQUENCES = tuple(
+    "".join(s).upper() if moving else "".join(s)
+    for moving in (True, False)
+    for s in product("xyz", repeat=3)
+    if s[0] != s[1] != s[2]
+)
+"""The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
+INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+WEDGE = ("wedge_alpha", "wedge_beta")
+"""Columns of a plan that a measurement file may keep; they say how the posture was meant, not what was read."""
+DISTANCE = "distance_"
+"""Beginning of the columns of distances."""
+_EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
+_EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
+_MAX_LISTED_GROUPS = 5
+"""Most groups of one posture that a message lists."""
+_MAX_LISTED_JOINTS = 12
+"""Most joint names that a message lists."""
+Measure = Literal["length", "angle"]
+
+
+def unit_of(mechanism: Mechanism, measure: Measure) -> str:
+    """The file's unit of lengths or angles."""
+    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
+
+
+def reading_name(mechanism: Mechanism, name: str) -> str:
+    """The column of a reading: its name, or platform.NAME where a joint has it."""
+    return f"platform.{name}" if any(c.name == name for c in mechanism.actuated) else name
+
+
+def measure_of(c: Coordinate) -> Measure:
+    return "angle" if c.is_angular else "length"
+
+
+def _sequenced(table: Table) -> dict[str, str]:
+    """Columns of Euler angles whose header names the sequence, and their names as they are written here. Letters of the sequence say
+    by their size which axes are meant; where the whole header is in capitals they do not."""
+    found = {}
+    for name in table.columns:
+        match = _EULER_HEADER.fullmatch(name)
+        if match is None:
+            continue
+        place, word, sequence, number = match.groups()
+        if word.isupper() and sequence.isupper():
+            raise InputError(
+                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
+                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
+            )
+        if sequence not in SEQUENCES:
+            raise InputError(
+                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
+                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
+            )
+        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
+    return found
+
+
+class ColumnReader:
+    """One table read for one mechanism."""
+
+    def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
+        self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
+        self.known = {c.name for c in mechanism.actuated}
+        self.copies = table.copies()
+        self.table = self._matched(table)
+        self.notes: list[str] = list(self.table.notes)
+
+    def _matched(self, table: Table) -> Table:
+        """The columns that mean something for this mechanism, under their names."""
+        joints, sequenced = [c.name for c in self.mechanism.actuated], _sequenced(table)
+        readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
+        placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
+        sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
+        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances)))
+        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced)
+        read = [name for name in made.columns if name in (*placed, *self.distances, *sequenced.values())]
+        self._check_left_out(made, anything_read=bool(read))
+        return made
+
+    def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
+        """Refuse what would be missed: distances without their points, joints, and all readings."""
+        for name in made.left_out:
+            if name.startswith(DISTANCE):
+                raise InputError(
+                    f"{made.path}: column {name!r}: the points of this distance are not known; give them with "
+                    f"--distance {name.partition('[')[0].removeprefix(DISTANCE)}=X,Y,Z:BX,BY,BZ"
+                )
+        lacking = [c.name for c in self.mechanism.actuated if c.name not in made.columns]
+        if lacking or (made.left_out and not anything_read):
+            what = f"the actuated joint {lacking[0]!r}" if lacking else "any reading beside the joints"
+            names = [c.name for c in self.mechanism.actuated]
+            joints = ", ".join(names[:_MAX_LISTED_JOINTS]) + (", ..." if len(names) > _MAX_LISTED_JOINTS else "")
+            unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
+            raise InputError(
+                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), group, alpha, beta, "
+                "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+            )
+
+    def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
+        column = self._column("group")
+        if column is None:
+            return (), None
+        cells = [cell.strip() for cell in self.table.text(column)]
+        labels = tuple(dict.fromkeys(cell for cell in cells if cell))
+        counts, numbers = Counter(cells), {label: k for k, label in enumerate(labels)}
+        alone = [label for label in labels if counts[label] == 1]
+        if alone:
+            lines = [str(self.table.lines[cells.index(label)]) for label in alone[:_MAX_LISTED_GROUPS]]
+            more = f" and {len(alone) - _MAX_LISTED_GROUPS} more" if len(alone) > _MAX_LISTED_GROUPS else ""
+            self.notes.append(
+                f"a group of one posture says nothing of inclination: {', '.join(map(repr, alone[:_MAX_LISTED_GROUPS]))}{more} "
+                f"(line {', '.join(lines)}{', ...' if more else ''})"
+            )
+        if len(alone) == len(labels):
+            return labels, None
+        return labels, np.array([numbers[cell] if cell and counts[cell] > 1 else NO_GROUP for cell in cells])
+
+    def joints(self) -> np.ndarray:
+        columns = [self._numbers(c.name, measure_of(c), empty=False) for c in self.mechanism.actuated]
+        values = np.array(columns).T.reshape(len(self.table), len(columns))
+        for k, c in enumerate(self.mechanism.actuated):
+            self._check_range(c, values[:, k])
+        self._note_repeats(values)
+        return values
+
+    def _note_repeats(self, values: np.ndarray) -> None:
+        """Note rows with the joint readings of an earlier one and other cells besides; whole copies are left out (`DataFile`)."""
+        whole = {row for row, _ in self.copies}
+        _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
+        earlier = first[inverse.ravel()]
+        repeats = [int(k) for k in np.flatnonzero(earlier != np.arange(len(values))) if int(k) not in whole]
+        if repeats and len(first) > 1:
+            lines = self.table.lines
+            self.notes.append(
+                f"{len(repeats)} rows repeat the joint readings of an earlier one exactly (line {lines[repeats[0]]} those of line "
+                f"{lines[earlier[repeats[0]]]}, ...): copies are no new measurements, and make sigma too small"
+            )
+
+    def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
+        unit = 1.0 if not c.is_angular else 1 / UNITS[self.mechanism.angle_unit][1]
+        if c.least is not None and np.any(values < c.least):
+            row = int(np.argmax(values < c.least))
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {self.table.columns[c.name].header!r}: a rod of negative "
+                f"length; {c.least + 0.0:g} {self.mechanism.length_unit} and above is needed"
+            )
+        outside = np.zeros(len(values), dtype=bool) if c.limits is None else (values < c.limits[0]) | (values > c.limits[1])
+        if c.limits is not None and np.any(outside):
+            where = ", ".join(str(self.table.lines[k]) for k in np.flatnonzero(outside)[:3])
+            low, high = (f"{limit * unit:g}" for limit in c.limits)
+            self.notes.append(
+                f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits {low} to {high} "
+                f"{unit_of(self.mechanism, measure_of(c))} (line {where}{', ...' if outside.sum() > 3 else ''})"
+            )
+        if len(values) > 2 and np.ptp(values) == 0.0:
+            self.notes.append(f"{c.name}: the reading is the same in all rows")
+
+    def together(self, names: tuple[str, ...], measure: Measure | None) -> np.ndarray | None:
+        """Columns that stand together, all cells of a row or none; None where nothing is in them."""
+        present = [self._column(name) for name in names]
+        if not any(present):
+            return None
+        for name, column in zip(names, present, strict=True):
+            if column is None:
+                raise InputError(
+                    f"{self.table.path}: column {name!r} is missing, and {', '.join(names)} stand together; {self.table.held()}"
+                )
+        values = np.array([self._numbers(str(column), measure) for column in present]).T
+        partly = np.isnan(values).any(axis=1) & ~np.isnan(values).all(axis=1)
+        if np.any(partly):
+            row = int(np.argmax(partly))
+            name = names[int(np.argmax(np.isnan(values[row])))]
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: the cell is empty, the others of "
+                f"{', '.join(names)} are not; give all or none"
+            )
+        return None if np.all(np.isnan(values)) else values
+
+    def some(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
+        """Columns any of which may be missing."""
+        present = [self._column(name) for name in names]
+        empty = [float("nan")] * len(self.table)
+        values = np.array([empty if column is None else self._numbers(column, measure) for column in present]).T
+        return None if np.all(np.isnan(values)) else values
+
+    def orientation(self) -> np.ndarray | None:
+        values = self.together(QUATERNION, None)
+        if values is None:
+            return None
+        norms = np.linalg.norm(values, axis=1)
+        bad = np.flatnonzero(np.abs(norms - 1.0) > 1e-2)
+        if bad.size:
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[bad[0]]}, column 'qw': the quaternion has norm {norms[bad[0]]:.6g}; "
+                "allowed: 1 to within 0.01"
+            )
+        return values
+
+    def euler(self) -> tuple[str | None, np.ndarray | None]:
+        """The sequence of the header, None where it is open, and the angles."""
+        found = {name: match for name in self.table.columns if (match := _EULER_COLUMN.fullmatch(name))}
+        if not found:
+            return None, None
+        sequences = {match[1] for match in found.values()}
+        if len(sequences) > 1:
+            raise InputError(
+                f"{self.table.path}: Euler angles of several sequences ({', '.join(found)}); three columns of one are needed"
+            )
+        sequence = next(iter(sequences))
+        prefix = "euler_" if sequence is None else f"euler_{sequence}_"
+        return sequence, self.together((f"{prefix}1", f"{prefix}2", f"{prefix}3"), "angle")
+
+    def distance(self, name: str) -> tuple[np.ndarray, np.ndarray | None]:
+        """Values (n,) of a distance and their standard deviations, None without a column."""
+        column = self._column(DISTANCE + name)
+        if column is None:
+            raise InputError(f"{self.table.path}: column {DISTANCE + name!r} is missing or empty; --distance {name} names it")
+        values = np.array(self._numbers(column, "length"))
+        if np.any(values <= 0.0):
+            row = int(np.argmax(values <= 0.0))
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {self.table.columns[column].header!r}: a distance of "
+                f"{self.table.text(column)[row].strip()}; a positive number is needed"
+            )
+        sigma = f"sigma_{DISTANCE}{name}"
+        return values, self._sigma(sigma, "length") if sigma in self.table.columns else None
+
+    def joint_sigmas(self) -> np.ndarray | None:
+        names = [f"sigma_{c.name}" for c in self.mechanism.actuated]
+        if not any(name in self.table.columns for name in names):
+            return None
+        columns = [self._sigma(n, measure_of(c)) for n, c in zip(names, self.mechanism.actuated, strict=True)]
+        return np.array(columns).T
+
+    def sigmas(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
+        """Standard deviations of columns: for each reading that there is, or for none."""
+        wanted = [f"sigma_{name}" for name in names]
+        if not any(name in self.table.columns for name in wanted):
+            return None
+        empty = np.full(len(self.table), np.nan)
+        columns = [
+            self._sigma(sigma, measure) if self._column(name) or sigma in self.table.columns else empty
+            for name, sigma in zip(names, wanted, strict=True)
+        ]
+        return np.array(columns).T
+
+    def sigma(self, name: str, measure: Measure, of: list[str]) -> np.ndarray | None:
+        """Standard deviations of one column for all components of a reading."""
+        if f"sigma_{name}" not in self.table.columns:
+            return None
+        if not any(column.startswith(tuple(of)) for column in self.table.columns):
+            raise InputError(f"{self.table.path}: column 'sigma_{name}' stands there without {' or '.join(of)}")
+        return self._sigma(f"sigma_{name}", measure)
+
+    def _sigma(self, name: str, measure: Measure) -> np.ndarray:
+        if name not in self.table.columns:
+            raise InputError(
+                f"{self.table.path}: column {name!r} is missing; give standard deviations of all or of none of its kind; {self.table.held()}"
+            )
+        values = np.array(self._numbers(name, measure))
+        least = 0.0 if name[len("sigma_") :] in self.known else np.finfo(float).tiny
+        bad = np.flatnonzero(values < least)
+        if bad.size:
+            row = int(bad[0])
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: {self.table.text(name)[row].strip()} is no "
+                "standard deviation; a positive number is needed"
+            )
+        return values
+
+    def _column(self, name: str) -> str | None:
+        """The column in which a reading stands, None where there is none or nothing is in it."""
+        candidates = [f"platform.{name}"] if name in self.known else [name, f"platform.{name}"]
+        return next((c for c in candidates if c in self.table.columns and any(t.strip() for t in self.table.text(c))), None)
+
+    def _numbers(self, name: str, measure: Measure | None, *, empty: bool = True) -> list[float]:
+        unit = None if measure is None else self.mechanism.length_unit if measure == "length" else "rad"
+        return self.table.numbers(name, measure, unit, empty=empty)

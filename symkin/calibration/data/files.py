@@ -1,0 +1,229 @@
+"""Read and write measurements and plans as CSV: names and units in the header, one row a configuration, empty cells where nothing was read.
+
+group                               configurations with the same text have equal inclination; empty: none
+leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; every cell is needed
+alpha[deg], beta[deg]               inclination, R = Rz(gamma) Ry(beta) Rx(alpha)
+x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of the three
+qw, qx, qy, qz                      its orientation, a unit quaternion; or
+euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
+                                    fixed ones; euler_1[deg], ... where the sequence is not known
+distance_NAME[mm]                   distance between a point of the platform and one of the base, which are given beside the
+                                    file (`DistancePoints`)
+sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg], sigma_x[mm]; besides
+                                    sigma_group[deg] and sigma_orientation[deg] (each component of a rotation vector)
+Where a joint has the name of a reading, the reading is written platform.NAME.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.data.columns import (
+    DISTANCE,
+    INCLINATION,
+    POSITION,
+    QUATERNION,
+    SEQUENCES,
+    WEDGE,
+    ColumnReader,
+    Measure,
+    measure_of,
+    reading_name,
+    unit_of,
+)
+from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.errors import InputError
+from symkin.files.csv_table import read_table
+from symkin.files.outputs import write_output
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+from symkin.text import first_of
+
+DistancePoints = tuple[Sequence[float], Sequence[float]]
+"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base frame, length unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class DataFile:
+    """What a file holds: measurements in radians and the mechanism's length unit, the line of each posture, the names of
+    its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
+    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations, `euler` the Euler angles
+    of any sequence, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
+
+    path: str
+    measurements: Measurements
+    lines: tuple[int, ...]
+    groups: tuple[str, ...]
+    sequence: str | None
+    open_euler: np.ndarray | None
+    wedges: np.ndarray | None
+    notes: tuple[str, ...]
+    euler: np.ndarray | None = None
+    copies: tuple[tuple[int, int], ...] = ()
+
+    def subset(self, rows: np.ndarray) -> DataFile:
+        """Some of the rows, by number from 0."""
+
+        def part(table: np.ndarray | None) -> np.ndarray | None:
+            return None if table is None else table[rows]
+
+        return replace(
+            self, measurements=self.measurements.subset(rows), lines=tuple(self.lines[k] for k in rows),
+            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=(),
+        )  # fmt: skip
+
+    def without_copies(self) -> DataFile:
+        """Without the rows that repeat an earlier one in every cell, and a note that names their lines: a copy is no new measurement,
+        and would make degrees of freedom too many and standard deviations too small."""
+        if not self.copies:
+            return self
+        kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
+        pairs = [f"line {self.lines[row]} of line {self.lines[first]}" for row, first in self.copies]
+        if len(kept) == 1:
+            raise InputError(f"{self.path}: all rows are copies of line {self.lines[0]}; one posture determines no geometry")
+        note = f"left out, copies of earlier rows in every cell: {first_of(pairs)}; a copy is no new measurement"
+        return replace(self.subset(kept), notes=(note, *self.notes))
+
+    def with_sequence(self, sequence: str) -> Measurements:
+        """The measurements with the open Euler angles read in a sequence."""
+        if self.open_euler is None:
+            return self.measurements
+        return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
+
+
+def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None) -> DataFile:
+    """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError that names file, line and
+    column."""
+    points = distances or {}
+    table = read_table(path)
+    reader = ColumnReader(table, mechanism, tuple(points))
+    if not len(table):
+        raise InputError(f"{path}: the file has a header and no row; one row for each posture is needed")
+    labels, groups = reader.groups()
+    quaternions = reader.orientation()
+    sequence, angles = reader.euler()
+    if angles is not None and quaternions is not None:
+        raise InputError(f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of them")
+    if angles is not None and sequence is not None:
+        quaternions = euler_quaternions(angles, sequence)
+    measurements = Measurements(
+        reader.joints(),
+        groups=groups,
+        inclination=reader.together(INCLINATION, "angle"),
+        position=reader.some(POSITION, "length"),
+        orientation=quaternions,
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
+        joint_sigma=reader.joint_sigmas(),
+        group_sigma=reader.sigma("group", "angle", ["group"]),
+        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
+        position_sigma=reader.sigmas(POSITION, "length"),
+        orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
+        labels=tuple(f"line {line}" for line in table.lines),
+    )
+    wedges = reader.together(WEDGE, "angle")
+    open_euler = angles if sequence is None else None
+    return DataFile(
+        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, reader.copies
+    )  # fmt: skip
+
+
+def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
+    values, sigma = reader.distance(name)
+    return Distance(platform, base, values, sigma, DISTANCE + name)
+
+
+def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
+    """Unit quaternions (n, 4) of Euler angles (n, 3) in radians; NaN stays NaN."""
+    return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
+
+
+# --- writing -------------------------------------------------------------------------------------------------------
+
+
+def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any) -> None:
+    """Write readings to a file; `options` are those of `measurements_text`."""
+    write_output(path, measurements_text(mechanism, measurements, **options))
+
+
+def measurements_text(
+    mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
+    comments: Sequence[str] = (),
+) -> str:  # fmt: skip
+    """Readings in the mechanism's units as CSV; orientations as quaternions or, with `sequence`, as Euler angles, whose
+    headers leave the sequence out when it is `hidden`."""
+    if sequence is not None and sequence not in SEQUENCES:
+        raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
+    table = CsvColumns(mechanism)
+    if measurements.groups is not None:
+        table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])
+    joint_sigma = measurements.sigma("joint")
+    for k, c in enumerate(mechanism.actuated):
+        table.number(c.name, measurements.joints[:, k], measure_of(c))
+    readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
+        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+    )  # fmt: skip
+    for kind, names, measure in readings:
+        values = getattr(measurements, kind)
+        for k, name in enumerate(names if values is not None else ()):
+            table.number(reading_name(mechanism, name), values[:, k], measure)
+    if measurements.orientation is not None:
+        _write_orientation(table, measurements.orientation, sequence, hidden)
+    for d in measurements.distances:
+        table.number(d.name, d.values, "length")
+    for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
+        table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
+    sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
+        ("group", ("group",), "angle"), ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+        ("orientation", ("orientation",), "angle"),
+    )  # fmt: skip
+    for key, names, measure in sigmas:
+        sigma = measurements.sigma(key)
+        for k, name in enumerate(names if sigma is not None else ()):
+            table.number(f"sigma_{name}", sigma[:, k], measure)  # type: ignore[index]
+    for d in measurements.distances:
+        if d.sigma is not None:
+            table.number(f"sigma_{d.name}", np.broadcast_to(d.sigma, d.values.shape), "length")
+    return table.csv(comments)
+
+
+def _write_orientation(table: CsvColumns, quaternions: np.ndarray, sequence: str | None, hidden: bool) -> None:
+    if sequence is None:
+        for k, name in enumerate(QUATERNION):
+            table.number(name, quaternions[:, k], None)
+        return
+    angles = np.asarray(euler_from_quaternion(quaternions.T, sequence))
+    for k in range(3):
+        table.number(f"euler_{k + 1}" if hidden else f"euler_{sequence}_{k + 1}", angles[k], "angle")
+
+
+class CsvColumns:
+    """Columns gathered for a CSV text, numbers with all their digits, NaN as an empty cell."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.headers: list[str] = []
+        self.cells: list[list[str]] = []
+
+    def text(self, name: str, cells: Iterable[str]) -> None:
+        self.headers.append(name)
+        self.cells.append(list(cells))
+
+    def number(self, name: str, values: np.ndarray, measure: Measure | None) -> None:
+        unit = "" if measure is None else f"[{unit_of(self.mechanism, measure)}]"
+        out = [self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values]
+        self.text(name + unit, ["" if np.isnan(v) else repr(v) for v in out])
+
+    def csv(self, comments: Sequence[str]) -> str:
+        text = io.StringIO()
+        text.writelines(f"# {comment}\n" for comment in comments)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.headers)
+        writer.writerows(zip(*self.cells, strict=True))
+        return text.getvalue()

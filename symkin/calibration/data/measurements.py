@@ -1,0 +1,221 @@
+"""Hold what was measured: joint readings of n configurations and, for each, constraints or sensor readings.
+
+All values are in radians and the mechanism's length unit. A reading that was not taken is NaN. The inclination of a
+platform with rotation R is (alpha, beta) of R = Rz(gamma) Ry(beta) Rx(alpha), turns about the base frame's axes with z
+against gravity; it says R^T e_z and no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.joint import vector3
+from symkin.model.mechanism import Mechanism
+
+NO_GROUP = -1
+"""Group number of a posture that belongs to no group."""
+_WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
+
+
+SIGMA_WIDTHS = {
+    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3,
+}  # fmt: skip
+"""Numbers of one posture's standard deviations; 0: as many as there are joints."""
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """Distances |X platform - base| between a point of the platform frame and one of the base frame: `values` (n,),
+    NaN where none was taken; `sigma` is a number or (n,)."""
+
+    platform: Sequence[float]
+    base: Sequence[float]
+    values: np.ndarray
+    sigma: float | np.ndarray | None = None
+    name: str = "distance"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "platform", vector3(self.platform, f"{self.name}: platform"))
+        object.__setattr__(self, "base", vector3(self.base, f"{self.name}: base"))
+
+
+@dataclass(frozen=True, eq=False)
+class Measurements:
+    """Readings of n postures.
+
+    joints (n, actuated)     joint readings in file order
+    groups (n,)              integers; postures of one group have equal inclination, unknown; -1: no group
+    inclination (n, 2)       alpha, beta
+    position (n, 3)          platform origin in the base frame, any of its components
+    orientation (n, 4)       unit quaternion w, x, y, z (all four or NaN)
+    distances                see `Distance`
+    *_sigma                  standard deviations: a number or an array that broadcasts to the readings (orientation: of
+                             the rotation vector's components, (n, 3)); None: unknown, and then estimated from the fit
+    starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured pose, else the reference
+    labels                   names of the postures for messages (default: 1, 2, ...)
+
+    Raises InputError for shapes, values or standard deviations that cannot be.
+    """
+
+    joints: np.ndarray
+    groups: np.ndarray | None = None
+    inclination: np.ndarray | None = None
+    position: np.ndarray | None = None
+    orientation: np.ndarray | None = None
+    distances: Sequence[Distance] = ()
+    joint_sigma: float | np.ndarray | None = None
+    group_sigma: float | np.ndarray | None = None
+    inclination_sigma: float | np.ndarray | None = None
+    position_sigma: float | np.ndarray | None = None
+    orientation_sigma: float | np.ndarray | None = None
+    starts: np.ndarray | None = None
+    labels: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        joints = _matrix(self.joints, "joints")
+        if not np.all(np.isfinite(joints)):
+            row, column = np.argwhere(~np.isfinite(joints))[0]
+            raise InputError(f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number is needed")
+        object.__setattr__(self, "joints", joints)
+        for name, width in _WIDTHS.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _shaped(_matrix(getattr(self, name), name), (len(joints), width), name))
+        object.__setattr__(self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1)))
+        if len(self.labels) != len(joints):
+            raise InputError(f"labels: {len(self.labels)} names for {len(joints)} postures; one for each is needed")
+        self._check_groups()
+        self._check_orientation()
+        if self.starts is not None:
+            object.__setattr__(self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts"))
+        made = [replace(d, values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name)) for d in self.distances]
+        object.__setattr__(self, "distances", tuple(made))
+        for key, width in SIGMA_WIDTHS.items():
+            _check_sigma(getattr(self, key), key, (len(joints), width or joints.shape[1]))
+        for d in self.distances:
+            _check_sigma(d.sigma, f"{d.name}: sigma", (len(joints),))
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    def sigma(self, key: str) -> np.ndarray | None:
+        """Standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if unknown."""
+        value = getattr(self, f"{key}_sigma")
+        width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
+        return None if value is None else _broadcast(value, (len(self), width))
+
+    @property
+    def read(self) -> np.ndarray:
+        """Which postures (n,) hold any reading beside the joints; a group of one posture is none."""
+        tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
+        found = np.zeros(len(self), dtype=bool)
+        for table in (*tables, *(d.values[:, None] for d in self.distances)):
+            found |= np.any(np.isfinite(table), axis=1)
+        if self.groups is not None:
+            numbers, counts = np.unique(self.groups[self.groups != NO_GROUP], return_counts=True)
+            found |= np.isin(self.groups, numbers[counts > 1])
+        return found
+
+    def subset(self, postures: Sequence[int] | np.ndarray) -> Measurements:
+        """The readings of some postures, by number from 0 or by mask."""
+        index = np.arange(len(self))[np.asarray(postures)]
+        changes: dict[str, Any] = {"labels": tuple(self.labels[k] for k in index)}
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
+                changes[item.name] = value[index]
+        changes["distances"] = tuple(
+            replace(
+                d, values=d.values[index], sigma=d.sigma[index] if isinstance(d.sigma, np.ndarray) and d.sigma.ndim else d.sigma
+            )
+            for d in self.distances
+        )
+        return replace(self, **changes)
+
+    def without(self, posture: int, kind: str) -> Measurements:
+        """The same measurements less one reading: the kind is group, inclination, position, orientation or the name of a
+        distance."""
+        if kind == "group" and self.groups is not None:
+            groups = self.groups.copy()
+            groups[posture] = NO_GROUP
+            return replace(self, groups=groups)
+        if kind in _WIDTHS:
+            table = np.array(getattr(self, kind))
+            table[posture] = np.nan
+            changes: dict[str, Any] = {kind: table}
+            return replace(self, **changes)
+        made = []
+        for d in self.distances:
+            values = np.array(d.values)
+            values[posture] = np.nan if d.name == kind else values[posture]
+            made.append(replace(d, values=values))
+        return replace(self, distances=tuple(made))
+
+    def check(self, mechanism: Mechanism) -> None:
+        """Refuses readings of another number of joints than the mechanism has."""
+        if self.joints.shape[1] != len(mechanism.actuated):
+            names = ", ".join(c.name for c in mechanism.actuated) or "none"
+            raise InputError(
+                f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has {len(mechanism.actuated)} "
+                f"actuated joints ({names})"
+            )
+
+    def _check_groups(self) -> None:
+        if self.groups is None:
+            return
+        groups = np.asarray(self.groups)
+        if groups.shape != (len(self.joints),) or not np.issubdtype(groups.dtype, np.integer):
+            raise InputError(f"groups: {groups.shape} values of type {groups.dtype}; one integer for each posture is needed")
+        object.__setattr__(self, "groups", groups.astype(int))
+
+    def _check_orientation(self) -> None:
+        if self.orientation is None:
+            return
+        norms = np.linalg.norm(self.orientation, axis=1)
+        bad = np.flatnonzero(np.isfinite(norms) & (np.abs(norms - 1) > 1e-2))
+        if bad.size:
+            raise InputError(
+                f"orientation: the quaternion of posture {self.labels[bad[0]]} has norm {norms[bad[0]]:.6g}; "
+                "allowed: 1 to within 0.01"
+            )
+        object.__setattr__(self, "orientation", self.orientation / norms[:, None])
+
+
+def _matrix(values: Any, what: str) -> np.ndarray:
+    try:
+        matrix = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: no table of numbers; one row for each posture is needed") from None
+    if matrix.ndim != 2 or len(matrix) == 0:
+        raise InputError(f"{what}: an array of shape {matrix.shape}; one row for each posture is needed")
+    return matrix
+
+
+def _shaped(values: np.ndarray, shape: tuple[int, ...], what: str) -> np.ndarray:
+    if values.shape != shape:
+        raise InputError(f"{what}: an array of shape {values.shape}; {shape} is needed")
+    return values
+
+
+def _broadcast(value: Any, shape: tuple[int, ...]) -> np.ndarray:
+    array = np.asarray(value, dtype=float)
+    if array.ndim == 1 and len(shape) == 2 and array.shape[0] == shape[0] != shape[1]:
+        array = array[:, None]
+    return np.broadcast_to(array, shape)
+
+
+def _check_sigma(value: Any, what: str, shape: tuple[int, ...]) -> None:
+    if value is None:
+        return
+    try:
+        array = _broadcast(value, shape)
+    except ValueError:
+        raise InputError(f"{what}: an array of shape {np.shape(value)} does not fit {shape}") from None
+    least = 0.0 if what.startswith("joint") else np.finfo(float).tiny
+    given = array[~np.isnan(array)]
+    if np.any(given < least) or not np.all(np.isfinite(given)):
+        raise InputError(f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive")

@@ -1,0 +1,1 @@
+"""Experiments before they are made: simulated readings, and plans of configurations that identify the geometry best."""

@@ -1,0 +1,160 @@
+"""Choose configurations by exchange: N of many candidates so that a criterion of the covariance is least.
+
+Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in the unknowns (parameters, two inclinations
+for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior. Adding or removing one candidate changes C by a matrix of rank
+K (Woodbury), so that a criterion for all candidates is a few small products:
+  I, A    trace(Q C)        Q the mean of squared pose slopes, or 1 for the parameters
+  D       log det of C's part for the parameters
+Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum experimental designs, 1992.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Criterion = Literal["D", "A", "I"]
+_MAX_WEDGE_SETS = 60
+"""Sets of wedges that are tried before no further exchange of wedges begins."""
+
+
+CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each posture, -1: none."""
+
+    rows: np.ndarray
+    group: np.ndarray
+    wedge: np.ndarray
+
+    def extended(self, wedges: int) -> np.ndarray:
+        """(n, K, P + 2 W)."""
+        count, k, width = self.rows.shape
+        full = np.zeros((count, k, width + 2 * wedges))
+        full[:, :, :width] = self.rows
+        for place in range(wedges):
+            full[self.wedge == place, :, width + 2 * place : width + 2 * place + 2] = -self.group[self.wedge == place]
+        return full
+
+    def thinned(self, each: int) -> Candidates:
+        """The first `each` candidates of every wedge."""
+        kept = np.concatenate([np.flatnonzero(self.wedge == w)[:each] for w in np.unique(self.wedge)])
+        return Candidates(self.rows[kept], self.group[kept], self.wedge[kept])
+
+
+class ExchangeSearch:
+    """A choice among candidates: greedy construction, then exchange of single postures until none helps."""
+
+    def __init__(self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float) -> None:
+        self.candidates, self.wedges, self.criterion, self.prior = candidates, wedges, criterion, prior
+        self.width = candidates.rows.shape[2]
+        self.rows = candidates.extended(wedges)
+        self.q = np.zeros((self.rows.shape[2],) * 2)
+        self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
+
+    def covariance(self, chosen: list[int]) -> np.ndarray:
+        """C (P + 2 W) of chosen candidates."""
+        flat = self.rows[chosen].reshape(-1, self.rows.shape[2])
+        weak = np.concatenate([np.full(self.width, self.prior), np.full(2 * self.wedges, 1.0)])
+        return np.asarray(np.linalg.inv(flat.T @ flat + np.diag(weak)))
+
+    def value(self, c: np.ndarray) -> float:
+        """The criterion, less is better."""
+        if self.criterion == "D":
+            return float(np.linalg.slogdet(c[: self.width, : self.width])[1])
+        return float(np.sum(self.q * c))
+
+    def gains(self, c: np.ndarray, index: np.ndarray) -> np.ndarray:
+        """By how much the criterion falls when one of the candidates of `index` is added."""
+        rows = self.rows[index]
+        spread = rows @ c
+        inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
+        if self.criterion == "D":
+            part = spread[:, :, : self.width]
+            share = part @ np.linalg.inv(c[: self.width, : self.width]) @ part.transpose(0, 2, 1)
+            return np.asarray(np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1])
+        weight = spread @ self.q @ spread.transpose(0, 2, 1)
+        return np.asarray(np.trace(np.linalg.solve(inner, weight), axis1=1, axis2=2))
+
+    def updated(self, c: np.ndarray, k: int, sign: int) -> np.ndarray:
+        """C after one candidate is added (sign 1) or removed (-1)."""
+        rows = self.rows[k]
+        spread = rows @ c
+        inner = np.eye(len(rows)) + sign * spread @ rows.T
+        return np.asarray(c - sign * spread.T @ np.linalg.solve(inner, spread))
+
+    def greedy(self, count: int, allowed: set[int]) -> list[int]:
+        """Candidates one by one, each the best to add; none twice. A wedge's first posture says nothing yet, so that each
+        wedge is given one to begin with, as far as two of each can be had."""
+        index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
+        begun = sorted(allowed)[: count // 2] if self.wedges else []
+        chosen = [int(np.argmax(self.candidates.wedge == wedge)) for wedge in begun]
+        c = self.covariance(chosen)
+        for _ in range(count - len(chosen)):
+            gains = self.gains(c, index)
+            gains[np.isin(index, chosen)] = -np.inf
+            chosen.append(int(index[np.argmax(gains)]))
+            c = self.updated(c, chosen[-1], 1)
+        return chosen
+
+    def improve(self, chosen: list[int], allowed: set[int], passes: int = 6) -> list[int]:
+        """Take each posture out in turn and put the best candidate in its place, until a whole pass changes nothing."""
+        chosen = list(chosen)
+        index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
+        for _ in range(passes):
+            c, changed = self.covariance(chosen), False
+            for place, old in enumerate(chosen):
+                without = self.updated(c, old, -1)
+                gains = self.gains(without, index)
+                gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
+                best = int(index[np.argmax(gains)])
+                if best != old and gains.max() > (1 + 1e-6) * float(self.gains(without, np.array([old]))[0]):
+                    chosen[place], changed = best, True
+                    c = self.updated(without, best, 1)
+            if not changed:
+                break
+        return chosen
+
+    def best_wedges(self, count: int, groups: int) -> set[int]:
+        """Which wedges to use when only `groups` may be: the best of several beginnings, then one exchanged for another while
+        that helps. A set is worth what a greedy choice with one pass of exchanges makes of it."""
+        if not self.wedges:
+            return {-1}
+        everything = set(range(self.wedges))
+        groups = max(groups, 1)
+        if len(everything) <= groups:
+            return everything
+        worth: dict[frozenset[int], float] = {}
+
+        def value(wedges: set[int]) -> float:
+            key = frozenset(wedges)
+            if key not in worth:
+                worth[key] = self.value(self.covariance(self.improve(self.greedy(count, wedges), wedges, passes=1)))
+            return worth[key]
+
+        best = min((self._fewer(count, groups), set(range(groups)), set(range(self.wedges - groups, self.wedges))), key=value)
+        improved = True
+        while improved and len(worth) < _MAX_WEDGE_SETS:
+            trials = [best - {out} | {new} for out in sorted(best) for new in sorted(everything - best)]
+            trial = min(trials, key=value)
+            improved = value(trial) < value(best)
+            best = trial if improved else best
+        return best
+
+    def _fewer(self, count: int, groups: int) -> set[int]:
+        """Backward elimination: the wedge whose postures tell least goes, again and again."""
+        allowed = set(range(self.wedges))
+        while len(allowed) > groups:
+            chosen = self.greedy(count, allowed)
+            used = {int(self.candidates.wedge[k]) for k in chosen}
+            unused = sorted(allowed - used)
+            if unused:
+                allowed = allowed - {unused[-1]}
+                continue
+            costs = {w: self.value(self.covariance([k for k in chosen if self.candidates.wedge[k] != w])) for w in sorted(used)}
+            allowed = allowed - {min(costs, key=lambda w: costs[w])}
+        return allowed

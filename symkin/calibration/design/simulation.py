@@ -1,0 +1,148 @@
+"""Simulate readings as a measuring system would take them of a mechanism with a known geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
+from symkin.calibration.estimate.model import build_model
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
+
+READING_CHOICES = ("inclination", "position", "orientation", "pose")
+"""What may be read beside the joints; a pose is position and orientation. Groups need nothing of these."""
+MAX_CONFIGURATIONS = 100_000
+"""More rows than this are taken for a slip of the keyboard."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of independent errors: of joints by kind (length unit, radians), of the equality of inclination
+    in a group, of inclinations, positions (each component), orientations (each component of a rotation vector) and distances.
+    `uniform`: uniform of the same standard deviation, half width sqrt(3) sigma, in place of normal."""
+
+    lengths: float = 0.0
+    angles: float = 0.0
+    group: float = 0.0
+    inclination: float = 0.0
+    position: float = 0.0
+    orientation: float = 0.0
+    distance: float = 0.0
+    uniform: bool = False
+
+    def draw(self, sigma: float | np.ndarray, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+        unit = rng.uniform(-np.sqrt(3), np.sqrt(3), shape) if self.uniform else rng.normal(size=shape)
+        return np.asarray(sigma * unit)
+
+    def joints(self, mechanism: Mechanism) -> np.ndarray:
+        """Standard deviation of each actuated joint (a,)."""
+        return np.array([self.angles if c.is_angular else self.lengths for c in mechanism.actuated])
+
+
+def check_readings(readings: Sequence[str]) -> None:
+    """Refuse kinds of readings that are unknown."""
+    for kind in readings:
+        if kind not in READING_CHOICES:
+            raise InputError(f"readings: {kind!r} is unknown; allowed: {', '.join(READING_CHOICES)}")
+
+
+def group_numbers(postures: int, groups: int) -> np.ndarray:
+    """Numbers 0, 0, ..., 1, 1, ...: `postures` in `groups` as equal as may be, each of two at least."""
+    if not 1 <= postures <= MAX_CONFIGURATIONS:
+        raise InputError(f"{postures} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
+    if groups < 0:
+        raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
+    if groups > postures // 2:
+        raise InputError(
+            f"{groups} groups for {postures} posture{'s' * (postures != 1)}, and two postures in each are needed: at least {2 * groups} "
+            f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
+        )
+    if groups == 0:
+        return np.full(postures, NO_GROUP)
+    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(postures), groups)])
+
+
+def random_configurations(
+    workspace: Workspace, groups: np.ndarray, noise: Noise, rng: np.random.Generator, wedges: np.ndarray | None = None
+) -> ClosedConfigurations:
+    """Random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
+    if np.all(groups == NO_GROUP):
+        return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
+    held = workspace.inclinations(int(groups.max()) + 1, rng) if wedges is None else wedges
+    wanted = held[groups]
+    return workspace.draw(wanted + noise.draw(noise.group, wanted.shape, rng), rng)
+
+
+def planned_configurations(
+    workspace: Workspace,
+    nominal: Mechanism,
+    plan: Measurements,
+    wedges: np.ndarray | None,
+    noise: Noise,
+    rng: np.random.Generator,
+) -> tuple[np.ndarray, ClosedConfigurations]:
+    """Group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at its joints,
+    each turned to its group's inclination (with the noise of that). Raises InputError for postures that cannot be taken."""
+    model = build_model(nominal, plan, ())
+    postures = solve_configurations(model, plan, np.zeros(0))
+    if not postures.solved.all():
+        label = plan.labels[int(np.argmin(postures.solved))]
+        raise InputError(f"the plan's posture of {label} does not close at the nominal geometry of {nominal.name}")
+    groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
+    held = None
+    if plan.groups is not None:
+        if wedges is None:
+            raise InputError("the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` wrote")
+        held = wedges + noise.draw(noise.group, wedges.shape, rng)
+    made, closed = workspace.at(model.poses(postures.z, np.zeros(0)), held)
+    if not closed.all():
+        raise InputError(
+            f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by {workspace.mechanism.name}"
+        )
+    return groups, made
+
+
+def simulate_readings(
+    mechanism: Mechanism,
+    true: ClosedConfigurations,
+    groups: np.ndarray,
+    readings: Sequence[str],
+    noise: Noise,
+    rng: np.random.Generator,
+    distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
+) -> Measurements:
+    """Readings of true configurations, with standard deviations where there is noise; `distances` are points of the platform
+    and of the base by the names of their columns."""
+    check_readings(readings)
+    kinds = {part for kind in readings for part in (("position", "orientation") if kind == "pose" else (kind,))}
+    count, joint_sigma = len(true), noise.joints(mechanism)
+    grouped = bool(np.any(groups != NO_GROUP))
+    made = Measurements(
+        true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
+        groups=groups if grouped else None,
+        joint_sigma=joint_sigma if np.any(joint_sigma) else None,
+        group_sigma=noise.group if noise.group and grouped else None,
+    )
+    if "inclination" in kinds:
+        alpha, beta, _ = euler_from_quaternion(true.poses[:, 3:].T, "xyz")
+        read_as = np.column_stack([alpha, beta]) + noise.draw(noise.inclination, (count, 2), rng)
+        made = replace(made, inclination=read_as, inclination_sigma=noise.inclination or None)
+    if "position" in kinds:
+        read_as = true.poses[:, :3] + noise.draw(noise.position, (count, 3), rng)
+        made = replace(made, position=read_as, position_sigma=noise.position or None)
+    if "orientation" in kinds:
+        turn = quaternion_from_rotation_vector(noise.draw(noise.orientation, (3, count), rng))
+        read_as = np.asarray(multiply(true.poses[:, 3:].T, turn)).T
+        made = replace(made, orientation=read_as, orientation_sigma=noise.orientation or None)
+    for name, (platform, base) in (distances or {}).items():
+        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
+        values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(noise.distance, (count,), rng)
+        made = replace(made, distances=(*made.distances, Distance(platform, base, values, noise.distance or None, name)))
+    return made

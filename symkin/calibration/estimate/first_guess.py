@@ -1,0 +1,199 @@
+"""Guess parameters from measured poses, and measuring frames from solved configurations, before the least squares begin.
+
+With the whole pose of a configuration measured, its closure rows are equations in the parameters (and passive joints) alone:
+min sum |F(x_i, X_i measured, q_i, p)|^2. For rods this is one small regression a limb, which converges from geometry that
+is far off; the direct problem is not needed.
+
+A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform: observed pose = world, platform
+pose, target one after the other. Frames have no nominal value near which they could be sought. With the platform's poses
+known from the mechanism's own geometry, only the frames are fitted: by Levenberg-Marquardt from many orientations of the
+world frame, the target's orientation from those that were read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.configurations import known_poses, start_points
+from symkin.calibration.estimate.model import ConfigurationModel
+from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.residuals import build_readings, linearise
+from symkin.spatial.rotation import (
+    conjugate,
+    multiply,
+    quaternion_from_matrix,
+    quaternion_from_rotation_vector,
+    rotation_vector_from_quaternion,
+)
+
+_MAX_PARAMETER_STEPS = 40
+"""Most Gauss-Newton steps; a start needs no more."""
+_MAX_POSES = 2000
+"""Most postures that are used, spread evenly over the file: a start needs no more."""
+_MIN_SINGULAR_RATIO = 1e-6
+"""Directions with singular values below this of the largest are left at their start."""
+
+_FRAME_CONFIGURATIONS = 40
+"""Postures that the start is found from, spread evenly: twelve numbers at most are wanted, and only nearly."""
+_TRIAL_STEPS, _FOLLOWED_TRIALS, _FINAL_STEPS = 4, 3, 40
+"""Steps from each orientation, how many of what they lead to are followed, and the steps from there."""
+_FIRST_DAMPING = 1e-3
+"""First damping, of the columns' lengths."""
+_MIN_COST_DECREASE = 1e-8
+"""Steps that lower the cost by less than this share are the last."""
+
+
+def parameters_from_poses(model: ConfigurationModel, measurements: Measurements) -> np.ndarray | None:
+    """Parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or where
+    frames between mechanism and measurement are unknown."""
+    given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
+    if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
+        return None
+    if np.sum(given) > _MAX_POSES:
+        some = np.flatnonzero(given)[np.linspace(0, np.sum(given) - 1, _MAX_POSES).astype(int)]
+        return parameters_from_poses(model, measurements.subset(some))
+    joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
+    passive = np.flatnonzero([c.role == "passive" for c in model.system.unknowns for _ in range(c.freedom)])
+    with np.errstate(all="ignore"):
+        return _fit_parameters(model, z, joints, passive)
+
+
+def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray | None:
+    """Gauss-Newton with halved steps; passive joints are condensed posture by posture."""
+    p = model.nominal
+
+    def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+        e = model.evaluate(z, joints, p, np.zeros((len(z), 4)))
+        return float(np.sum(e.rows**2)), e.rows, e.rows_z[:, :, passive], e.rows_p
+
+    cost, rows, by_x, by_p = rows_at(p, z)
+    for _ in range(_MAX_PARAMETER_STEPS):
+        if not (np.isfinite(cost) and np.all(np.isfinite(by_p))):
+            return None
+        inverse = np.linalg.pinv(by_x, rcond=1e-10)
+        project = np.eye(rows.shape[1]) - by_x @ inverse
+        left, right = (project @ by_p).reshape(-1, len(p)), -(project @ rows[:, :, None]).reshape(-1)
+        step = np.linalg.lstsq(left, right, rcond=_MIN_SINGULAR_RATIO)[0]
+        follow = -(inverse @ (rows + (by_p @ step))[:, :, None])[:, :, 0]
+        for _ in range(8):
+            whole = np.zeros((len(z), model.system.freedom))
+            whole[:, passive] = follow
+            trial = p + model.scales * step, model.system.move(z, whole)
+            found = rows_at(*trial)
+            if found[0] < cost:
+                break
+            step, follow = 0.5 * step, 0.5 * follow
+        else:
+            break
+        gained = cost - found[0]
+        (p, z), (cost, rows, by_x, by_p) = trial, found
+        if gained < 1e-9 * cost:
+            break
+    return p
+
+
+def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
+    """Parameters (P,) with the free frames at their best for those of the postures z (n, width) that are solved (n,), all others
+    as in `p`."""
+    free = np.array([k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int)
+    if not len(free) or not solved.any():
+        return p
+    closed = np.flatnonzero(solved)
+    rows = closed[np.unique(np.linspace(0, len(closed) - 1, _FRAME_CONFIGURATIONS).astype(int))]
+    some = problem.measurements.subset(rows)
+    few = replace(problem, measurements=some, readings=build_readings(problem.model, some))
+    with np.errstate(all="ignore"):
+        trials = [_fit_frames(few, z[rows], start, free, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p)]
+        ends = [
+            _fit_frames(few, z[rows], near, free, _FINAL_STEPS)
+            for near, _ in sorted(trials, key=lambda trial: trial[1])[:_FOLLOWED_TRIALS]
+        ]
+        return min(ends, key=lambda end: end[1])[0]
+
+
+def _fit_frames(
+    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int
+) -> tuple[np.ndarray, float]:
+    """Levenberg-Marquardt in the free frames, postures as they are: parameters and cost."""
+    model = problem.model
+
+    def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        e = model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+        fit = linearise("means", problem.readings, e.readings, e.readings_p[:, :, free])
+        cost = float(fit.vector @ fit.vector)
+        return fit.vector, fit.matrix, cost if np.isfinite(cost) else np.inf
+
+    (r, slopes, cost), damping = residuals(p), _FIRST_DAMPING
+    for _ in range(steps if np.isfinite(cost) else 0):
+        weak = np.sqrt(damping) * np.diag(np.maximum(np.linalg.norm(slopes, axis=0), 1e-300))
+        step = np.linalg.lstsq(np.vstack([slopes, weak]), np.concatenate([-r, np.zeros(len(free))]), rcond=None)[0]
+        trial = p.copy()
+        trial[free] += model.scales[free] * step
+        found = residuals(trial)
+        if found[2] < cost:
+            gained = cost - found[2]
+            p, (r, slopes, cost), damping = trial, found, 0.1 * damping
+            if gained < _MIN_COST_DECREASE * cost:
+                break
+        else:
+            damping *= 10.0
+    return p, cost
+
+
+def _frame_starts(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Iterator[np.ndarray]:
+    """p, and with the world frame in the orientations of a cube where all of its rotation is free; the target's orientation is then
+    the mean of those that were read, where all of it is free."""
+    yield p
+    places = {name: k for k, name in enumerate(problem.names)}
+    world, target = ([places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target"))
+    read = problem.measurements.orientation if min(target) >= 0 else None
+    platform = _platform_orientations(problem, z, p)
+    for turn in _cube_orientations() if min(world) >= 0 else (_frame_rotation(problem, p, "world"),):
+        start = p.copy()
+        if min(world) >= 0:
+            start[world] = rotation_vector_from_quaternion(turn)
+        if read is not None and np.any(np.isfinite(read)):
+            start[target] = rotation_vector_from_quaternion(_mean_orientation(_target_orientations(turn, platform, read)))
+        yield start
+
+
+def _frame_rotation(problem: CalibrationProblem, p: np.ndarray, frame: str) -> np.ndarray:
+    """Orientation (4,) of the world or target frame."""
+    table = dict(zip(problem.names, p, strict=True))
+    return np.asarray(quaternion_from_rotation_vector(np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])))
+
+
+def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Quaternions (4, n) of the platform in the base frame: observed ones less the frames of p."""
+    observed = problem.model.poses(z, p)[:, 3:].T
+    return np.asarray(
+        multiply(
+            conjugate(_frame_rotation(problem, p, "world")), multiply(observed, conjugate(_frame_rotation(problem, p, "target")))
+        )
+    )
+
+
+def _target_orientations(world: np.ndarray, platform: np.ndarray, read: np.ndarray) -> np.ndarray:
+    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a world orientation."""
+    given = np.all(np.isfinite(read), axis=1)
+    return np.asarray(multiply(conjugate(multiply(world, platform[:, given])), read[given].T)).T
+
+
+def _mean_orientation(quaternions: np.ndarray) -> np.ndarray:
+    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others 2007)."""
+    return np.asarray(np.linalg.eigh(quaternions.T @ quaternions)[1][:, -1])
+
+
+def _cube_orientations() -> Iterator[np.ndarray]:
+    """Quaternions of the 24 orientations of a cube."""
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
+            if np.linalg.det(matrix) > 0.0:
+                yield np.asarray(quaternion_from_matrix(matrix))

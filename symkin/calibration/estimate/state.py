@@ -1,0 +1,368 @@
+"""Linearise the least-squares problem at parameters and configurations, and find the steps that closure and readings allow.
+
+Poses couple to the parameters only (block-arrow structure): dz = -F_z^+ (F + F_p dp) at each configuration, so that its readings
+become h - A F + (h_p - A F_p) dp with A = h_z F_z^+, the implicit derivative, and only p is left. Rows that the unknown
+coordinates cannot meet (overconstrained mechanisms) are left over: they constrain p.
+
+What a group's readings cannot tell shows in the null space of their Jacobian only where the group's inclinations agree: a
+turn of the platform frame by w moves each deviation r from the group's mean by w x r, which no rank should count. Ranks are
+therefore judged at the nearest readings without error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determinant_signs, newton_configurations, solve_systems
+from symkin.calibration.estimate.model import Evaluation
+from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
+from symkin.numeric.rank import RANK_TOLERANCE
+
+PREDICTION_TOLERANCE = 1e-4
+"""A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+CONSTRAINT_WEIGHT = 1e6
+"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
+_RESTORATION_STEPS = 2
+"""Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
+
+_MAX_CONSISTENCY_STEPS = 6
+"""Gauss-Newton steps; deviations are small, so that three or four meet the tolerance."""
+
+_LONG_COLUMN_RATIO = 30.0
+"""Columns up to so many times as long as the median one are as they are where rank is judged; longer ones are made so long."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Parameters p (free, unscaled), unknown coordinates z (n, width), residuals and dr/dp (per scaled parameter), the
+    closure's pending correction (n, f), rows left over and their derivative (n, m, P), signs of det F_z."""
+
+    p: np.ndarray
+    z: np.ndarray
+    fit: Linearised
+    values: Evaluation
+    pending: np.ndarray
+    leftover: tuple[np.ndarray, np.ndarray] | None
+    determinant_signs: np.ndarray
+
+    def follow(self, step: np.ndarray) -> np.ndarray:
+        """Tangent steps (n, f) that keep the postures closed while the scaled parameters take a step."""
+        return np.asarray(-self.pending - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0])
+
+    @property
+    def cost(self) -> float:
+        return float(np.dot(self.fit.vector, self.fit.vector))
+
+
+def evaluate(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None = None
+) -> State:
+    """Closure and readings at (p, z), condensed to p."""
+    if problem.is_large:
+        return _evaluate_parts(problem, p, z, form, covariance)
+    e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+    pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
+    readings, reading_slopes_at, leftover = _condensed(e, pending)
+    fit = linearise(form, problem.readings, readings, reading_slopes_at, covariance)
+    if problem.prior is not None:
+        fit = replace(fit, prior=problem.prior_rows(p))
+    return State(p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
+
+
+def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+    """Readings corrected for the closure (n, K), their derivative (n, K, P), and what an overconstrained closure leaves."""
+    if e.rows_z.shape[1] == e.rows_z.shape[2]:
+        weights = solve_systems(e.rows_z.transpose(0, 2, 1), e.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
+        return e.readings - (weights @ e.rows[:, :, None])[:, :, 0], e.readings_p - weights @ e.rows_p, None
+    follow = solve_systems(e.rows_z, e.rows_p)
+    left = e.rows - (e.rows_z @ pending[:, :, None])[:, :, 0], e.rows_p - e.rows_z @ follow
+    return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
+
+
+def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
+    """Closure and readings of a state, without the condensation."""
+    return evaluate_at(problem, state.p, state.z)
+
+
+def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
+    """Closure and readings at (p, z), without the condensation; of a large problem only part by part."""
+    return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+
+
+def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Readings (n, K) at (p, z), part by part."""
+    made = np.zeros(problem.readings.values.shape)
+    for rows, part in problem.parts:
+        made[rows] = evaluate_at(part, p, z[rows]).readings
+    return made
+
+
+def reading_slopes_at(e: Evaluation) -> np.ndarray:
+    """dh/dp (n, K, P) with the postures following."""
+    return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]
+
+
+def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """Covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
+    width = len(problem.model.columns)
+    made = np.zeros((len(state.z), width, width))
+    for rows, part in problem.parts:
+        made[rows] = joint_covariance_at(part, state.p, state.z[rows])
+    return made
+
+
+def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The same at (p, z); of a large problem only part by part."""
+    sigma, model, joints = problem.measurements.sigma("joint"), problem.model, problem.measurements.joints
+    if sigma is None:
+        return np.zeros((len(z), len(model.columns), len(model.columns)))
+    e = evaluate_at(problem, p, z)
+    by_joint = e.readings_z @ solve_systems(e.rows_z, model.rows_by_joint(z, joints, p)) * sigma[:, None, :]
+    return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
+
+
+def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None) -> State:
+    """The state with the closure met to rounding."""
+    state = evaluate(problem, p, z, form, covariance)
+    for _ in range(2):
+        largest = np.max(np.abs(state.pending), initial=0.0)
+        if not 1e-15 * problem.model.closure.size < largest < np.inf:
+            break
+        if largest > PREDICTION_TOLERANCE * problem.model.closure.size:
+            z, _ = newton_configurations(problem.model, z, problem.measurements.joints, p)
+            state = evaluate(problem, p, z, form, covariance)
+        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
+    return state
+
+
+def state_after(
+    problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
+) -> State | None:
+    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
+    model = problem.model
+    p = state.p + model.scales * step
+    z = model.system.move(state.z, state.follow(step))
+    trial = evaluate(problem, p, z, form, covariance)
+    if not np.all(np.isfinite(trial.pending)):
+        return None
+    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTION_TOLERANCE * model.closure.size:
+        z, solved = newton_configurations(model, z, problem.measurements.joints, p, tolerance=1e2 * CLOSURE_TOLERANCE)
+        if not solved.all():
+            return None
+        trial = evaluate(problem, p, z, form, covariance)
+    return trial if np.isfinite(trial.cost) else None
+
+
+def restored_after(
+    move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray, null_space: np.ndarray
+) -> State | None:
+    """The state after a step that `move` makes, with the rows left over met again; None where a posture has no solution."""
+    trial = move(state, step)
+    for _ in range(_RESTORATION_STEPS):
+        if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
+            break
+        trial = move(trial, admissible_steps(trial, null_space)[1])
+    return trial
+
+
+def merit(state: State) -> float:
+    """The cost, with an exact penalty for rows left over."""
+    if state.leftover is None:
+        return state.cost
+    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.fit.jacobian), initial=1e-300))
+    return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
+
+
+def error_free_design(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """The design where the readings of each group agree (see `without_errors`): its null space is what no reading tells."""
+    return design(error_free_state(problem, state))
+
+
+def error_free_state(problem: CalibrationProblem, state: State) -> State:
+    other, z = without_errors(problem, state.p, state.z)
+    return evaluate(other, state.p, z, "means")
+
+
+# --- many postures -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class LargeState(State):
+    """A state of a large problem, without the derivatives of single postures: `values` is empty, and `fit` condensed."""
+
+    problem: CalibrationProblem
+
+    def follow(self, step: np.ndarray) -> np.ndarray:
+        moved = np.empty_like(self.pending)
+        for rows, part in self.problem.parts:
+            e = evaluate_at(part, self.p, self.z[rows])
+            moved[rows] = -self.pending[rows] - solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
+        return moved
+
+
+def _evaluate_parts(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None
+) -> LargeState:
+    """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the triangle of those before."""
+    width = len(problem.names)
+    known, by_known = problem.prior_rows(p) or (np.zeros(0), np.zeros((0, width)))
+    triangle, residuals = np.column_stack([by_known, known]), np.zeros(problem.readings.values.shape)
+    pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
+    for rows, part in problem.parts:
+        state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
+        residuals[rows], pending[rows], side[rows] = state.fit.residuals, state.pending, state.determinant_signs
+        below = np.column_stack([state.fit.matrix, state.fit.vector])
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
+    fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
+    nothing = np.zeros(0)
+    values = Evaluation(nothing, nothing, nothing, nothing, nothing, nothing)
+    return LargeState(p, z, fit, values, pending, None, side, problem)
+
+
+def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
+    """The problem with joint readings moved least (with the unknown coordinates, angles times the size) so that at p the
+    postures close and every group has one inclination; and the unknown coordinates there."""
+    readings, model = problem.readings, problem.model
+    if not readings.groups:
+        return problem, z
+    joints, size = problem.measurements.joints, model.closure.size
+    columns, inside = readings.columns, readings.inside
+    first, apart = readings.first[readings.group[inside]], readings.group < 0
+    units = np.array([1.0 / size if c.is_angular else 1.0 for c in model.closure.role("actuated")])
+    for _ in range(_MAX_CONSISTENCY_STEPS):
+        rows, rows_z, rows_q, h, h_z = model.tangent(z, joints, p)
+        gap, grouped = np.zeros((len(z), 2)), size * h_z[:, columns]
+        gap[inside] = h[inside][:, columns] - h[first][:, columns]
+        gap, grouped[apart] = size * (np.remainder(gap + np.pi, 2 * np.pi) - np.pi), 0.0
+        if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < CLOSURE_TOLERANCE * size:
+            break
+        free = rows_z.shape[2]
+        matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
+        matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = rows_z, rows_q * units, grouped
+        step = _shortest_steps(matrix, -np.concatenate([rows, gap], axis=1))
+        z, joints = model.system.move(z, step[:, :free]), joints + units * step[:, free:]
+    return replace(problem, measurements=replace(problem.measurements, joints=joints)), z
+
+
+def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Shortest solutions of n underdetermined systems: A^T (A A^T)^-1 b."""
+    transposed = matrix.transpose(0, 2, 1)
+    try:
+        return np.asarray(transposed @ np.linalg.solve(matrix @ transposed, right[:, :, None]))[:, :, 0]
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(matrix, rcond=1e-10) @ right[:, :, None])[:, :, 0]
+
+
+def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:
+    """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null space and the leftover
+    rows met. With `curved`, second derivatives of the residuals along a step, its acceleration: |curved + J d|^2 instead."""
+    matrix, right = state.fit.matrix, -(state.fit.vector if curved is None else curved)
+    basis, particular = admissible_steps(state, null_space)
+    particular = particular if curved is None else np.zeros(matrix.shape[1])
+    if basis is not None:
+        matrix, right = matrix @ basis, right - matrix @ particular
+    width = matrix.shape[1]
+    triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
+    r, b = triangle[:width, :width], triangle[:width, width]
+    if not np.all(np.isfinite(triangle)):
+        return np.full(state.fit.matrix.shape[1], np.inf)
+    if damping > 0.0:
+        norms = np.linalg.norm(r, axis=0)
+        lengths = np.maximum(norms, 1e-6 * np.max(norms, initial=0.0))
+        above = np.vstack([r, np.sqrt(damping) * np.diag(lengths)])
+        solution = np.linalg.lstsq(above, np.concatenate([b, np.zeros(width)]), rcond=None)[0]
+    elif r.shape[0] < width or np.min(np.abs(np.diag(r)), initial=np.inf) == 0.0:
+        solution = np.linalg.lstsq(r, b, rcond=None)[0]
+    else:
+        solution = np.linalg.solve(r, b)
+    return np.asarray(solution if basis is None else particular + basis @ solution)
+
+
+def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
+    """Basis of the steps that are allowed and one step that meets the leftover rows: all steps where it is None."""
+    count = state.fit.matrix.shape[1]
+    zero = np.zeros(count)
+    if state.leftover is None and null_space.shape[1] == 0:
+        return None, zero
+    rows, right = null_space.T, np.zeros(null_space.shape[1])
+    if state.leftover is not None:
+        rows = np.vstack([rows, state.leftover[1].reshape(-1, count)])
+        right = np.concatenate([right, -state.leftover[0].reshape(-1)])
+    left, singular, across = np.linalg.svd(rows, full_matrices=True)
+    kept = int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), 1e-9))) if len(singular) else 0
+    particular = across[:kept].T @ ((left[:, :kept].T @ right) / singular[:kept])
+    return across[kept:].T, particular
+
+
+def design(state: State) -> np.ndarray:
+    """dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
+    if state.leftover is None:
+        return state.fit.matrix
+    rows = state.leftover[1].reshape(-1, state.fit.matrix.shape[1])
+    return np.vstack([constraint_rows(rows, state), state.fit.matrix])
+
+
+def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
+    """Orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
+    _, singular, right = np.linalg.svd(rows, full_matrices=False)
+    kept = (
+        right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)] if len(singular) and singular[0] > 1e-9 else right[:0]
+    )
+    return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and told directions (P, P - k), judged with
+    very long columns made shorter: what is small beside an angle at a lever of kilometres is not rounding. `gap` is the
+    ratio of the singular values so judged on both sides of the rank, infinite where nothing is dropped."""
+
+    values: np.ndarray
+    null_space: np.ndarray
+    told: np.ndarray
+    gap: float
+
+    @property
+    def rank(self) -> int:
+        return int(self.told.shape[1])
+
+
+def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
+    """Rank and null space of a matrix. The null space has orthonormal columns; those of `told` are orthogonal to it and map to
+    orthogonal ones."""
+    if matrix.shape[0] > matrix.shape[1]:
+        matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
+    width = matrix.shape[1]
+    lengths = _usual_lengths(np.linalg.norm(matrix, axis=0))
+    (values, right), (even, across) = (_singular(m) for m in (matrix, matrix / lengths))
+    rank = _rank(even, tolerance)
+    dropped = float(even[rank]) if rank < width else 0.0
+    directions = across.T / lengths[:, None]
+    null_space = right[rank:].T if _rank(values, tolerance) == rank else np.linalg.qr(directions[:, rank:])[0]
+    told = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
+    return Spectrum(values, null_space, told, float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"))
+
+
+def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Singular values (P,) and right singular vectors as rows (P, P)."""
+    _, values, right = np.linalg.svd(matrix, full_matrices=True)
+    return np.concatenate([values, np.zeros(matrix.shape[1] - len(values))]), right
+
+
+def _rank(values: np.ndarray, tolerance: float) -> int:
+    return int(np.sum(values > tolerance * np.max(values, initial=1e-300)))
+
+
+def _usual_lengths(norms: np.ndarray) -> np.ndarray:
+    """Lengths of columns, those that are not much longer than the median as that; 1 where all are zero."""
+    usual = _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
+    return np.asarray(np.maximum(norms, usual))
+
+
+def null_directions(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """Orthonormal columns (P, k) along which no residual changes, to first order."""
+    return spectrum(matrix, tolerance).null_space

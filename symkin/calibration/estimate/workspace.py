@@ -1,0 +1,294 @@
+"""Draw closed configurations at random in a workspace, within joint limits and on home's side of singularities.
+
+A configuration is drawn as a pose: the middle of the platform's joint points within `half` of its place at home, and the
+orientation R = Rz(gamma) Ry(beta) Rx(alpha) R_home with |alpha|, |beta| <= `tilt` and |gamma| <= `spin`. Home is the
+reference pose, or that of the worked example where the reference is much nearer to a singularity. Configurations that share
+(alpha, beta) have the same inclination R^T e_z. Platforms that cannot take the pose take the nearest one with that
+inclination; serial arms are drawn by their joints.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.configurations import (
+    AllCoordinates,
+    ClosedConfigurations,
+    JointsOfPose,
+    determinant_signs,
+    solve_systems,
+    with_pose,
+)
+from symkin.calibration.estimate.model import ConfigurationModel, build_model
+from symkin.closure.closure import build_closure
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.position.given import pose_from
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
+
+DEFAULT_REACH = 0.15
+"""Half width of the default workspace, over the size."""
+DEFAULT_TILT = math.radians(20)
+"""Default range of each inclination and of the turn about z."""
+_ARM_SWING = math.radians(60)
+"""Half range of an arm's angle that has no limits."""
+_MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
+"""Least number of postures drawn at once, and the draws without a new posture after which no more are made."""
+
+_POORER_CONDITION = 3.0
+"""The example is home where the reference is conditioned worse by this factor."""
+_SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
+"""Condition of the direct problem above which home counts as singular, and how many times home's that of a posture may be."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """Half widths (3,) about home in the length unit; tilt and spin in radians; `margin` is the share of each joint's
+    range that is kept free at both its limits. `start` is another home."""
+
+    mechanism: Mechanism
+    half: np.ndarray
+    tilt: float = DEFAULT_TILT
+    spin: float = DEFAULT_TILT
+    margin: float = 0.0
+    start: Pose | None = None
+
+    def __post_init__(self) -> None:
+        half = np.asarray(self.half, dtype=float)
+        if half.shape != (3,) or not np.all(np.isfinite(half)) or np.any(half < 0) or min(self.tilt, self.spin) < 0:
+            raise InputError(f"workspace: half widths {half.tolist()} and angles must be three numbers and not negative")
+        if self.tilt >= 0.5 * math.pi:
+            raise InputError(f"workspace: a tilt of {math.degrees(self.tilt):g} deg is too large; allowed: below 90 deg")
+        object.__setattr__(self, "half", half)
+
+    @staticmethod
+    def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
+        """The default workspace: 0.15 of the size and 20 deg about home."""
+        return Workspace(mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.size] * 3), **options)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the description alone: what closes postures holds functions, and is made again where it is needed."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """Middle of the platform's joint points, in the platform frame."""
+        return np.asarray(np.mean(platform_points(self.mechanism), axis=0))
+
+    @cached_property
+    def home(self) -> Pose:
+        return home_pose(self.mechanism) if self.start is None else self.start
+
+    @cached_property
+    def closing(self) -> ClosureSolver:
+        return ClosureSolver(self.mechanism, self.home, self.margin)
+
+    def inclinations(self, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Random (alpha, beta), (count, 2)."""
+        return rng.uniform(-self.tilt, self.tilt, (count, 2))
+
+    def draw(
+        self, inclinations: np.ndarray, rng: np.random.Generator, *, held: bool = True, edge: float = 1.0
+    ) -> ClosedConfigurations:
+        """One posture for each (alpha, beta); with `held` every posture has exactly its inclination. With `edge` above 1
+        positions and turns are drawn from so many times the workspace and brought back to its border.
+
+        Raises InputError where too few draws close within the limits."""
+        found: list[ClosedConfigurations | None] = [None] * len(inclinations)
+        drawn, idle = 0, 0
+        while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _MAX_IDLE_DRAWS:
+            chosen = np.array((missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))])
+            drawn, idle = drawn + len(chosen), idle + len(chosen)
+            wanted = inclinations[chosen]
+            made, good = self.closing.close(self._starts(wanted, rng, edge), wanted if held else None)
+            for row in np.flatnonzero(good):
+                if found[chosen[row]] is None:
+                    found[chosen[row]], idle = made.take(np.array([row])), 0
+        if missing:
+            text = ", ".join(f"{math.degrees(a):g}" for a in inclinations[missing[0]])
+            raise InputError(
+                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of {len(inclinations)} postures were found in "
+                f"{drawn} draws within joint limits and away from singularities (none for alpha, beta = {text} deg); use a smaller "
+                "workspace or inclinations that the platform can take"
+            )
+        return ClosedConfigurations.joined([c for c in found if c is not None])
+
+    def near(
+        self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
+    ) -> tuple[ClosedConfigurations, np.ndarray]:
+        """Closed configurations near given ones, moved by `scale` of the workspace, and the numbers of those they are near
+        to; moves end at the workspace's borders."""
+        at_home, moved = self.home.apply(self.centre), np.array(around.values)
+        for k, row in enumerate(around.poses):
+            pose = Pose(row[:3], row[3:])
+            alpha, beta, gamma = euler_from_quaternion(multiply(pose.quaternion, conjugate(self.home.quaternion)), "xyz")
+            gamma = np.clip(gamma + scale * self.spin * rng.uniform(-1, 1), -self.spin, self.spin)
+            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), self.home.quaternion)
+            away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
+            middle = at_home + np.clip(away, -self.half, self.half)
+            moved[k] = with_pose(self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+        made, good = self.closing.close(moved, inclinations)
+        kept = np.flatnonzero(good & self.holds(made))
+        return made.take(kept), kept
+
+    def at(self, poses: np.ndarray, inclinations: np.ndarray | None) -> tuple[ClosedConfigurations, np.ndarray]:
+        """Closed configurations at poses (n, 7), turned to inclinations where they are given, and which of them are good;
+        limits do not count."""
+        reference = build_closure(self.mechanism).reference
+        starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
+        return self.closing.close(starts, inclinations, limits=False)
+
+    def holds(self, made: ClosedConfigurations) -> np.ndarray:
+        """Which postures of a platform have their middle within the box (n,); an arm's workspace is its joints' range."""
+        if self.mechanism.serial:
+            return np.ones(len(made), dtype=bool)
+        at_home = self.home.apply(self.centre)
+        middles = np.array([Pose(row[:3], row[3:]).apply(self.centre) for row in made.poses])
+        return np.asarray(np.all(np.abs(middles - at_home) <= self.half * (1 + 1e-9), axis=1))
+
+    def _starts(self, inclinations: np.ndarray, rng: np.random.Generator, edge: float) -> np.ndarray:
+        closure = build_closure(self.mechanism)
+        starts = np.tile(closure.reference, (len(inclinations), 1))
+        if self.mechanism.serial:
+            for c in closure.role("actuated"):
+                low, high = c.limits or _default_range(c, self.mechanism.size)
+                starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
+            return self.closing.with_tool(starts)
+        at_home = self.home
+        for k, (alpha, beta) in enumerate(inclinations):
+            share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)
+            gamma = self.spin * share[3]
+            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), at_home.quaternion)
+            middle = at_home.apply(self.centre) + self.half * share[:3]
+            starts[k] = with_pose(self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+        return starts
+
+
+def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
+    reach = _ARM_SWING if c.is_angular else DEFAULT_REACH * size
+    return c.reference[0] - reach, c.reference[0] + reach
+
+
+def platform_points(mechanism: Mechanism) -> np.ndarray:
+    """Joint points of the platform in its frame (n, 3): ends of rods, and the last joint of each other limb."""
+    points = [np.array(limb.platform) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    inverse = mechanism.reference_pose.inverse()  # points of joints are given at the reference
+    for limb in mechanism.limbs:
+        if not isinstance(limb, RodLimb):
+            points += [np.array(rod.platform) for rod in limb.rods] or [inverse.apply(mechanism.places[limb.joints[-1].name])]
+    return np.array(points)
+
+
+class ClosureSolver:
+    """Newton on the closure for many postures at once: first the joints for the pose, then all coordinates together."""
+
+    def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
+        self.mechanism, self.closure, self.home, self.margin = mechanism, build_closure(mechanism), home, margin
+        self._model = build_model(mechanism, Measurements(np.zeros((1, len(mechanism.actuated)))), ())
+        self._joints = JointsOfPose(self.closure)
+        self._whole = AllCoordinates(self.closure, home, held=False)
+        self._held = AllCoordinates(self.closure, home, held=True)
+
+    def close(
+        self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
+    ) -> tuple[ClosedConfigurations, np.ndarray]:
+        """Closed configurations near the starts and which of them are good: closed, with the inclination where one is
+        given, within limits, regular, and on the reference's side."""
+        nothing = np.zeros((len(starts), 0))
+        with np.errstate(all="ignore"):
+            values = self._joints.solve(starts)
+            known = nothing if inclinations is None else inclinations
+            values, closed = (self._whole if inclinations is None else self._held).newton(values, known)
+            z, joints = self.split(values)
+            _, rows_z = self._model.rows(z, joints, np.zeros(0))
+            made = ClosedConfigurations(values, joints, self._model.poses(z, np.zeros(0)))
+            good = closed & self._regular(rows_z)
+            if limits:
+                good &= self._within_limits(values)
+        return made, good
+
+    def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Unknown coordinates of the direct problem, and actuated joints."""
+        count = len(self.mechanism.actuated)
+        return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
+
+    def with_tool(self, values: np.ndarray) -> np.ndarray:
+        """The tool of an arm at its joints."""
+        z, joints = self.split(values)
+        system = self._model.system
+        for _ in range(30):
+            rows, rows_z = self._model.rows(z, joints, np.zeros(0))
+            z = system.move(z, -solve_systems(rows_z, rows[:, :, None])[:, :, 0])
+        return np.hstack([joints, z])
+
+    def _within_limits(self, values: np.ndarray) -> np.ndarray:
+        good = np.all(np.isfinite(values), axis=1)
+        for c in self.closure.coordinates:
+            column = values[:, self.closure.slices[c.name].start]
+            if c.limits is not None:
+                kept = self.margin * (c.limits[1] - c.limits[0])
+                turn = 2 * math.pi * np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12) if c.kind == "angle" else 0.0
+                good &= (column + turn >= c.limits[0] + kept) & (column + turn <= c.limits[1] - kept)
+            elif c.least is not None:
+                good &= column > c.least
+        return np.asarray(good)
+
+    @cached_property
+    def _at_home(self) -> tuple[float, float]:
+        """Sign of det F_z at home, 0 where F_z is not square, and the condition of F_z."""
+        start = self._joints.solve(with_pose(self.mechanism, self.closure.reference, self.home)[None])
+        return _side_and_condition(self._model, *self.split(start))
+
+    def _regular(self, rows_z: np.ndarray) -> np.ndarray:
+        if rows_z.shape[2] == 0:
+            return np.ones(len(rows_z), dtype=bool)
+        side, condition = self._at_home
+        singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
+        worst = _WORSE_CONDITION * condition if condition < _SINGULAR_CONDITION else _SINGULAR_CONDITION
+        return np.asarray((singular[:, -1] * worst > singular[:, 0]) & (determinant_signs(rows_z) * side >= 0))
+
+
+def home_pose(mechanism: Mechanism) -> Pose:
+    """The reference pose; the pose of the worked example where the file says no reference, or where the direct problem is conditioned
+    much better there."""
+    example, reference = mechanism.example, mechanism.reference_pose
+    given = None if example is None else example.pose or (example.start if example.joints is not None else None)
+    if mechanism.serial or given is None or len(given) != 7:
+        return reference
+    closure, count = build_closure(mechanism), len(mechanism.actuated)
+    model = build_model(mechanism, Measurements(np.zeros((1, count))), ())
+    shown = pose_from(given, "example")
+    if not states_reference(mechanism):
+        return shown
+    values = JointsOfPose(closure).solve(np.array([with_pose(mechanism, closure.reference, pose) for pose in (reference, shown)]))
+    here, there = (_side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1] for row in values)
+    return shown if here > _POORER_CONDITION * there else reference
+
+
+def states_reference(mechanism: Mechanism) -> bool:
+    """Whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the origin."""
+    return any(mechanism.platform_position) or not all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
+
+
+def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:
+    _, rows_z = model.rows(z, joints, np.zeros(0))
+    condition = float(np.linalg.cond(rows_z[0])) if rows_z.shape[2] else 1.0
+    return float(determinant_signs(rows_z)[0]) if condition < _SINGULAR_CONDITION else 0.0, condition
+
+
+def lever(mechanism: Mechanism) -> float:
+    """Length by which angles are compared with positions: root mean square distance of the platform's joint points from
+    their middle; where they coincide, a quarter of the size."""
+    points = platform_points(mechanism)
+    spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
+    return spread if spread > 1e-9 * mechanism.size else 0.25 * mechanism.size

@@ -1,0 +1,1 @@
+"""What an estimate is worth: identifiability, statistics, outliers, predictions, and mistakes in the data."""

@@ -1,0 +1,225 @@
+"""Find the Euler sequence that the angles of a file follow: each one is tried, and the fit decides.
+
+About moving axes (capitals) the angles of the columns 1, 2, 3 turn in this order about the axes named; about fixed axes (small
+letters) likewise. A sequence about moving axes is the reversed one about fixed axes with the angles in reversed order, so that
+twenty-four remain for columns in a given order; those that give the same rotations for all rows are one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.data.columns import SEQUENCES
+from symkin.calibration.data.files import DataFile, euler_quaternions
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.configurations import newton_configurations, start_points
+from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.estimate.solver import estimate
+from symkin.calibration.estimate.starting import with_starts
+from symkin.calibration.estimate.state import design, spectrum
+from symkin.calibration.judge.plausibility import MAX_NOISE_RATIO
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+
+_TRIAL_ROWS = 60
+"""Postures that the trial fits use, spread evenly over the file."""
+_FITTED_SEQUENCES = 4
+"""Sequences, the best by their residuals before the fit, that are fitted."""
+_CLEAR_RATIO = 4.0
+"""The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
+_UNCLOSED_MISFIT = 0.1
+"""A posture that does not close counts as one whose readings are off by this share of the size (angles: radians), and no posture
+counts as more: the sequence that explains most of the postures is wanted, and not the one that leaves out what it does not."""
+
+
+@dataclass(frozen=True)
+class SequenceTrial:
+    """A trial fit: chi-square over all postures, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
+    whether standard deviations are known."""
+
+    chi_square: float
+    degrees: int
+    known: bool
+
+    @property
+    def score(self) -> float:
+        """Chi-square per degree of freedom."""
+        return self.chi_square / self.degrees
+
+    def better_than(self, other: SequenceTrial) -> bool:
+        """Whether the data tell the two apart: far more than noise can make of equal fits, and the other is worse than noise."""
+        ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
+        if self.known:
+            return ratio > _CLEAR_RATIO and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
+        return ratio > _CLEAR_RATIO and f_tail(ratio, other.degrees, self.degrees) < SIGNIFICANCE
+
+
+@dataclass(frozen=True)
+class SequenceChoice:
+    """The sequence that fits and those that read the same from these data; the trial fits of it and of the runner-up (None where
+    no other could be fitted), over the same `postures`."""
+
+    sequence: str
+    same: tuple[str, ...]
+    best: SequenceTrial
+    runner_up: str | None
+    second: SequenceTrial | None
+    postures: int
+
+    @property
+    def chi_square(self) -> float:
+        return self.best.chi_square
+
+    @property
+    def runner_up_chi_square(self) -> float | None:
+        return None if self.second is None else self.second.chi_square
+
+    @property
+    def clear(self) -> bool:
+        return self.second is None or self.best.better_than(self.second)
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether even the best leaves residuals beyond any noise."""
+        return self.best.known and self.best.score > MAX_NOISE_RATIO**2
+
+    @property
+    def none_fits(self) -> str:
+        """What is said where the fit in this sequence is not to be used."""
+        return (
+            f"no Euler sequence led to a fit that can be used; the nearest was {describe_sequence(self.sequence)}, chi-square per degree of "
+            f"freedom {self.best.score:.3g}"
+        )
+
+    def __str__(self) -> str:
+        also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
+        other = "no other sequence could be fitted"
+        if self.second is not None:
+            other = f"the next best, {self.runner_up}, has {self.second.chi_square:.4g} with {self.second.degrees}"
+        doubt = (
+            ""
+            if self.clear
+            else "; these data cannot tell the sequence: name it in the header, or take more postures and larger angles"
+        )
+        return (
+            f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: chi-square {self.chi_square:.4g} with "
+            f"{self.best.degrees} degrees of freedom over {self.postures} postures, {other}{doubt}"
+        )
+
+
+def describe_sequence(sequence: str) -> str:
+    """'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
+    other = sequence[::-1].swapcase()
+    here, there = ("moving", "fixed") if sequence.isupper() else ("fixed", "moving")
+    return f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed order)"
+
+
+def find_sequence(
+    mechanism: Mechanism, data: DataFile, progress: Callable[[int, int], None] | None = None, **options: Any
+) -> SequenceChoice:
+    """The sequence of the file's open Euler angles; `options` are those of `calibrate`.
+
+    Raises InputError where no sequence leads to a fit."""
+    if data.open_euler is None:
+        raise InputError(f"{data.path}: the file has no Euler angles of unknown sequence")
+    rows = np.unique(np.linspace(0, len(data.measurements) - 1, _TRIAL_ROWS).astype(int))
+    families = _equal_sequences(data.open_euler)
+    trials = {family[0]: data.with_sequence(family[0]).subset(rows) for family in families}
+    starts = {s: _trial_start(mechanism, trials[s], options) for s in trials}
+    ranked = sorted((s for s in trials if starts[s].solved.any()), key=lambda s: starts[s].misfit)
+    if not ranked:
+        raise InputError(f"{data.path}: no Euler sequence leads to a fit; check units and the order of the columns")
+    fitted: dict[str, SequenceTrial] = {}
+    untold = False
+    for sequence in ranked:
+        if progress is not None:
+            progress(len(fitted), _FITTED_SEQUENCES)
+        trial = starts[sequence].fitted(mechanism, options)
+        if trial is not None:
+            fitted[sequence] = trial
+        untold |= trial is None and bool(starts[sequence].solved.all())
+        if len(fitted) == _FITTED_SEQUENCES:
+            break
+    if untold or not fitted:
+        raise InputError(
+            f"{data.path}: {len(data.measurements)} postures have no more readings than there are parameters, so that every Euler "
+            "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold parameters, or add postures"
+        )
+    best, *others = sorted(fitted, key=lambda s: fitted[s].score)
+    same = next(family for family in families if family[0] == best)[1:]
+    second = others[0] if others else None
+    return SequenceChoice(best, same, fitted[best], second, None if second is None else fitted[second], len(rows))
+
+
+def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
+    """Sequences that read the same rotations from all rows, together."""
+    found: list[tuple[np.ndarray, list[str]]] = []
+    given = angles[np.all(np.isfinite(angles), axis=1)]
+    for sequence in SEQUENCES:
+        q = euler_quaternions(given, sequence)
+        for known, names in found:
+            if np.all(np.abs(np.sum(known * q, axis=1)) > 1 - 1e-12):
+                names.append(sequence)
+                break
+        else:
+            found.append((q, [sequence]))
+    return [tuple(names) for _, names in found]
+
+
+@dataclass(frozen=True, eq=False)
+class _TrialStart:
+    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, postures z there, which of
+    them close, and how badly the readings fit (angles times the size; a posture that does not close counts as one size)."""
+
+    measurements: Measurements
+    p: np.ndarray
+    z: np.ndarray
+    solved: np.ndarray
+    misfit: float
+
+    def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> SequenceTrial | None:
+        """A fit over the postures that close, the others counted as misfit; None where all readings leave no degree of freedom."""
+        problem = _problem(mechanism, self.measurements.subset(self.solved), options)
+        state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
+        if not np.all(np.isfinite(state.fit.vector)):
+            return None
+        rank, whole = spectrum(design(state)).rank, _problem(mechanism, self.measurements, options)
+        if whole.readings.count <= rank:
+            return None
+        most = _largest_squares(whole)
+        squares = np.minimum(np.sum(state.fit.residuals**2, axis=1), most[self.solved])
+        chi_square = float(np.sum(squares) + np.sum(most[~self.solved]))
+        return SequenceTrial(chi_square, whole.readings.count - rank, whole.readings.known)
+
+
+def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
+    """What each posture counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their standard deviations."""
+    weights = [1.0 if kind in ANGULAR else problem.model.closure.size for kind, _ in problem.model.columns]
+    return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * np.array(weights)) ** 2, axis=1))
+
+
+def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> CalibrationProblem:
+    chosen = {k: options[k] for k in ("parameters", "fixed", "residual") if k in options}
+    return build_calibration(mechanism, measurements, **chosen)
+
+
+def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> _TrialStart:
+    measurements = with_starts(mechanism, measurements)
+    problem = _problem(mechanism, measurements, options)
+    model = problem.model
+    first = parameters_from_poses(model, measurements)
+    p = model.nominal if first is None else first
+    with np.errstate(all="ignore"):
+        z, solved = newton_configurations(model, start_points(model, measurements), measurements.joints, p)
+        p = fit_measuring_frames(problem, z, p, solved)
+        gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
+    weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
+    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)
+    return _TrialStart(measurements, p, z, solved, float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)))

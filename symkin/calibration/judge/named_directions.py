@@ -1,0 +1,266 @@
+"""Name directions in parameter space along which nothing that is read may change.
+
+Moving the base frame or the platform frame, stretching everything, shifting a joint's point along its axis, shifting the offsets of
+parallel axes: each is a velocity of every parameter of the mechanism. A direction that lies in the null space of the identification
+Jacobian is what the readings cannot tell, and has a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import reduce
+from operator import matmul
+
+import numpy as np
+
+from symkin.calibration.data.parameters import AXES, Velocity, vector_values, vector_velocity, written_freedoms
+from symkin.calibration.estimate.model import ConfigurationModel
+from symkin.model.dh import DHTable
+from symkin.model.joint import Joint
+from symkin.model.limb import Limb, RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
+
+_TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
+
+NEARLY_PARALLEL = 0.01
+"""Axes whose twist from parallel is less than this (radians) are nearly parallel: their offsets are told by little."""
+
+
+def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """(name, scaled direction over the model's parameters) of every known change at p, most telling first. A change
+    that would need a parameter that is held is left out."""
+    values = dict(zip(model.names, p, strict=True))
+    for name, velocity in _all_motions(model.mechanism, all_values(model, p)):
+        moved = {k: v for k, v in velocity.items() if abs(v) > 1e-14}
+        if not moved or any(k not in values for k in moved):
+            continue
+        direction = np.array([moved.get(n, 0.0) for n in model.names]) / model.scales
+        yield name, direction / np.linalg.norm(direction)
+
+
+def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
+    """Values of all parameters by name: nominal, those of the model's as p has them."""
+    return _nominal_values(model) | dict(zip(model.names, map(float, p), strict=True))
+
+
+def _nominal_values(model: ConfigurationModel) -> Velocity:
+    from symkin.closure.closure import build_closure
+
+    closure = build_closure(model.mechanism)
+    table = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
+    for c in model.mechanism.actuated:
+        table[f"{c.name}.scale"] = 1.0
+    return table
+
+
+def _all_motions(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+    if mechanism.dh is None:
+        yield from _frames(mechanism, values)
+    yield from written_freedoms(mechanism, values)
+    yield from _measuring(mechanism, values)
+    yield "size of the whole mechanism", _stretched(mechanism, values)
+    scales = {n: v for n, v in values.items() if n.endswith(".scale")}
+    lengths = {f"{c.name}.scale": 1.0 for c in mechanism.actuated if not c.is_angular}
+    if scales and lengths:
+        yield "size of the whole mechanism with the factors of all length readings", _stretched(mechanism, values) | lengths
+
+
+# --- frames --------------------------------------------------------------------------------------------------------
+
+
+def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+    for frame, move in (("base frame", _base_moved), ("platform frame", _platform_moved)):
+        label = frame if frame == "base frame" or not mechanism.serial else "tool frame"
+        for k, axis in enumerate(AXES):
+            yield f"{label} translation {axis}", move(mechanism, values, np.eye(3)[k], np.zeros(3))
+        for k, turn in enumerate(_TURNS):
+            text = turn if frame == "base frame" else f"rotation about {AXES[k]}"
+            yield f"{label} {text}", move(mechanism, values, np.zeros(3), np.eye(3)[k])
+
+
+def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+    """The frame that readings are taken in, moved against the frame of the mechanism that it is fixed to; of the target frame also
+    the position alone, which is all that positions tell."""
+    for text, velocity, (t, w) in (*_base_twists(mechanism, values), *_platform_twists(mechanism, values)):
+        if text.startswith("world"):
+            yield text, velocity | _world_moved(values, t, w)
+            continue
+        moved = _target_moved(values, t, w)
+        yield text, velocity | moved
+        yield text, velocity | {name: v for name, v in moved.items() if ".position." in name}
+
+
+_Twisted = tuple[str, Velocity, tuple[np.ndarray, np.ndarray]]
+"""Text, velocity of the mechanism's parameters and the twist (t, w) that it gives one of the mechanism's ends."""
+
+
+def _base_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
+    if mechanism.dh is not None:
+        for key, before, _, (t, w) in _elements(mechanism.dh, values, 1):
+            yield f"world frame with dh.1.{key}", {f"dh.1.{key}": 1.0}, _seen(before, t, w)
+        return
+    for k, axis in enumerate(AXES):
+        for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
+            yield f"world frame {what} {axis} with the base frame", _base_moved(mechanism, values, t, w), (t, w)
+
+
+def _platform_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
+    if mechanism.dh is not None:
+        last = len(mechanism.dh.rows)
+        for key, _, after, (t, w) in _elements(mechanism.dh, values, last):
+            yield f"target frame with dh.{last}.{key}", {f"dh.{last}.{key}": 1.0}, _seen(after.inverse(), t, w)
+        return
+    for k, axis in enumerate(AXES):
+        for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
+            yield f"target frame {what} {axis} with the platform frame", _platform_moved(mechanism, values, t, w), (t, w)
+
+
+def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """World frame W when W exp(t, w) stays: the base frame has moved by the twist in its own axes."""
+    r = vector_values(values, "world.rotation")
+    turned = rotate(np.asarray(quaternion_from_rotation_vector(r)), t)
+    return vector_velocity("world.position", -np.asarray(turned)) | vector_velocity(
+        "world.rotation", -_rotation_vector_rate(r, w, 1.0)
+    )
+
+
+def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """Target frame T when exp(t, w) T stays: the platform frame has moved by the twist in its own axes."""
+    r, p = vector_values(values, "target.rotation"), vector_values(values, "target.position")
+    return vector_velocity("target.position", -(t + np.cross(w, p))) | vector_velocity(
+        "target.rotation", -_rotation_vector_rate(r, w, -1.0)
+    )
+
+
+def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarray:
+    """Rate of the rotation vector r at an angular velocity w in the turned axes (side 1) or the fixed ones (-1)."""
+    half = 0.5 * float(np.linalg.norm(r))
+    if half < 1e-9:
+        return w + side * 0.5 * np.cross(r, w)
+    axis, share = r / (2.0 * half), half / np.tan(half)
+    return np.asarray(share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w))
+
+
+def _elements(
+    table: DHTable, values: Mapping[str, float], number: int
+) -> Iterator[tuple[str, Pose, Pose, tuple[np.ndarray, np.ndarray]]]:
+    """The four elementary motions of a row: key, what stands before and after it in the row, and its twist."""
+    keys = ("theta", "d", "a", "alpha") if table.convention == "standard" else ("alpha", "a", "theta", "d")
+    axes = {key: np.eye(3)[2 if key in ("theta", "d") else 0] for key in keys}
+
+    def pose(key: str) -> Pose:
+        value, axis = values.get(f"dh.{number}.{key}", 0.0), axes[key]
+        if key in ("d", "a"):
+            return Pose(value * axis, np.array([1.0, 0.0, 0.0, 0.0]))
+        return Pose(np.zeros(3), np.asarray(quaternion_from_rotation_vector(value * axis)))
+
+    for k, key in enumerate(keys):
+        before, after = (reduce(matmul, map(pose, part), Pose.identity()) for part in (keys[:k], keys[k + 1 :]))
+        yield key, before, after, (axes[key], np.zeros(3)) if key in ("d", "a") else (np.zeros(3), axes[key])
+
+
+def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A twist of a frame, seen from where the frame stands."""
+    turned = np.asarray(frame.turn(w))
+    return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
+
+
+def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """Everything given in the base frame moves by the twist (t, w)."""
+    velocity: Velocity = {}
+
+    def point(path: str) -> None:
+        _put(velocity, path, t + np.cross(w, vector_values(values, path)))
+
+    def direction(path: str) -> None:
+        _put(velocity, path, np.cross(w, vector_values(values, path)))
+
+    for limb in mechanism.limbs:
+        if isinstance(limb, RodLimb):
+            point(f"{limb.name}.base")
+            continue
+        _each_joint(mechanism, limb, point, direction)
+        for k in range(1, len(limb.rods) + 1):
+            point(f"{limb.name}.rod{k}.from")
+    frame = "tool" if mechanism.serial else "platform"
+    if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
+        _put(velocity, f"{frame}.position", t + np.cross(w, vector_values(values, f"{frame}.position")))
+        q = vector_values(values, f"{frame}.quaternion", "wxyz")
+        _put(velocity, f"{frame}.quaternion", 0.5 * np.asarray(multiply(np.array([0.0, *w]), q)), "wxyz")
+    return {k: v for k, v in velocity.items() if k in values or abs(v) > 1e-14}
+
+
+def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+    """The platform frame moves by the twist (t, w) in its own axes; what is given in it moves the other way."""
+    velocity: Velocity = {}
+    for limb in mechanism.limbs:
+        paths = [f"{limb.name}.platform"] if isinstance(limb, RodLimb) else []
+        if isinstance(limb, Limb):
+            paths = [f"{limb.name}.rod{k}.platform" for k in range(1, len(limb.rods) + 1)]
+        for path in paths:
+            _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
+    frame = "tool" if mechanism.serial else "platform"
+    if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
+        q = vector_values(values, f"{frame}.quaternion", "wxyz")
+        _put(velocity, f"{frame}.position", np.asarray(rotate(q / np.linalg.norm(q), t)))
+        _put(velocity, f"{frame}.quaternion", 0.5 * np.asarray(multiply(q, np.array([0.0, *w]))), "wxyz")
+    return velocity
+
+
+def _stretched(mechanism: Mechanism, values: Mapping[str, float]) -> Velocity:
+    """Every length grows in proportion."""
+    turning = {j.name for _, j in mechanism.joints if j.type in ("R", "H")}
+
+    def is_length(name: str) -> bool:
+        pieces = name.split(".")
+        if pieces[-1] == "zero":
+            return pieces[-2] not in turning
+        if pieces[-1] in ("theta", "alpha", "scale") or pieces[0] in ("world", "target"):
+            return False
+        return pieces[-2] not in ("axis", "axis2", "quaternion")
+
+    return {name: value for name, value in values.items() if is_length(name)}
+
+
+def _each_joint(mechanism: Mechanism, limb: Limb, point: Callable[[str], None], direction: Callable[[str], None]) -> None:
+    joints: list[Joint] = list(limb.joints)
+    for joint in joints:
+        path = joint.name if mechanism.serial else f"{limb.name}.{joint.name}"
+        point(f"{path}.point")
+        for key in ("axis", "axis2"):
+            if getattr(joint, key) is not None:
+                direction(f"{path}.{key}")
+
+
+def _put(velocity: Velocity, path: str, value: np.ndarray, letters: str = "xyz") -> None:
+    velocity.update(vector_velocity(path, value, letters))
+
+
+def parallel_offsets(
+    mechanism: Mechanism, values: Mapping[str, float], within: float = 0.0
+) -> Iterator[tuple[str, dict[str, float]]]:
+    """(name, velocity of parameters) for neighbouring rows whose axes are parallel to rounding, or `within` an angle: the offset d of
+    one and that of the next move the tool alike."""
+    if mechanism.dh is None:
+        return
+    rows, standard = mechanism.dh.rows, mechanism.dh.convention == "standard"
+    for k in range(1, len(rows)):
+        twist = values[f"dh.{k if standard else k + 1}.alpha"]
+        if abs(np.sin(twist)) <= max(within, 1e-12):
+            names = " and ".join(mechanism.actuated[i].name for i in (k - 1, k))
+            other = -1.0 if np.cos(twist) > 0 else 1.0
+            yield (
+                f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d is told",
+                {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": other},
+            )
+
+
+def nearly_parallel(mechanism: Mechanism, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Pairs of neighbouring axes that are parallel or nearly so, by name."""
+    if mechanism.dh is None:
+        return ()
+    return tuple(
+        text.split(":")[0].removeprefix("parallel axes ") for text, _ in parallel_offsets(mechanism, values, NEARLY_PARALLEL)
+    )

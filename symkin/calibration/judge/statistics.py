@@ -1,0 +1,354 @@
+"""Compute the statistics of a fit: the linear model of its readings, chi-square and F, covariance, curvature.
+
+The whitened residuals of all readings (joint noise included, see `residuals`) are e = (1 - Q Q^T) r with Q an orthonormal basis
+of what the fit may absorb: the unknown inclination of each group and the parameters' columns. The part of the groups is block
+diagonal and is kept as two columns, each group's own rows of them; the rest, orthogonal to it, is dense and as wide as there
+are parameters. In the linear range |e|^2 has the chi-square distribution with as many degrees of freedom as there are readings
+left, whichever form of the residuals was minimised.
+
+Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
+combination of parameters that the readings tell least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
+the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure of its error
+(curvature by the parameters, Bates and Watts 1980).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.residuals import Readings, deviations, group_basis, group_sum, neighbours, whitening
+from symkin.calibration.estimate.state import (
+    State,
+    closed_state,
+    error_free_design,
+    evaluate,
+    evaluate_at,
+    evaluate_readings,
+    joint_covariance,
+    joint_covariance_at,
+    reading_slopes_at,
+    spectrum,
+)
+from symkin.numeric.rank import RANK_TOLERANCE
+
+if TYPE_CHECKING:
+    pass
+
+_BLOCK_ROWS = 20_000
+"""Rows that are multiplied at once where there are many."""
+
+_DOUBLE_BITS = 53
+"""Bits of tail probabilities."""
+SIGNIFICANCE = 1e-3
+"""Tail probability on either side of chi-square beyond which the stated noise does not explain the residuals."""
+
+DOUBTFUL_CURVATURE = 0.5
+"""Share of its standard deviation from which a parameter's is called doubtful."""
+_WEAKEST_DIRECTIONS = 3
+"""Directions that are tried: with those that are told better curvature falls by the square of their deviation."""
+_BETTER_SHARE = 0.8
+"""Share of the postures, those that fit better, by which fits are compared: single bad rows do not count."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """Whitened residuals e (N,) after projection, N = n K; `own` (N, 2), the orthonormal columns of each row's group, whose
+    number is `group` (N,), -1 for none; `shared` (N, k), the rest of the basis; which rows hold a reading (N,), and the
+    transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows after those.
+    `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but for a form of
+    residuals that weighs otherwise than joint noise and correlation ask."""
+
+    residuals: np.ndarray
+    own: np.ndarray
+    group: np.ndarray
+    shared: np.ndarray
+    taken: np.ndarray
+    whiten: np.ndarray
+    within_reach: float = 0.0
+
+    @cached_property
+    def degrees(self) -> int:
+        groups = int(np.max(self.group, initial=-1)) + 1
+        return int(np.sum(self.taken)) - 2 * groups - int(self.shared.shape[1])
+
+    @property
+    def chi_square(self) -> float:
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def chi_square_as_is(self) -> float:
+        """Of the parameters as they are, without the step that the projection stands for."""
+        return self.chi_square + self.within_reach
+
+    @property
+    def absorbed(self) -> np.ndarray:
+        """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q Q^T."""
+        return np.asarray(np.einsum("ij,ij->i", self.own, self.own) + np.einsum("ij,ij->i", self.shared, self.shared))
+
+    def freedom(self, rows: np.ndarray) -> np.ndarray:
+        """(1 - Q Q^T) restricted to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
+        own, shared, group = self.own[rows], self.shared[rows], self.group[rows]
+        together = group[..., :, None] == group[..., None, :]
+        absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
+        return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
+
+    def without(self, rows: np.ndarray) -> LinearModel:
+        """The model in which the readings of these rows are free: their shift is one more unknown."""
+        shift = -self.shared @ self.shared[rows].T
+        shift -= np.where(self.group[:, None] == self.group[rows], self.own @ self.own[rows].T, 0.0)
+        shift[rows, np.arange(len(rows))] += self.taken[rows]
+        extra = _orthonormal(shift)
+        residuals = self.residuals - extra @ (extra.T @ self.residuals)
+        return replace(self, residuals=residuals, shared=np.hstack([self.shared, extra]))
+
+
+def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
+    """The linear model of all readings at a state with closed postures."""
+    readings, free = problem.readings, determined_directions(problem, state)
+    known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
+    by_known = by_known @ free
+    shape = readings.values.shape
+    residuals, own, whiten = np.zeros((*shape, 1)), np.zeros((*shape, 2)), np.zeros((*shape, shape[1]))
+    columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
+    for rows, part in problem.parts:
+        e = evaluate_at(part, state.p, state.z[rows])
+        whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
+        own[rows] = _group_columns(part.readings, whiten[rows])
+        made, r = whiten[rows] @ (reading_slopes_at(e) @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
+        squares += np.sum(made**2, axis=(0, 1))
+        for _ in range(2):  # the second time takes away what rounding left
+            made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
+        columns[rows], residuals[rows] = made, r
+    kept, count = squares > 0, readings.values.size
+    flat_columns = columns.reshape(count, -1)
+    if len(known):
+        flat_columns = np.vstack([flat_columns, by_known])
+    if not kept.all():
+        flat_columns = flat_columns[:, kept]
+    flat_columns /= np.sqrt(squares[kept])
+    shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
+    flat = np.concatenate([residuals.reshape(count), known])
+    group = np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)])
+    taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
+    own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
+    along = shared.T @ flat
+    return LinearModel(flat - shared @ along, own_columns, group, shared, taken, whiten, float(along @ along))
+
+
+def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
+    readings, e = problem.readings, evaluate_readings(problem, state)
+    whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
+    both = np.concatenate([deviations(readings, e.readings)[:, :, None], reading_slopes_at(e)], axis=2)
+    both = _less_group_means(readings, _group_columns(readings, whiten), whiten @ both)
+    return both[:, :, 0], both[:, :, 1:]
+
+
+def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """Basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays consistent."""
+    found = spectrum(error_free_design(problem, state))
+    if state.leftover is None:
+        return found.told
+    null = found.null_space
+    return _null_basis(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
+
+
+def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
+    """W G (n, K, 2) made orthonormal group by group: W G L^-T with L L^T = sum over the group of (W G)^T W G."""
+    if not readings.groups:
+        return np.zeros((*readings.values.shape, 2))
+    basis = group_basis(readings, whiten)
+    root = np.linalg.cholesky(group_sum(readings, basis.transpose(0, 2, 1) @ basis))
+    return np.where((readings.group >= 0)[:, None, None], basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group], 0.0)
+
+
+def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Columns (n, K, k) less their projection to the groups' columns."""
+    if not readings.groups:
+        return values
+    return np.asarray(values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group])
+
+
+def _null_basis(rows: np.ndarray) -> np.ndarray:
+    """Orthonormal columns that the rows map to zero."""
+    _, singular, right = np.linalg.svd(rows, full_matrices=True)
+    return np.asarray(right[int(np.sum(singular > 1e-9)) :].T)
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    norms = np.linalg.norm(columns, axis=0)
+    return _basis(columns[:, norms > 0] / norms[norms > 0])
+
+
+def _basis(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
+    if columns.shape[1] == 0:
+        return columns
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, singular > RANK_TOLERANCE * max(1.0, float(singular[0]))])
+
+
+def _basis_in_place(columns: np.ndarray) -> np.ndarray:
+    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of the columns, R = U S V^T, the basis
+    is columns V / S; what rounding leaves of that is taken away by its own triangle."""
+    _, singular, right = np.linalg.svd(_triangle(columns), full_matrices=False)
+    kept = singular > RANK_TOLERANCE * max(1.0, float(singular[0]))
+    _multiply(columns, right[kept].T / singular[kept])
+    basis = columns[:, : int(kept.sum())]
+    _multiply(basis, np.linalg.inv(_triangle(basis)))
+    return basis
+
+
+def _blocks(columns: np.ndarray) -> Iterator[np.ndarray]:
+    yield from (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS))
+
+
+def _triangle(columns: np.ndarray) -> np.ndarray:
+    """R (k, k) of columns (N, k) = Q R."""
+    found = np.zeros((0, columns.shape[1]))
+    for block in _blocks(columns):
+        found = np.asarray(np.linalg.qr(np.vstack([found, block]), mode="r"))
+    return found
+
+
+def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
+    """columns @ factor, in the first columns."""
+    for block in _blocks(columns):
+        block[:, : factor.shape[1]] = block @ factor
+
+
+def chi_square_tail(value: float, degrees: int) -> float:
+    """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
+    from flint import arb
+
+    from symkin.certificate.balls import precision
+
+    if degrees <= 0 or value <= 0.0:
+        return 1.0
+    with precision(_DOUBLE_BITS):
+        return float(arb(0.5 * value).gamma_upper(arb(degrees) / 2, 1))
+
+
+def f_tail(value: float, first: int, second: int) -> float:
+    """Probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first value)."""
+    from flint import arb
+
+    from symkin.certificate.balls import precision
+
+    if first <= 0 or second <= 0 or value <= 0.0:
+        return 1.0
+    x = second / (second + first * value)
+    with precision(_DOUBLE_BITS):
+        return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
+
+
+# --- covariance ----------------------------------------------------------------------------------------------------
+
+
+def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
+    """Covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised:
+    A S A^T with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
+    noise = joint_covariance(problem, state)
+    mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
+    free = determined_directions(problem, mixed)
+    inverse = np.linalg.pinv(mixed.fit.matrix @ free, rcond=RANK_TOLERANCE)
+    scaled = problem.model.scales[:, None] * (free @ inverse)
+    if problem.form == "maximum likelihood":
+        return np.asarray(scaled @ scaled.T)
+    known = problem.prior_rows(state.p)
+    if not problem.is_large:
+        own, prior = np.split(scaled, [problem.readings.values.size], axis=1)
+        return np.asarray(_propagated(problem, own, noise) + prior @ prior.T)
+    back = scaled @ inverse.T @ free.T  # (J^T J)^+ with J^T in place of J^+
+    prior = back @ (np.zeros((0, len(scaled))) if known is None else known[1]).T
+    total = prior @ prior.T
+    for rows, part in problem.parts:
+        slopes = evaluate(part, state.p, state.z[rows], problem.form).fit.matrix
+        total += _propagated(part, back @ slopes.T, noise[rows])
+    return np.asarray(total)
+
+
+def _propagated(problem: CalibrationProblem, scaled: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """A S A^T, from dp per residual (P, N) and the covariance (n, K, K) that joint noise gives the readings."""
+    readings = problem.readings
+    gain = _gain(problem, scaled.reshape(len(scaled), len(readings.values), -1))
+    spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
+    s = noise + spread[:, :, None] * np.eye(spread.shape[1])
+    flat = gain.transpose(1, 0, 2)
+    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0))
+
+
+def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
+    """dp per reading (P, n, K) from dp per residual: the transpose of how readings make residuals."""
+    readings = problem.readings
+    gain = inverse * np.where(readings.taken, 1.0 / readings.sigma, 0.0)
+    if problem.form != "differences":
+        return np.asarray(gain)
+    before, after = neighbours(readings)
+    for column in np.flatnonzero(readings.grouped):
+        s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
+        gain[:, :, column] = 0.0
+        gain[:, after, column] += s * inverse[:, after, column]
+        gain[:, before, column] -= s * inverse[:, after, column]
+    return np.asarray(gain)
+
+
+def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
+    """For each free parameter (P,), the largest change that curvature makes of it along the weakest directions, as a share of
+    its standard deviation; inf where postures have no solution there, 0 where a closure leaves rows to the parameters.
+    `spread` scales the stated variances."""
+    found = np.zeros(len(problem.names))
+    if state.leftover is not None:
+        return found
+    noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
+    here = evaluate(problem, state.p, state.z, problem.form, noise)
+    free = determined_directions(problem, here)
+    _, singular, right = np.linalg.svd(here.fit.matrix @ free, full_matrices=False)
+    inverse = np.sqrt(spread) * free @ right.T / singular
+    sigma = np.linalg.norm(inverse, axis=1)
+    for step in inverse.T[-_WEAKEST_DIRECTIONS:]:
+        for sign in (1.0, -1.0):
+            pull = _departure_gradient(problem, here, sign * step, noise)
+            if pull is None:
+                return np.where(sigma > 0, np.inf, 0.0)
+            change = inverse @ (right @ (free.T @ pull) / singular) / np.sqrt(spread)
+            found = np.maximum(found, np.divide(np.abs(change), sigma, out=np.zeros_like(sigma), where=sigma > 0))
+    return found
+
+
+def _departure_gradient(
+    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
+) -> np.ndarray | None:
+    """(dr/dp)^T d (P,) of the departure d, part by part; None where postures do not close."""
+    total = np.zeros(len(step))
+    for rows, part in problem.parts:
+        some = None if noise is None else noise[rows]
+        near = evaluate(part, here.p, here.z[rows], problem.form, some) if problem.is_large else here
+        departure = _linear_departure(part, near, step, some)
+        if departure is None:
+            return None
+        total += near.fit.matrix.T @ departure
+    return total
+
+
+def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
+    """d = r(p + step) - r(p) - (dr/dp) step, postures closed again; None where they do not close."""
+    z = problem.model.system.move(here.z, here.follow(step))
+    with np.errstate(all="ignore"):
+        there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
+        departure = there.fit.vector - here.fit.vector - here.fit.matrix @ step
+    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.size
+    return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
+
+
+def rms_of_better_part(squares: np.ndarray) -> float:
+    """Root of the mean of the smaller four fifths of some squares (n,)."""
+    kept = np.sort(squares)[: max(1, math.ceil(_BETTER_SHARE * len(squares)))]
+    return float(np.sqrt(np.mean(kept))) if len(kept) else 0.0
