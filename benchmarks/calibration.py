@@ -180,7 +180,7 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
             bad, posture = spoilt(clean, truth, rng)
             for data, is_bad in ((bad, True), (clean, False)):
                 problem = build_calibration(NOMINAL, data, fixed=HELD)
-                found = [o.posture for o in screen_readings(problem, linear_model(problem, fit(problem).state)).outliers]
+                found = [o.configuration for o in screen_readings(problem, linear_model(problem, fit(problem).state)).outliers]
                 hits, flagged = hits + (is_bad and posture in found), flagged + (not is_bad and bool(found))
         strict = name.startswith("uniform")
         share, false = hits / trials, flagged / trials

@@ -38,7 +38,7 @@ WHOLE_MS = 150.0
 """Most that one answer may take once the start is kept."""
 FIRST_S = {True: 3.0, False: 30.0}
 """Most that a first answer may take: platforms on six rods, others."""
-PROOFS_T = 250.0
+PROOFS_T = 15.0
 """Most that certificates of 40 modes may take, in T."""
 
 

@@ -64,7 +64,7 @@ def make_plan(nominal: symkin.Mechanism, postures: int) -> Plan:
 
 
 def chosen(plan: Plan) -> Chosen:
-    return Chosen(posture_of([symkin.Pose(row[:3], row[3:]) for row in plan.postures.poses]), plan.groups)
+    return Chosen(posture_of([symkin.Pose(row[:3], row[3:]) for row in plan.configurations.poses]), plan.groups)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,6 +28,10 @@ def fast(system, z, begin, end, settings=None):
     return track(system, quadratic_form(system), z, begin, end, settings)
 
 
+def fast_lines(system, roots, lines, settings=None):
+    return [fast(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)]
+
+
 def test_bases_stand_beside_the_targets():
     """Bases are complex where targets differ, equal to them where they do not, and the same for the same seed."""
     _, targets = setting()
@@ -45,7 +49,7 @@ def test_the_best_start_is_a_start_with_the_fewest_steps():
     """Its columns are all roots at its base, and no candidate took fewer steps without more failures."""
     start, targets = setting()
     system = universal_system()
-    choice = best_start(system, start, bases_beside(targets, 4, seed=0), targets, fast)
+    choice = best_start(system, start, bases_beside(targets, 4, seed=0), targets, fast_lines)
     rows, _ = system.linearise(choice.start.z, np.repeat(choice.start.k[:, None], choice.start.z.shape[1], axis=1))
     assert np.max(np.abs(rows)) < 1e-10
     assert choice.start.z.shape == start.z.shape
@@ -57,10 +61,11 @@ def test_a_base_that_loses_roots_is_no_candidate():
     """Where no path reaches another base, the given start stays."""
     start, targets = setting()
 
-    def stuck(system, z, begin, end, settings=None) -> Tracked:
-        if any(np.array_equal(end, target) for target in targets):
-            return fast(system, z, begin, end, settings)
-        return Tracked(z, np.zeros(z.shape[1], dtype=bool), np.zeros(z.shape[1]), 1)
+    def stuck(system, roots, lines, settings=None) -> list[Tracked]:
+        if any(np.array_equal(lines[0][1], target) for target in targets):
+            return fast_lines(system, roots, lines, settings)
+        none, one = np.zeros(start.z.shape[1]), np.ones(start.z.shape[1], dtype=int)
+        return [Tracked(z, none > 0, none, one) for z in roots]
 
     choice = best_start(universal_system(), start, bases_beside(targets, 3, seed=0), targets, stuck)
     assert choice.start is start
@@ -70,7 +75,7 @@ def test_a_base_that_loses_roots_is_no_candidate():
 def test_orbits_of_operation_modes_go_with_the_roots():
     """Roots keep their order, so that what was known of each still belongs to it."""
     start, targets = setting()
-    choice = best_start(universal_system(), start, bases_beside(targets, 2, seed=1), targets, fast)
+    choice = best_start(universal_system(), start, bases_beside(targets, 2, seed=1), targets, fast_lines)
     back = fast(universal_system(), choice.start.z, choice.start.k, start.k)
     assert back.arrived.all()
     np.testing.assert_allclose(universal_system().features(back.z), universal_system().features(start.z), atol=1e-7)

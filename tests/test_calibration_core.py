@@ -22,7 +22,8 @@ from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.data.measurements import Distance, Measurements
 from symkin.calibration.data.parameters import joint_frames, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.model import build_model, map_functions
+from symkin.calibration.estimate.mapped_functions import map_functions
+from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import build_calibration, default_parameters
 from symkin.calibration.estimate.residuals import FORMS
 from symkin.calibration.estimate.state import evaluate
@@ -105,7 +106,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
     problem = build_calibration(NOMINAL, measured(truth, rng, 3), fixed=HELD, residual=form)
     model, data = problem.model, problem.measurements
     z = solve_configurations(model, data, model.nominal).z
-    exact = evaluate(problem, model.nominal, z, form).fit.matrix
+    exact = evaluate(problem, model.nominal, z, form).linearised.matrix
     for k in (0, 7, 20):
         step = np.zeros(len(model.nominal))
         step[k] = 1e-6 * model.scales[k]
@@ -113,7 +114,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
         for sign in (1, -1):
             p = model.nominal + sign * step
             there = solve_configurations(model, data, p, z=z).z
-            ends.append(evaluate(problem, p, there, form).fit.vector)
+            ends.append(evaluate(problem, p, there, form).linearised.vector)
         column = (ends[0] - ends[1]) / 2e-6
         assert np.max(np.abs(column - exact[:, k])) < 1e-6 * np.max(np.abs(exact))
 

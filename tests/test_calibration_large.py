@@ -67,7 +67,7 @@ def test_parts_give_the_fit_of_the_whole(monkeypatch, case, residual, method):
     assert [o.label for o in found.outliers] == [o.label for o in whole.outliers]
     assert len(found.notes) == len(whole.notes)
     for ours, theirs in zip(found.residuals, whole.residuals, strict=True):
-        assert (ours.posture, ours.kind, ours.component) == (theirs.posture, theirs.kind, theirs.component)
+        assert (ours.configuration, ours.kind, ours.component) == (theirs.configuration, theirs.kind, theirs.component)
         assert ours.normalised == pytest.approx(theirs.normalised, abs=2e-3)
 
 

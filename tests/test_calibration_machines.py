@@ -93,7 +93,7 @@ def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
     report = fit_file(mechanism, read_measurements(measured(tmp_path, *built(*nominal, rng, spread), rng), mechanism))
     assert report.believable is not far
     assert report.usable is not far
-    assert (report.gone.share > 0.08) is far
+    assert (report.departure.share > 0.08) is far
 
 
 def test_another_base_frame_is_no_other_machine(tmp_path):
@@ -107,7 +107,7 @@ def test_another_base_frame_is_no_other_machine(tmp_path):
     mechanism = symkin.load(str(described(tmp_path, (base - [30, 20, 10]) @ turn.T, (platform + [5, 5, 40]) @ turn.T)))
     report = fit_file(mechanism, read_measurements(measured(tmp_path, *true, rng), mechanism))
     assert report.fit.believable
-    assert report.gone.share < 0.01
+    assert report.departure.share < 0.01
     assert report.usable
 
 

@@ -38,14 +38,14 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
     nominal, data, rng = logged
     bad, rows = hexapod_log.spoilt(data, share, size, rng)
     fit = calibrate(nominal, bad if stated else hexapod_log.unstated(bad))
-    found = {o.posture for o in fit.outliers}
+    found = {o.configuration for o in fit.outliers}
     far = {int(k) for k in rows if np.linalg.norm(bad.position[k] - data.position[k]) > 20 * hexapod_log.SCATTER}
     assert fit.refused is None
     assert far <= found
     assert len(found - set(rows.tolist())) <= 1
     assert np.sqrt(np.mean([r.value**2 for r in fit.residuals if r.kind == "position"])) < 1.3 * hexapod_log.SCATTER
     for o in fit.outliers:
-        np.testing.assert_allclose(o.shift, (bad.position - data.position)[o.posture], atol=10 * hexapod_log.SCATTER)
+        np.testing.assert_allclose(o.shift, (bad.position - data.position)[o.configuration], atol=10 * hexapod_log.SCATTER)
         assert float(re.search(r"statistic (\S+) with", o.reason)[1]) > 10
         assert "e-4" not in o.reason.split("probability")[1]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from symkin.calibration.design.simulation import Noise, group_numbers, random_co
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.fit_file import fit_file, match_parameters
-from symkin.calibration.judge.diagnoses import column_orders, nominal_misfit
+from symkin.calibration.judge.column_order import best_column_order
+from symkin.calibration.judge.diagnoses import nominal_misfit
 from symkin.cli.app import main
 from symkin.closure.closure import build_closure
 
@@ -169,7 +171,7 @@ def test_order_and_signs_of_columns_are_found_together(tmp_path):
     mechanism = planar_3rpr()
     data = read_measurements(file_of(tmp_path, mechanism, ("pose",), tilt=0.0), mechanism).measurements
     joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])
-    ((text, put_right),) = column_orders(mechanism, replace(data, joints=joints), nominal_misfit)
+    text, put_right = best_column_order(mechanism, replace(data, joints=joints), partial(nominal_misfit, mechanism))
     assert "the columns slide1, slide2, slide3 look exchanged: they seem to hold slide2, slide3, slide1" in text
     assert "the sign of slide2 looks reversed" in text
     assert np.array_equal(put_right.joints, data.joints)

@@ -18,7 +18,7 @@ from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import deviations, group_basis, linearise
 from symkin.calibration.estimate.solver import estimate
-from symkin.calibration.estimate.state import evaluate_readings, reading_slopes_at
+from symkin.calibration.estimate.state import evaluate_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.judge.statistics import LinearModel, determined_directions, linear_model
 from symkin.cli.app import main
@@ -56,7 +56,7 @@ def dense_model(problem, state, model):
     count = readings.values.size
     e = evaluate_readings(problem, state)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
-    columns = [(model.whiten @ reading_slopes_at(e)).reshape(count, -1) @ determined_directions(problem, state)]
+    columns = [(model.whiten @ e.slopes).reshape(count, -1) @ determined_directions(problem, state)]
     basis = group_basis(readings, model.whiten)
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))
@@ -120,7 +120,7 @@ def test_a_gross_error_makes_no_others():
         data = measured(random_geometry(geometry(NOMINAL), HELD, 0.005, rng), rng, noisy=True)
         joints = data.joints.copy()
         joints[7, 2] += 0.005
-        found = [o.posture for o in calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD).outliers]
+        found = [o.configuration for o in calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD).outliers]
         assert found[0] == 7
         others += len(found) - 1
     assert others <= 1
@@ -134,7 +134,7 @@ def test_many_bad_readings_are_found_or_the_fit_is_refused():
     joints = data.joints.copy()
     joints[::3, 2] += 2e-4 * rng.choice([-1, 1], 14)
     fit = calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD)
-    found = {o.posture for o in fit.outliers}
+    found = {o.configuration for o in fit.outliers}
     if fit.refused is None:
         assert found >= set(range(0, 40, 3))
         assert len(found) <= 16

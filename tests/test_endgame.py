@@ -132,7 +132,7 @@ def test_an_angle_at_infinity_winds():
 
 def _nothing(n: int) -> Tracked:
     """Paths that have not come anywhere."""
-    return Tracked(np.full((1, n), np.nan, dtype=complex), np.zeros(n, dtype=bool), np.zeros(n), 0)
+    return Tracked(np.full((1, n), np.nan, dtype=complex), np.zeros(n, dtype=bool), np.zeros(n), np.zeros(n, dtype=int))
 
 
 def test_an_end_on_a_set_is_not_isolated():
@@ -148,7 +148,7 @@ def test_an_end_on_a_set_is_not_isolated():
 def test_a_path_that_jumped_is_found():
     """Two paths that claim one regular root are followed anew, to the roots of x^3 - x."""
     system, start = cubic()
-    claimed = Tracked(np.array([[1.0, 1.0, 0.0]], dtype=complex), np.ones(3, dtype=bool), np.ones(3), 1)
+    claimed = Tracked(np.array([[1.0, 1.0, 0.0]], dtype=complex), np.ones(3, dtype=bool), np.ones(3), np.ones(3, dtype=int))
     assert are_regular(system, claimed, np.array([-1.0, 0.0])).tolist() == [False, False, True]
     ends = finish(system, start, np.array([-1.0, 0.0]), claimed)
     assert (ends.paths, ends.unresolved) == (3, ())

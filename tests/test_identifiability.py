@@ -149,12 +149,12 @@ def test_null_space_changes_nothing():
     found, problem = identifiability(NOMINAL, data), build_calibration(NOMINAL, data)
     model = problem.model
     z = solve_configurations(model, data, model.nominal).z
-    before = evaluate(problem, model.nominal, z, "means").fit.vector
+    before = evaluate(problem, model.nominal, z, "means").linearised.vector
     direction = model.scales * (found.null_space @ np.random.default_rng(11).normal(size=10))
     changes = []
     for step in (1e-3, 1e-4):
         p = model.nominal + step * direction
-        changes.append(np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").fit.vector - before))
+        changes.append(np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").linearised.vector - before))
     assert changes[1] < 0.02 * changes[0]
 
 

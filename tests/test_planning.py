@@ -164,12 +164,12 @@ def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
     workspace = Workspace.about(NOMINAL, [0.25, 0.25, 0.15], margin=0.02)
     assert len(plan_24.groups) == 24
     assert len(plan_24.wedges) <= 3
-    assert workspace.holds(plan_24.postures).all()
+    assert workspace.holds(plan_24.configurations).all()
     low, high = NOMINAL.limbs[0].limits
     assert np.all(
-        (plan_24.postures.joints >= low + 0.02 * (high - low)) & (plan_24.postures.joints <= high - 0.02 * (high - low))
+        (plan_24.configurations.joints >= low + 0.02 * (high - low)) & (plan_24.configurations.joints <= high - 0.02 * (high - low))
     )
-    for row, group in zip(plan_24.postures.poses, plan_24.groups, strict=True):
+    for row, group in zip(plan_24.configurations.poses, plan_24.groups, strict=True):
         angles = symkin.spatial.rotation.euler_from_quaternion(row[3:], "xyz")
         np.testing.assert_allclose(angles[:2], plan_24.wedges[group], atol=1e-9)
         assert abs(angles[2]) <= math.radians(20) + 1e-9
@@ -179,7 +179,7 @@ def test_the_same_seed_gives_the_same_plan():
     """A plan is a function of its seed."""
     workspace, wedges = Workspace.about(NOMINAL), np.radians([[0.0, 0.0], [15.0, -15.0]])
     one, two = (plan_measurements(workspace, 10, NOISE, groups=2, wedges=wedges, seed=1) for _ in range(2))
-    assert np.array_equal(one.postures.joints, two.postures.joints)
+    assert np.array_equal(one.configurations.joints, two.configurations.joints)
     assert one.accuracy.worst_position == two.accuracy.worst_position
 
 

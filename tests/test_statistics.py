@@ -168,7 +168,7 @@ def test_outliers_are_found_and_clean_sets_left_alone():
     for seed in range(20):
         spoilt, posture, clean = with_outlier(500 + seed)
         problem, state = fitted(spoilt)
-        hits += posture in [o.posture for o in screen_readings(problem, linear_model(problem, state)).outliers]
+        hits += posture in [o.configuration for o in screen_readings(problem, linear_model(problem, state)).outliers]
         problem, state = fitted(clean)
         flagged += bool(screen_readings(problem, linear_model(problem, state)).outliers)
     assert hits >= 19
@@ -180,7 +180,7 @@ def test_outliers_are_left_out_with_their_reason():
     spoilt, posture, _ = with_outlier(700)
     fit = calibrate(NOMINAL, spoilt, fixed=HELD)
     without = calibrate(NOMINAL, spoilt.without(posture, "group"), fixed=HELD, outliers="ignore")
-    assert [o.posture for o in fit.outliers] == [posture]
+    assert [o.configuration for o in fit.outliers] == [posture]
     assert fit.values == pytest.approx(without.values, abs=1e-9)
     assert any(f"posture {posture + 1}" in note and "probability" in note for note in fit.notes)
     reported = calibrate(NOMINAL, spoilt, fixed=HELD, outliers="report")
@@ -222,7 +222,7 @@ def test_residuals_are_listed_with_their_posture():
     assert np.sqrt(np.mean([r.normalised**2 for r in fit.residuals if r.normalised is not None])) == pytest.approx(1.0, abs=0.4)
     for group in range(10):
         for component in ("alpha", "beta"):
-            inside = [r.value for r in fit.residuals if data.groups[r.posture] == group and r.component == component]
+            inside = [r.value for r in fit.residuals if data.groups[r.configuration] == group and r.component == component]
             assert abs(sum(inside)) < 1e-12
 
 

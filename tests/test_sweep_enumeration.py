@@ -8,19 +8,19 @@ import pytest
 import symkin
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
+from symkin.assembly.finder import make_finder
+from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes import modes_at_need
 from symkin.model.file import parse
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
-from symkin.sweeps.enumerator import make_enumerator
-from symkin.sweeps.found import COMPLETENESS
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 
 
 def enumerated(mechanism, kind, points, **options):
     chosen = {"starts": 300, "seed": 0, "certify": False} | options
-    return make_enumerator(mechanism, kind, **chosen).enumerate(points)
+    return make_finder(mechanism, kind, **chosen).enumerate(points)
 
 
 def modes_of(found, i):
@@ -112,7 +112,7 @@ def test_results_do_not_depend_on_neighbours():
     mechanism = symkin.load("zhang2009")
     points = joints_about(mechanism, 30, 40.0, seed=2)
     together, turned = enumerated(mechanism, "direct", points), enumerated(mechanism, "direct", points[::-1])
-    engine = make_enumerator(mechanism, "direct", starts=300, seed=0, certify=False).engine
+    engine = make_finder(mechanism, "direct", starts=300, seed=0, certify=False).engine
     tolerance = 0.0 if engine == "compiled C" else 1e-9 * mechanism.size
     for i in range(0, 30, 3):
         alone = modes_of(enumerated(mechanism, "direct", [points[i]]), 0)
@@ -154,7 +154,7 @@ def test_poses_off_the_motion():
 @pytest.mark.parametrize(("mechanism", "kind"), [(delta(), "inverse"), (three_rps(), "direct")])
 def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind):
     """Such a point has the count -1 and says so, whether blocks or the branches of one block multiply; nothing is raised."""
-    for module in ("enumeration.modes", "paths.branches", "sweeps.enumerator"):
+    for module in ("assembly.one_input", "homotopy.branches", "assembly.plain_modes"):
         monkeypatch.setattr(f"symkin.{module}.MOST_MODES", 0)
     points = joints_about(mechanism, 2, 1.0) if kind == "direct" else poses_about(mechanism, 2, 1.0, 0.0)
     found = enumerated(mechanism, kind, points)

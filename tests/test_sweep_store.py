@@ -7,6 +7,7 @@ import shutil
 import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from symkin import InputError, Pose
+from symkin.assembly.mode_table import COMPLETENESS
 from symkin.singularities.classification import classify
-from symkin.sweeps.found import COMPLETENESS
 from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space
@@ -244,21 +245,20 @@ def test_folders_that_hold_something_else_are_left_alone(tmp_path):
 
 def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on(tmp_path, monkeypatch):
     """No space is said, what is done is kept, and the same call finishes bit for bit."""
-    import zarr
-
     sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
-    write, left = zarr.Array.__setitem__, [30]
+    write, left = Path.write_bytes, [30]
 
-    def full(self, place, value):
+    def full(self, content):
         left[0] -= 1
         if left[0] == 0:
+            write(self, content[:1])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        write(self, place, value)
+        return write(self, content)
 
-    monkeypatch.setattr(zarr.Array, "__setitem__", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match=r"No space left.*what is done is kept"):
         sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
-    monkeypatch.setattr(zarr.Array, "__setitem__", write)
+    monkeypatch.setattr(Path, "write_bytes", write)
     sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
     assert same_files(tmp_path / "whole", tmp_path / "s")
 

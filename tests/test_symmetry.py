@@ -241,7 +241,9 @@ def test_unfolding_keeps_what_paths_came_to():
     """Each root has the status of the path that stands for it."""
     _, _, _, found = flat_start()
     arrived = np.arange(14) % 3 > 0
-    unfolded = found.unfold_tracked(tracker.Tracked(np.ones((8, 14), dtype=complex), arrived, np.linspace(0, 1, 14), 5))
+    unfolded = found.unfold_tracked(
+        tracker.Tracked(np.ones((8, 14), dtype=complex), arrived, np.linspace(0, 1, 14), np.full(14, 5))
+    )
     assert np.array_equal(unfolded.arrived, arrived[found.labels])
     assert np.array_equal(unfolded.s, np.linspace(0, 1, 14)[found.labels])
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symkin.assembly.block_paths import orbit_notes
 from symkin.assembly.proofs import Prover
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.branches import complex_count, real_candidates
@@ -23,7 +24,7 @@ from symkin.homotopy.instance import instance
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.start_store import TIED, start_of
-from symkin.homotopy.systems import squared, system_of
+from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
@@ -61,26 +62,8 @@ def by_continuation(
         roots, doubtful = _block_roots(problem, match, block, start, given, starts, rng)
         blocks.append(roots)
         random_starts |= doubtful
-        notes += _orbit_notes(match, start)
+        notes += orbit_notes(match, start)
     return blocks, tuple(notes), random_starts
-
-
-def unsuitable(problem: Problem) -> str | None:
-    """Why a problem has no complex start system, if it has none."""
-    for c in problem.system.unknowns:
-        if c.kind == "turns":
-            return f"the closure is not algebraic in {c.name} (helical joint)"
-        if c.kind == "quaternion" and c.role != "pose":
-            return f"{c.name} is a spherical joint that the closure keeps"
-    return None
-
-
-def _orbit_notes(system: AlgebraicSystem, start: Fibre) -> list[str]:
-    """Poses that no motion connects, over the complex numbers: operation modes."""
-    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.unique(start.orbits)]
-    if len(sizes) < 2:
-        return []
-    return [f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions"]
 
 
 def _block_roots(

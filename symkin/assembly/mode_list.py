@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -30,7 +30,7 @@ class Modes(Result):
 
     problem: Problem
     given: dict[str, list[float]]
-    modes: tuple[Solution, ...]
+    modes: Sequence[Solution]
     completeness: Completeness
     method: str
     seed: int | None

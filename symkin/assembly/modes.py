@@ -1,62 +1,84 @@
-"""All modes of a problem: parts found by continuation or multistart, combined, with what can be said of them."""
+"""All modes of a mechanism's position problem, for one input or for many."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
-from math import prod
-from typing import TYPE_CHECKING
+from typing import Any, overload
 
 import numpy as np
 
-from symkin.assembly.mode_list import Completeness, Modes
+from symkin.assembly.mode_list import Modes
+from symkin.assembly.mode_table import COMPLETENESS
+from symkin.assembly.one_input import modes_of_input
+from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
-from symkin.errors import InputError, TooManyModesError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, Joints, given_from, pose_from
+from symkin.position.given import Given, Joints, are_many, given_from, given_many
 from symkin.position.least_squares import LeastSquares
-from symkin.position.mobility import implied_motion
-from symkin.position.multistart import DEFAULT_STARTS, batched, one_by_one
+from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import ACCEPTED, Solution, make_solution
-from symkin.position.starts import start_values
+from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
-
-_NEARLY_CLOSED = 1e-4
+Solver = str | Newton | LeastSquares | None
 
 
+@overload
+def modes(
+    mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
+    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
+    progress: Progress | None = None,
+) -> Modes: ...  # fmt: skip
+@overload
+def modes(
+    mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
+    pose: Sequence[Sequence[float] | Pose] | None = None,
+    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
+    progress: Progress | None = None,
+) -> tuple[Modes, ...]: ...  # fmt: skip
+@overload
+def modes(
+    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, method: str | None = None,
+    starts: int | None = None, seed: int | None = None, solver: Solver = None, progress: Progress | None = None,
+) -> Any: ...  # fmt: skip
 @without_float_warnings
 def modes(
     mechanism: Mechanism,
     *,
-    joints: Joints | None = None,
-    pose: Sequence[float] | Pose | None = None,
+    joints: Any = None,
+    pose: Any = None,
     method: str | None = None,
     starts: int | None = None,
     seed: int | None = None,
-    solver: str | Newton | LeastSquares | None = None,
+    solver: Solver = None,
     progress: Progress | None = None,
-) -> Modes:
+) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
+
+    `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx, qy, qz, a `Pose`, or n of
+    them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in a fraction of the time.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
     "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
     continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
     fit, and for options that the call would ignore: `solver` with continuation, `starts` and `seed` where nothing is sampled.
+
+    >>> import numpy as np, symkin
+    >>> platform = symkin.load("zhang2009")
+    >>> legs = np.array(platform.example.joints)
+    >>> [len(found) for found in symkin.modes(platform, joints=[legs, legs + 1.0])]
+    [4, 4]
     """
     search = Search.of(method, starts, seed, solver)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _modes(mechanism, joints, pose, search, progress)
+    if are_many(joints) or are_many(pose):
+        return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
+    return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
 
 
 @without_float_warnings
@@ -69,251 +91,64 @@ def modes_at_need(
     seed: int = DEFAULT_SEED,
 ) -> Modes:
     """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _modes(mechanism, joints, pose, Search("continuation", starts, seed, "batched"), None)
+    return _modes(mechanism, [given_from(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), None)[0]
 
 
-def _modes(
-    mechanism: Mechanism,
-    joints: Joints | None,
-    pose: Sequence[float] | Pose | None,
-    search: Search,
-    progress: Progress | None,
-) -> Modes:
+def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None) -> tuple[Modes, ...]:
+    """The modes of each input, which are all of one kind."""
     begin = time.perf_counter()
-    given = given_from(mechanism, joints, pose)
-    problem = build_problem(mechanism, given.kind)
-    free = _free_unknowns(problem)
-    if free is not None and mechanism.serial:
-        raise InputError(free)
-    if free is not None:
-        search.refuse_unless_multistart(free)
-        empty = _result(problem, given, [], search.method, search.seed, (f"positive-dimensional set: {free}",))
-        return replace(empty, positive_dimensional=True, elapsed_s=time.perf_counter() - begin)
-    found = _known_without_search(problem, given, search)
-    if found is None:
-        found = _searched(problem, given, search, progress)
-    return replace(found, elapsed_s=time.perf_counter() - begin)
+    if not givens:
+        return ()
+    problem = build_problem(mechanism, givens[0].kind)
+    found = _plain(problem, givens, search, progress) if search.method == "continuation" else {}
+    plain, random_starts = bool(found), False
+    for i, given in enumerate(givens):
+        if i not in found:
+            found[i], sampled = modes_of_input(problem, given, search, progress)
+            plain, random_starts = plain or sampled is False, random_starts or bool(sampled)
+    if search.method == "continuation" and plain and not random_starts:
+        search.refuse_starts(problem)
+    if len(givens) > 1:
+        share = (time.perf_counter() - begin) / len(givens)
+        return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
+    return (replace(found[0], elapsed_s=time.perf_counter() - begin),)
 
 
-def _searched(problem: Problem, given: Given, search: Search, progress: Progress | None) -> Modes:
-    """The modes by paths or from random starts."""
-    rng = np.random.default_rng(search.seed)
-    notes: tuple[str, ...] = ()
-    if search.method == "continuation":
-        from symkin.assembly.continuation import by_continuation
-
-        blocks, notes, random_starts = by_continuation(problem, given, search.starts, rng, progress)
-        if not random_starts:
-            search.refuse_starts(problem)
-    elif search.solver == "batched":
-        blocks = [batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks]
-    else:
-        blocks = [one_by_one(problem, given, search.starts, rng, search.solver, progress)]
-    name = search.method if search.solver == "batched" else f"{search.method} {search.solver}"
-    found = _result(problem, given, blocks, name, search.seed, notes)
-    if search.method == "continuation" and found.completeness == "sampled":
-        found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
-    return found
-
-
-def _free_unknowns(problem: Problem) -> str | None:
-    """What to say where the rows leave unknowns free, so that no solution is isolated."""
-    free = problem.system.freedom - problem.generic_rank
-    if free <= 0:
-        return None
-    return (
-        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, so that "
-        "its solutions are no isolated modes; use solve with a start for one of them"
-    )
-
-
-def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
-    """What needs no search: a pose off the motion, the direct problem of a serial arm, given values that contradict
-    rows without unknowns."""
-    method, seed = search.method, search.seed
-    if given.off_motion > 0.0:
-        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
-    if problem.is_explicit:
-        search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
-        values = problem.join_values(start_values(problem, given, None), given.values)
-        note = "forward kinematics of a serial arm is a function of its joints: one pose"
-        solution = make_solution(problem, values)
-        if not solution.residual <= ACCEPTED * problem.closure.size:
-            return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
-        return Modes(
-            problem,
-            given.echo,
-            (solution,),
-            "proved",
-            "forward",
-            None,
-            0.0,
-            complex_count=1,
-            unresolved_paths=0,
-            notes=(*given.notes, note),
+def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: Progress | None) -> dict[int, Modes]:
+    """The modes of those inputs that leave nothing in doubt and have some."""
+    chosen = [i for i, given in enumerate(givens) if given.off_motion == 0.0]
+    prepared = plain_modes(problem, progress) if chosen else None
+    if prepared is None or not prepared.parts:
+        return {}
+    plain = prepared.find(np.array([givens[i].values for i in chosen]), certify=True)
+    ends = np.cumsum(plain.table.count)
+    return {
+        chosen[place]: _plain_modes(prepared, plain, number, slice(end - count, end), givens[chosen[place]], search)
+        for number, (place, end, count) in enumerate(
+            zip(plain.places.tolist(), ends.tolist(), plain.table.count.tolist(), strict=True)
         )
-    conditions = problem.conditions
-    off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
-    if off > ACCEPTED * problem.closure.size:
-        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
-    if not problem.blocks:
-        search.refuse_unless_multistart(
-            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
-        )
-        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
-        return Modes(
-            problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
-        )
-    return None
+        if count
+    }
 
 
-def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, seed: int, notes: tuple[str, ...]) -> Modes:
-    found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
-    continuum = [b for b in blocks if b.continuum is not None]
-    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum), *_proof_notes(blocks)]
-    if not continuum and any(b.complex_sets for b in blocks):
-        texts.append("paths ended on a set of complex solutions that are not isolated; no real one of it was met")
-    smallest = None
-    if not found and not continuum:
-        smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
-    if smallest is not None and ACCEPTED < smallest / problem.closure.size < _NEARLY_CLOSED:
-        texts.append(
-            f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
-            'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
-        )
-    texts += _ground_notes(problem, found)
-    texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
-    counts = [b.complex_count for b in blocks]
-    sampled = [b for b in blocks if b.hits is not None]
-    return Modes(
-        problem, given.echo, tuple(found), _completeness(blocks), method, seed, 0.0,
-        starts=max((b.starts for b in blocks if b.starts is not None), default=None),
-        estimated_unseen=_unseen(blocks) if sampled else None,
-        next_new=max((b.next_new for b in sampled), default=None),
-        complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
-        unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
-        smallest_residual=smallest, positive_dimensional=bool(continuum), notes=tuple(texts),
-        engine=", ".join(dict.fromkeys(b.engine for b in blocks if b.engine is not None)) or None,
+def _plain_modes(prepared: PlainModes, plain: Plain, number: int, part: slice, given: Given, search: Search) -> Modes:
+    """The modes of one plain input, the `part` of the table."""
+    t, problem = plain.table, prepared.problem
+    notes = (*given.notes, *prepared.notes, *prepared.theorems(plain.complete[number]))
+    listed = SolutionList(
+        problem.closure, t.values[part], t.position[part], t.quaternion[part], t.residual[part], t.condition[part],
+        t.within_limits[part], t.certified[part], t.radius[part], given.notes,
     )  # fmt: skip
-
-
-def _completeness(blocks: list[Roots]) -> Completeness:
-    """The weakest statement among the parts."""
-    if not blocks or any(b.sampled for b in blocks):
-        return "sampled"
-    if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
-        return "proved"
-    return "incomplete" if any(b.unresolved or b.complex_sets or b.continuum is not None for b in blocks) else "probability one"
-
-
-def _proof_notes(blocks: list[Roots]) -> list[str]:
-    """Theorems that the certified roots reach, and why modes have no certificate."""
-    proofs = [b.proofs for b in blocks if b.proofs is not None]
-    theorems = dict.fromkeys(p.theorem for p in proofs if p.theorem is not None)
-    reasons = dict.fromkeys(p.reason for p in proofs if p.reason is not None)
-    return [
-        *(f"at most {t}" for t in theorems if len(theorems) == 1 or "alone" not in t),
-        *(f"not certified: {r}" for r in reasons),
-    ]
-
-
-def _names(block: Roots) -> str:
-    return ", ".join(c.name for c in block.system.unknowns)
-
-
-def _ground_notes(problem: Problem, found: list[Solution]) -> list[str]:
-    """What is proved of modes whose rows are redundant."""
-    grounds = [s.ground for s in found if s.ground is not None]
-    if not grounds:
-        return []
-    one, unit = grounds[0], problem.mechanism.length_unit
-    every = "each mode" if len(grounds) == len(found) else f"{len(grounds)} of the modes"
-    return [
-        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact point within "
-        f"{max(g.radius for g in grounds):.1e} {unit}, and no other row is more than {max(g.remaining for g in grounds):.1e} {unit} there"
-    ]
-
-
-def _unseen(blocks: list[Roots]) -> float:
-    return prod(len(b.points) + b.unseen for b in blocks) - prod(len(b.points) for b in blocks)
-
-
-def _motion_notes(problem: Problem) -> list[str]:
-    """Which motion, declared, removes the conditions that poses of a platform declared spatial must satisfy."""
-    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
-    if motion is None:
-        return []
-    return [
-        f"its joints leave the platform a {motion} motion: with motion = {motion!r} in [platform] poses need not satisfy "
-        "conditions, and the list of that motion's solutions is complete"
-    ]
-
-
-def _continuum_note(problem: Problem, block: Roots) -> str:
-    names = ", ".join(c.name for c in block.system.unknowns)
-    return (
-        f"positive-dimensional set: the {problem.kind} problem has solutions that are not isolated (in {names}); "
-        "the modes listed are the isolated ones only"
+    return Modes(
+        problem=problem,
+        given=given.echo,
+        modes=listed,
+        completeness=COMPLETENESS[t.completeness[number]],  # type: ignore[arg-type]
+        method=search.method,
+        seed=search.seed,
+        elapsed_s=0.0,
+        complex_count=int(t.complex_count[number]),
+        unresolved_paths=0,
+        notes=notes,
+        engine=prepared.engine,
     )
-
-
-def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Solution]:
-    """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its rarest part's."""
-    count = prod(len(b.points) for b in blocks)
-    if count > MOST_MODES:
-        raise TooManyModesError(
-            f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
-            "listed; solve for one of them near a start"
-        )
-    found = []
-    for parts in product(*(range(len(b.points)) for b in blocks)):
-        values = np.empty(int(problem.closure.variables.shape[0]))
-        for roots, k in zip(blocks, parts, strict=True):
-            for c, place in zip(roots.system.unknowns, roots.system.slices, strict=True):
-                values[problem.closure.slices[c.name]] = roots.points[k][place]
-        start = 0
-        for c in problem.known_coordinates:
-            values[problem.closure.slices[c.name]] = given.values[start : start + c.width]
-            start += c.width
-        hits = [int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None]
-        solution = make_solution(problem, values, hits=min(hits, default=None), notes=given.notes)
-        found.append(_with_certificate(solution, blocks, parts))
-    return sorted(found, key=lambda s: _sort_key(problem, s))
-
-
-def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
-    """A mode is certified if each part is; its radius is the largest of theirs."""
-    proofs = [roots.proofs for roots in blocks]
-    if not all(proofs):
-        return solution
-    certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
-    radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
-    ground = None if certified else _ground(blocks, parts)
-    return replace(solution, certified=certified, radius=radius, ground=ground)
-
-
-def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
-    """What is proved of a mode that is not certified, if something is proved of each of its parts."""
-    from symkin.certificate.independent_rows import PartialProof
-
-    found = []
-    for roots, k in zip(blocks, parts, strict=True):
-        p = roots.proofs
-        if p is None or (not p.certified[k] and (not p.partial or p.partial[k] is None)):
-            return None
-        rows = int(roots.system.rows.shape[0])
-        found.append(PartialProof(rows, rows, float(p.radius[k]), 0.0) if p.certified[k] else p.partial[k])
-    return PartialProof.joined([part for part in found if part is not None])
-
-
-def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:
-    """Nearest to the example's start or the reference pose first; ties by joint values, all rounded."""
-    mechanism, size = problem.mechanism, problem.closure.size
-    reference = mechanism.reference_pose
-    if problem.kind == "direct" and mechanism.example is not None and mechanism.example.start is not None:
-        reference = pose_from(mechanism.example.start) if mechanism.example.joints is not None else reference
-    turn = float(np.sum((solution.rotation - reference.rotation) ** 2))
-    away = float(np.linalg.norm(solution.position - np.asarray(reference.position))) / size
-    flat = np.concatenate([np.atleast_1d(np.asarray(v, dtype=float)) for v in solution.values.values()])
-    return (round(turn + away**2, 6), *np.round(flat, 6))

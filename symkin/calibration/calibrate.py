@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TypedDict, Unpack
 
 import numpy as np
 
@@ -35,192 +36,112 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.quiet import without_float_warnings
 
-__all__ = ["METHODS", "OUTLIER_RULES", "Calibration", "Parameter", "Residual", "calibrate"]
+__all__ = [
+    "METHODS",
+    "OUTLIER_RULES",
+    "Calibration",
+    "CalibrationKeywords",
+    "CalibrationOptions",
+    "Parameter",
+    "Residual",
+    "calibrate",
+]
 
 METHODS = ("nested", "lifted", "ipopt")
 _OTHER_METHOD = {"nested": "lifted", "lifted": "nested"}
-"""The form that is tried where one does not converge: they cross curved valleys in different ways."""
+"""The method that is tried where one does not converge: they cross curved valleys in different ways."""
 _EXTENSION_FACTOR, _NEARLY_CONVERGED_RATIO, _NEARLY_CONVERGED_SHARE = 5, 3.0, 1e-3
 """An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many standard
 deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
-@without_float_warnings
-def calibrate(
-    mechanism: Mechanism,
-    measurements: Measurements,
-    *,
-    parameters: Sequence[str] | None = None,
-    fixed: Sequence[str] = (),
-    residual: str = "means",
-    tolerance: tuple[float, float] | None = None,
-    method: str = "nested",
-    loss: str = "squared",
-    outliers: str = "remove",
-    level: float | None = None,
-    max_iterations: int = 60,
-    seed: int = 0,
-) -> Calibration:
-    """Identify a mechanism's geometry from measurements.
+class CalibrationKeywords(TypedDict, total=False):
+    """Keywords of `calibrate`; see `CalibrationOptions`."""
 
-    `parameters` are names (default: all that the closure uses; see `model.parameter_names` for factors of readings and
+    parameters: Sequence[str] | None
+    fixed: Sequence[str]
+    residual: str
+    tolerance: tuple[float, float] | None
+    method: str
+    loss: str
+    outliers: str
+    level: float | None
+    max_iterations: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class CalibrationOptions:
+    """`parameters` are names (default: all that the closure uses; see `parameter_names` for factors of readings and
     measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
-    `gauge.joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
+    `joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
     to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
     "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
-    or "cauchy" (see `robust`); `outliers`: "remove",
-    "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for random starts of direct problems.
+    or "cauchy" (see `robust`); `outliers`: "remove", "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for
+    random starts of direct problems."""
 
-    Raises InputError for names, options and readings that do not fit, and where no posture's direct problem is solved.
+    parameters: Sequence[str] | None = None
+    fixed: Sequence[str] = ()
+    residual: str = "means"
+    tolerance: tuple[float, float] | None = None
+    method: str = "nested"
+    loss: str = "squared"
+    outliers: str = "remove"
+    level: float | None = None
+    max_iterations: int = 60
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.outliers == "ignore":
+            refuse_ignored({"level": self.level}, "outliers = 'ignore' tests no reading")
+        for name, allowed in (("method", METHODS), ("loss", LOSSES), ("outliers", OUTLIER_RULES)):
+            if getattr(self, name) not in allowed:
+                raise InputError(f"{name} = {getattr(self, name)!r} is unknown; allowed: {', '.join(allowed)}")
+        if not 0.0 < self.significance < 1.0:
+            raise InputError(f"level = {self.level!r}: a probability between 0 and 1 is needed")
+
+    @property
+    def significance(self) -> float:
+        """Share of clean data sets in which a reading may be called an outlier."""
+        return OUTLIER_LEVEL if self.level is None else self.level
+
+    def build(self, mechanism: Mechanism, measurements: Measurements) -> CalibrationProblem:
+        """The problem of these parameters and residuals."""
+        return build_calibration(
+            mechanism,
+            measurements,
+            parameters=self.parameters,
+            fixed=self.fixed,
+            residual=self.residual,
+            tolerance=self.tolerance,
+        )
+
+
+@without_float_warnings
+def calibrate(mechanism: Mechanism, measurements: Measurements, **keywords: Unpack[CalibrationKeywords]) -> Calibration:
+    """Identify a mechanism's geometry from measurements; the keywords are those of `CalibrationOptions`.
+
+    Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
     """
-    if outliers == "ignore":
-        refuse_ignored({"level": level}, "outliers = 'ignore' tests no reading")
-    level = OUTLIER_LEVEL if level is None else level
-    _check_choices(method, loss, outliers, level)
+    options = CalibrationOptions(**keywords)
     begin = time.perf_counter()
     measurements.check(mechanism)
-    _check_residual_form(residual, measurements)
-    free = set(parameters or ()) - set(fixed)
+    _check_residual_form(options.residual, measurements)
+    free = set(options.parameters or ()) - set(options.fixed)
     measurements = with_starts(mechanism, measurements, posed=not free & set(MEASURING_FRAMES))
-    options: dict[str, object] = {"parameters": parameters, "fixed": fixed, "residual": residual, "tolerance": tolerance}
 
     def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
-        return _fit_measurements(mechanism, readings, options, method, max_iterations, seed, loss=loss, near=near)
+        return _fit_measurements(mechanism, readings, options, near)
 
     found = fit(measurements)
     screened = ScreenedFit(found, Screening((), ()))
-    if outliers != "ignore":
-        screened = fit_without_outliers(fit, measurements, found, level)
-        found = screened.found if outliers == "remove" else found
-    made = build_result(
-        mechanism, measurements, found, screened.screening, method, time.perf_counter() - begin, outliers == "remove"
-    )
-    return replace(made, refused=made.refused or screened.refused)
-
-
-# --- fitting -------------------------------------------------------------------------------------------------------
-
-
-def _fit_measurements(
-    mechanism: Mechanism, measurements: Measurements, options: dict[str, object], method: str, limit: int, seed: int, *, loss: str,
-    near: StartValues | None = None,
-) -> Fit:  # fmt: skip
-    """Fit over the postures that can be solved; those that could not at nominal are tried again at the estimate. Postures without
-    a reading beside the joints take no part."""
-    heard = measurements.read
-    if heard.any() and not heard.all():
-        some = None if near is None else near.subset(heard)
-        found = _fit_measurements(mechanism, measurements.subset(heard), options, method, limit, seed, loss=loss, near=some)
-        numbers = np.flatnonzero(heard)
-        return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~heard))
-    problem = build_calibration(mechanism, measurements, **options)  # type: ignore[arg-type]
-    start = _start_parameters(problem) if near is None else near.p
-    p = problem.model.nominal if start is None else start
-    postures = start_configurations(problem, p, seed=seed) if near is None else _solve_from(problem, p, near, seed)
-    if not postures.solved.any():
-        raise InputError(
-            f"{mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
-            "and the order of joints, or give starts"
-        )
-    p = fit_measuring_frames(problem, postures.z, p, postures.solved)
-    _check_determined(problem, postures, p)
-    part, notes = _solved_part(problem, postures, options), []
-    result = _estimate_by(part, postures.z[postures.solved], method, limit, p)
-    if not postures.solved.all():
-        p = result.state.p
-        solve = start_configurations if result.status == "ok" else _solve_roughly
-        again = solve(problem, p, seed=seed + 1)
-        if again.solved.sum() > postures.solved.sum():
-            postures, part = again, _solved_part(problem, again, options)
-            result = _estimate_by(part, again.z[again.solved], method, limit, p)
-    if result.status != "ok" and method in _OTHER_METHOD:
-        other = _estimate_by(part, postures.z[postures.solved], _OTHER_METHOD[method], limit, p)
-        if other.status == "ok":
-            notes.append(f"the {method} form did not converge ({result.status}); the {_OTHER_METHOD[method]} form was used")
-            result = other
-    if result.status == "max_iterations" and _is_nearly_converged(part, result):
-        longer = _estimate_by(part, result.state.z, method, _EXTENSION_FACTOR * limit, result.state.p)
-        result = replace(longer, iterations=result.iterations + longer.iterations)
-    if result.status == "ok":
-        result = _lower_cost(result, descend_from(part, postures.z[postures.solved], p, result))
-    if result.null_space.shape[1]:
-        result = move_by_least_change(part, result, "nested")
-    if loss != "squared" and result.status == "ok":
-        result = robust_estimate(part, result.state.p, result.state.z, loss).result
-        notes.append(loss_note(loss))
-    begin = determinant_signs(part.model.rows(postures.z[postures.solved], part.measurements.joints, p)[1])
-    return Fit(part, result, np.flatnonzero(postures.solved), np.flatnonzero(~postures.solved), begin, tuple(notes), loss=loss)
-
-
-def _start_parameters(problem: CalibrationProblem) -> np.ndarray | None:
-    """Parameters that whole measured poses give by themselves; None without such poses, and where the file's own geometry gives the
-    readings to rounding, which nothing may then move."""
-    model, m = problem.model, problem.measurements
-    start = parameters_from_poses(model, m)
-    if start is None:
-        return None
-    with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
-        stays = bool(solved.all()) and is_rounding(problem, evaluate(problem, model.nominal, z, "means"))
-    return None if stays else start
-
-
-def _solve_from(problem: CalibrationProblem, p: np.ndarray, near: StartValues, seed: int) -> SolvedConfigurations:
-    """The direct problems from where an earlier fit has left them; postures that it had not begin where they would without it."""
-    begun = start_points(problem.model, problem.measurements)
-    begun = np.where(np.isnan(near.z), begun, near.z)
-    return solve_configurations(problem.model, problem.measurements, p, z=begun, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
-
-
-def _solve_roughly(problem: CalibrationProblem, p: np.ndarray, *, seed: int) -> SolvedConfigurations:
-    """The direct problems near their starts, whatever mode they end in."""
-    return solve_configurations(problem.model, problem.measurements, p, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
-
-
-def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
-    """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
-    scatter = float(np.sqrt(result.state.cost / problem.readings.count))
-    return scatter < (_NEARLY_CONVERGED_RATIO if problem.readings.known else _NEARLY_CONVERGED_SHARE * problem.model.closure.size)
-
-
-def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
-    """The estimate with the lower cost."""
-    return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
-
-
-def _estimate_by(problem: CalibrationProblem, z: np.ndarray, method: str, limit: int, p: np.ndarray | None = None) -> Estimate:
-    if method == "ipopt":
-        return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
-    return estimate(problem, z, method=method, max_iterations=limit, p=p)
-
-
-def _solved_part(problem: CalibrationProblem, postures: SolvedConfigurations, options: dict[str, object]) -> CalibrationProblem:
-    if postures.solved.all():
-        return problem
-    some = problem.measurements.subset(postures.solved)
-    try:
-        return build_calibration(problem.mechanism, some, **options)  # type: ignore[arg-type]
-    except NothingReadError:
-        raise InputError(
-            f"{problem.mechanism.name}: the direct problem of only {len(some)} of {len(problem.measurements)} postures has a solution "
-            "at the start geometry, and these hold no reading that could be compared (no group of two postures is left, where groups "
-            "are what was read); check that the data is of this mechanism, units, signs and the order of joints, or give starts"
-        ) from None
-
-
-def _check_determined(problem: CalibrationProblem, postures: SolvedConfigurations, p: np.ndarray) -> None:
-    """Joint readings must fix the pose: each posture's closure has full column rank in its unknown coordinates."""
-    rows_z = problem.model.rows(postures.z, problem.measurements.joints, p)[1][postures.solved]
-    if rows_z.shape[2] == 0:
-        return
-    singular = np.linalg.svd(rows_z, compute_uv=False)
-    short = rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0]))
-    if short:
-        raise InputError(
-            f"{problem.mechanism.name}: the actuated joints do not determine the pose; calibration needs a direct problem with "
-            "isolated solutions: actuate more joints, or declare the platform's motion"
-        )
+    if options.outliers != "ignore":
+        screened = fit_without_outliers(fit, measurements, found, options.significance)
+        found = screened.found if options.outliers == "remove" else found
+    made = build_result(measurements, found, screened.screening, removed=options.outliers == "remove")
+    elapsed = time.perf_counter() - begin
+    return replace(made, method=options.method, elapsed_s=elapsed, refused=made.refused or screened.refused)
 
 
 def _check_residual_form(residual: str, measurements: Measurements) -> None:
@@ -234,12 +155,154 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
         refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
 
 
-def _check_choices(method: str, loss: str, outliers: str, level: float) -> None:
-    if method not in METHODS:
-        raise InputError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")
-    if loss not in LOSSES:
-        raise InputError(f"loss = {loss!r} is unknown; allowed: {', '.join(LOSSES)}")
-    if outliers not in OUTLIER_RULES:
-        raise InputError(f"outliers = {outliers!r} is unknown; allowed: {', '.join(OUTLIER_RULES)}")
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level = {level!r}: a probability between 0 and 1 is needed")
+# --- fitting -------------------------------------------------------------------------------------------------------
+
+
+def _fit_measurements(
+    mechanism: Mechanism, measurements: Measurements, options: CalibrationOptions, near: StartValues | None
+) -> Fit:
+    """Fit the configurations that hold a reading beside the joints, from `near` if given."""
+    read = measurements.is_read
+    if read.all() or not read.any():
+        return _Fitting(options, options.build(mechanism, measurements)).run(near)
+    some = None if near is None else near.subset(read)
+    found = _Fitting(options, options.build(mechanism, measurements.subset(read))).run(some)
+    numbers = np.flatnonzero(read)
+    return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~read))
+
+
+class _Fitting:
+    """The fit of one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
+    estimate."""
+
+    def __init__(self, options: CalibrationOptions, problem: CalibrationProblem) -> None:
+        self.options, self.problem = options, problem
+        self.notes: list[str] = []
+
+    def run(self, near: StartValues | None) -> Fit:
+        p = self._start_parameters() if near is None else near.p
+        solved = start_configurations(self.problem, p, seed=self.options.seed) if near is None else self._solve_from(near)
+        if not solved.solved.any():
+            raise InputError(
+                f"{self.problem.mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
+                "and the order of joints, or give starts"
+            )
+        p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
+        _check_determined(self.problem, solved, p)
+        part = self._solved_part(solved)
+        result = self._estimate(part, solved, p)
+        if not solved.solved.all():
+            again, p = self._solve_again(result), result.state.p
+            if again.solved.sum() > solved.solved.sum():
+                solved, part = again, self._solved_part(again)
+                result = self._estimate(part, solved, p)
+        result = self._improved(part, solved, p, result)
+        rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
+        return Fit(
+            problem=part, result=result, used=np.flatnonzero(solved.solved), unsolved=np.flatnonzero(~solved.solved),
+            start_signs=determinant_signs(rows_z), notes=tuple(self.notes), loss=self.options.loss,
+        )  # fmt: skip
+
+    def _estimate(
+        self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, method: str | None = None
+    ) -> Estimate:
+        method, z = method or self.options.method, solved.z[solved.solved]
+        return _estimate_by(method, part, z, p, self.options.max_iterations)
+
+    def _improved(self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, result: Estimate) -> Estimate:
+        """The estimate by another method where one does not converge, continued where it nearly has, by descent alone where that
+        leads lower, with the least change along what no reading tells, and with the robust loss that is asked for."""
+        method, limit = self.options.method, self.options.max_iterations
+        if result.status != "ok" and method in _OTHER_METHOD:
+            other = self._estimate(part, solved, p, _OTHER_METHOD[method])
+            if other.status == "ok":
+                self.notes.append(
+                    f"the {method} form did not converge ({result.status}); the {_OTHER_METHOD[method]} form was used"
+                )
+                result = other
+        if result.status == "max_iterations" and _is_nearly_converged(part, result):
+            longer = _estimate_by(method, part, result.state.z, result.state.p, _EXTENSION_FACTOR * limit)
+            result = replace(longer, iterations=result.iterations + longer.iterations)
+        if result.status == "ok":
+            result = _lower_cost(result, descend_from(part, solved.z[solved.solved], p, result))
+        if result.null_space.shape[1]:
+            result = move_by_least_change(part, result, "nested")
+        if self.options.loss != "squared" and result.status == "ok":
+            result = robust_estimate(part, result.state.p, result.state.z, self.options.loss).result
+            self.notes.append(loss_note(self.options.loss))
+        return result
+
+    def _start_parameters(self) -> np.ndarray:
+        """Nominal parameters; those that whole measured poses give by themselves where there are such poses and the file's own
+        geometry does not give the readings to rounding already, which nothing may then move."""
+        model, m = self.problem.model, self.problem.measurements
+        start = parameters_from_poses(model, m)
+        if start is None:
+            return model.nominal
+        with np.errstate(all="ignore"):
+            z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
+            stays = bool(solved.all()) and is_rounding(self.problem, evaluate(self.problem, model.nominal, z, "means"))
+        return model.nominal if stays else start
+
+    def _solve_from(self, near: StartValues) -> SolvedConfigurations:
+        """The direct problems from where an earlier fit has left them; configurations that it had not begin where they would without
+        it."""
+        begun = start_points(self.problem.model, self.problem.measurements)
+        return self._solve_roughly(near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z))
+
+    def _solve_again(self, result: Estimate) -> SolvedConfigurations:
+        """The direct problems at an estimate; near their starts, whatever mode they end in, where it did not converge."""
+        if result.status == "ok":
+            return start_configurations(self.problem, result.state.p, seed=self.options.seed + 1)
+        return self._solve_roughly(result.state.p, self.options.seed + 1)
+
+    def _solve_roughly(self, p: np.ndarray, seed: int, z: np.ndarray | None = None) -> SolvedConfigurations:
+        problem = self.problem
+        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
+
+    def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
+        """The problem of the configurations that are solved."""
+        problem = self.problem
+        if solved.solved.all():
+            return problem
+        some = problem.measurements.subset(solved.solved)
+        try:
+            return self.options.build(problem.mechanism, some)
+        except NothingReadError:
+            raise InputError(
+                f"{problem.mechanism.name}: the direct problem of only {len(some)} of {len(problem.measurements)} postures has a solution "
+                "at the start geometry, and these hold no reading that could be compared (no group of two postures is left, where groups "
+                "are what was read); check that the data is of this mechanism, units, signs and the order of joints, or give starts"
+            ) from None
+
+
+def _estimate_by(method: str, problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, limit: int) -> Estimate:
+    if method == "ipopt":
+        return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
+    return estimate(problem, z, method=method, max_iterations=limit, p=p)
+
+
+def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
+    """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
+    scatter = float(np.sqrt(result.state.cost / problem.readings.count))
+    known, size = problem.readings.known, problem.model.closure.size
+    return scatter < (_NEARLY_CONVERGED_RATIO if known else _NEARLY_CONVERGED_SHARE * size)
+
+
+def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
+    """The estimate with the lower cost."""
+    return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
+
+
+def _check_determined(problem: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray) -> None:
+    """Joint readings must fix the pose: each configuration's closure has full column rank in its unknown coordinates."""
+    rows_z = problem.model.rows(solved.z, problem.measurements.joints, p)[1][solved.solved]
+    if rows_z.shape[2] == 0:
+        return
+    singular = np.linalg.svd(rows_z, compute_uv=False)
+    short = rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0]))
+    if short:
+        raise InputError(
+            f"{problem.mechanism.name}: the actuated joints do not determine the pose; calibration needs a direct problem with "
+            "isolated solutions: actuate more joints, or declare the platform's motion"
+        )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -14,11 +14,10 @@ from symkin.calibration.data.files import DataFile
 from symkin.calibration.data.measurements import Distance, Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES, bound_by_motion, joint_frames, parameter_names
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.diagnoses import diagnose, nominal_misfit
-from symkin.calibration.judge.euler_sequence import describe_sequence, find_sequence
-from symkin.calibration.judge.group_labels import diagnose_groups
+from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nominal_misfit
+from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
-from symkin.calibration.judge.plausibility import is_beyond_noise, is_noticeable, measure_departure, rejection_reason
+from symkin.calibration.judge.plausibility import Departure, is_beyond_noise, is_noticeable, measure_departure, rejection_reason
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.report import FitReport
@@ -34,7 +33,7 @@ _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
 _READING_NAMES = {
     "group": "groups", "inclination": "inclinations", "position": "positions", "orientation": "orientations",
-    "distance": "distances",
+    "distance": "distances"
 }  # fmt: skip
 """Readings by the keys of their standard deviations."""
 LEAST_CHANGE = "least"
@@ -42,100 +41,133 @@ LEAST_CHANGE = "least"
 
 
 class NotFittedError(InputError):
-    """Readings that nothing can be fitted to, and the slips (`diagnose`) that would explain it."""
+    """Readings that nothing can be fitted to, and the mistakes (see `diagnose`) that would explain it."""
 
-    def __init__(self, message: str, diagnose: tuple[str, ...]) -> None:
-        super().__init__(f"NOT BELIEVABLE, nothing was fitted: {diagnose[0]} ({message})")
+    def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
+        super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
         self.message = message
-        self.suspicions = diagnose
+        self.suspicions = suspicions
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle with both arguments, so that a process pool hands the error on."""
         return type(self), (self.message, self.suspicions)
 
 
-def fit_file(
-    mechanism: Mechanism, data: DataFile, *, parameters: str | None = None, hold: str | None = None, frames: str = LEAST_CHANGE,
-    sigmas: Mapping[str, np.ndarray | float] | None = None, command: str = "", seed: int = 0, hold_out: str | None = None,
-    any_machine: bool = False, **options: Any,
-) -> FitReport:  # fmt: skip
-    """Fit and judge. `parameters` and `hold` are patterns separated by commas, `frames` is "least" or "joints:..." (see
+class FileFitKeywords(TypedDict, total=False):
+    """Keywords of `fit_file`: those of `FileFitOptions`, and those of `calibrate` but for `fixed`."""
+
+    parameters: str | None
+    hold: str | None
+    frames: str
+    sigmas: Mapping[str, np.ndarray | float] | None
+    hold_out: str | None
+    any_machine: bool
+    command: str
+    seed: int
+    residual: str
+    tolerance: tuple[float, float] | None
+    method: str
+    loss: str
+    outliers: str
+    level: float | None
+    max_iterations: int
+
+
+@dataclass(frozen=True)
+class FileFitOptions:
+    """`parameters` and `hold` are patterns separated by commas (default: all; none), `frames` is "least" or "joints:..." (see
     `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `hold_out` is how many
-    postures (`20`, `20%`) are only predicted; with `any_machine` a geometry far from the file's is not refused for that;
-    `options` are those of `calibrate`.
+    configurations (`20`, `20%`) are only predicted; with `any_machine` a geometry far from the file's is not refused for that;
+    `command` is what the report says was run, `seed` that of random starts and draws."""
+
+    parameters: str | None = None
+    hold: str | None = None
+    frames: str = LEAST_CHANGE
+    sigmas: Mapping[str, np.ndarray | float] | None = None
+    hold_out: str | None = None
+    any_machine: bool = False
+    command: str = ""
+    seed: int = 0
+
+    def names(self, mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Parameters to identify, and those among them that are held."""
+        names = default_parameters(mechanism) if self.parameters is None else match_parameters(mechanism, self.parameters)
+        held = () if self.hold is None else _match_patterns(mechanism, self.hold)
+        held = tuple(dict.fromkeys((*held, *frame_names(mechanism, self.frames))))
+        return names, tuple(name for name in held if name in names)
+
+
+def fit_file(mechanism: Mechanism, data: DataFile, **keywords: Unpack[FileFitKeywords]) -> FitReport:
+    """Fit a data file and judge the fit; the keywords are those of `FileFitOptions` and of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
-    names = default_parameters(mechanism) if parameters is None else match_parameters(mechanism, parameters)
-    held = dict.fromkeys((*(() if hold is None else _match_patterns(mechanism, hold)), *frame_names(mechanism, frames)))
-    fixed = tuple(name for name in held if name in names)
-    data = replace(data, notes=(*data.notes, *_note_left_out(mechanism, parameters or ALL_PARAMETERS, names))).without_copies()
-    data = replace(data, measurements=with_sigmas(data, sigmas or {}))
-    data, kept_back = _hold_out(data, hold_out, seed)
-    options = {**options, "parameters": names, "fixed": fixed}
-    choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
-    measurements = data.measurements if choice is None else data.with_sequence(choice.sequence)
-    fit = _fit_measurements(mechanism, data, measurements, seed, options)
-    frames_sought = _unknown_frames(options)
-    gone = measure_departure(fit.problem, fit.state)
-    plain = fit.believable and fit.p_value is not None and not is_noticeable(fit, gone)
-    slips = () if plain else diagnose(mechanism, measurements, frames_sought)
-    if not slips and not fit.believable:
-        slips = diagnose_groups(mechanism, measurements)
-        if not slips and (fit.status != "ok" or is_beyond_noise(fit)):
-            slips = _diagnose_sequence(mechanism, data, options)
-    at_nominal = 0.0 if fit.believable else nominal_misfit(mechanism, measurements, frames_sought)
-    refused = rejection_reason(fit, at_nominal, slips, gone, any_machine=any_machine)
-    held_out = (
-        None
-        if kept_back is None
-        else predict_held_out(fit, kept_back.with_sequence("" if choice is None else choice.sequence), seed)
-    )
-    return FitReport(fit, data.path, command, choice, slips, data.notes, predict_pose_sigma(fit, seed), gone, refused, held_out)
+    given: dict[str, Any] = dict(keywords)
+    own = FileFitOptions(**{item.name: given.pop(item.name) for item in fields(FileFitOptions) if item.name in given})
+    names, fixed = own.names(mechanism)
+    notes = (*data.notes, *_note_left_out(mechanism, own.parameters or ALL_PARAMETERS, names))
+    data = replace(data, notes=notes).without_copies()
+    data = replace(data, measurements=with_sigmas(data, own.sigmas or {}))
+    data, kept_back = _hold_out(data, own.hold_out, own.seed)
+    task = _FileFit(mechanism, data, {**given, "parameters": names, "fixed": fixed})
+    fit = task.fit(own.seed)
+    departure = measure_departure(fit.problem, fit.state)
+    mistakes = task.mistakes(fit, departure)
+    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, departure, any_machine=own.any_machine)
+    sequence = "" if task.choice is None else task.choice.sequence
+    return FitReport(
+        fit=fit, data=data.path, command=own.command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
+        sigma=predict_pose_sigma(fit, own.seed), departure=departure, refusal=refused,
+        held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), own.seed),
+    )  # fmt: skip
 
 
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
-    """What is fitted, and what is held out of it (None where nothing is)."""
+    """Split the file into what is fitted, and what is held out of it (None where nothing is)."""
     if hold_out is None:
         return data, None
-    held = draw_held_out(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.read))), seed)
+    held = draw_held_out(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed)
     return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
 
 
-def _diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
-    """Whether the Euler angles fit another sequence than the one that the header names; a sentence or none."""
-    if data.sequence is None or data.euler is None:
-        return ()
-    try:
-        choice = find_sequence(mechanism, replace(data, open_euler=data.euler), **options)
-    except InputError:
-        return ()
-    if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
-        return ()
-    return (
-        f"the Euler angles look to be of another sequence than {data.sequence}, which the header names: {describe_sequence(choice.sequence)} fits, with "
-        f"chi-square {choice.chi_square:.4g} at {choice.best.degrees} degrees of freedom",
-    )
+class _FileFit:
+    """The fit of a file's readings, in the Euler sequence that was found where the header names none, and what may be wrong with
+    them; `options` are those of `calibrate`."""
 
+    def __init__(self, mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> None:
+        self.mechanism, self.data, self.options = mechanism, data, options
+        self.choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
+        self.measurements = data.measurements if self.choice is None else data.with_sequence(self.choice.sequence)
+        self.frames = tuple(n for n in options["parameters"] if n in MEASURING_FRAMES and n not in options["fixed"])
 
-def _fit_measurements(
-    mechanism: Mechanism, data: DataFile, measurements: Measurements, seed: int, options: dict[str, Any]
-) -> Calibration:
-    try:
-        return calibrate(mechanism, measurements, seed=seed, **options)
-    except InputError as error:
-        slips = diagnose(mechanism, measurements, _unknown_frames(options)) or _diagnose_sequence(mechanism, data, options)
-        if not slips:
-            raise InputError(f"{data.path}: {error}") from None
-        raise NotFittedError(f"{data.path}: {error}", slips) from None
+    def fit(self, seed: int) -> Calibration:
+        try:
+            return calibrate(self.mechanism, self.measurements, seed=seed, **self.options)
+        except InputError as error:
+            mistakes = diagnose(self.mechanism, self.measurements, self.frames) or self._wrong_sequence()
+            if not mistakes:
+                raise InputError(f"{self.data.path}: {error}") from None
+            raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
 
+    def mistakes(self, fit: Calibration, departure: Departure) -> tuple[str, ...]:
+        """Mistakes of the file that may explain a fit which is not believable, or which went far from the file's geometry."""
+        if fit.believable and fit.p_value is not None and not is_noticeable(fit, departure):
+            return ()
+        found = diagnose(self.mechanism, self.measurements, self.frames)
+        if found or fit.believable:
+            return found
+        found = diagnose_labels(self.mechanism, self.measurements)
+        return self._wrong_sequence() if not found and (fit.status != "ok" or is_beyond_noise(fit)) else found
 
-def _unknown_frames(options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Parameters to identify that are measuring frames."""
-    return tuple(name for name in options["parameters"] if name in MEASURING_FRAMES and name not in options["fixed"])
+    def nominal_misfit(self, fit: Calibration) -> float:
+        """The misfit of the nominal geometry, 0 where the fit is believable and nothing is compared with it."""
+        return 0.0 if fit.believable else nominal_misfit(self.mechanism, self.measurements, self.frames)
+
+    def _wrong_sequence(self) -> tuple[str, ...]:
+        return diagnose_sequence(self.mechanism, self.data, self.options)
 
 
 def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
-    """The measurements with standard deviations (keys joint, group, ...) that the file does not give."""
+    """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
         if key != "joint" and not _is_read(data, key):
@@ -150,7 +182,7 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
 
 
 def _is_read(data: DataFile, key: str) -> bool:
-    """Whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
+    """Tell whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
     m = data.measurements
     if key == "distance":
         return bool(m.distances)
@@ -165,9 +197,9 @@ def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
 
 
 def match_parameters(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
-    """Parameter names that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every parameter
-    that moves poses (see `minimal`). What a declared motion binds is only matched by its whole name. Raises InputError for a pattern that matches
-    nothing."""
+    """Name the parameters that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every
+    parameter that moves poses (see `default_parameters`). What a declared motion binds is only matched by its whole name.
+    Raises InputError for a pattern that matches nothing."""
     bound = bound_by_motion(mechanism) - {part.strip() for part in patterns.split(",")}
     return tuple(name for name in _match_patterns(mechanism, patterns) if name not in bound)
 
@@ -187,7 +219,7 @@ def _match_patterns(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
 
 
 def _note_left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) -> tuple[str, ...]:
-    """A note on what the patterns match and the declared motion binds."""
+    """Note what the patterns match and the declared motion binds."""
     bound = bound_by_motion(mechanism) if patterns == ALL_PARAMETERS else frozenset(_match_patterns(mechanism, patterns))
     missing = [name for name in build_closure(mechanism).parameter_names if name in bound and name not in names]
     if not missing:
@@ -199,7 +231,7 @@ def _note_left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) ->
 
 
 def _list_names(names: Sequence[str]) -> str:
-    """Some names of each beginning and end, that the rest can be guessed from."""
+    """List some names of each beginning and end, from which the rest can be guessed."""
     if len(names) <= _MAX_LISTED_NAMES:
         return ", ".join(names)
     endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
@@ -210,9 +242,9 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
-    """Parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform frame
-    in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of the
-    first limb after the slash, x towards the second's, z against gravity."""
+    """Name the parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform
+    frame in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of
+    the first limb after the slash, x towards the second's, z against gravity."""
     if frames == LEAST_CHANGE:
         return ()
     kind, _, limbs = frames.partition(":")
@@ -225,7 +257,7 @@ def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
 
 
 def calibrated_mechanism(report: FitReport) -> Mechanism:
-    """The corrected mechanism; title and source say what it is."""
+    """Build the corrected mechanism; title and source say what it is."""
     fit, nominal = report.fit, report.fit.mechanism
     how = printable(f"calibrated from {len(fit.used)} postures of {report.data}: {report.verdict}")
     return replace(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.judge.assessment import is_exact
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.holdout import HeldOut
@@ -31,9 +31,9 @@ _MAX_OUTSIDE_SHARE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class FitReport:
-    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, slips that
-    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why it is not
-    to be used."""
+    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, mistakes that
+    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why
+    it is not to be used."""
 
     fit: Calibration
     data: str
@@ -42,13 +42,14 @@ class FitReport:
     suspicions: tuple[str, ...]
     notes: tuple[str, ...]
     sigma: PoseSigma
-    gone: Departure
+    departure: Departure
     refusal: str | None = None
     held_out: HeldOut | None = None
 
     @property
     def usable(self) -> bool:
-        """Converged, every combination that moves poses was observable, and the readings fit the geometry (no `refusal`)."""
+        """Whether the fit converged, every combination that moves poses was observable, and the readings fit the geometry (no
+        `refusal`)."""
         fit = self.fit
         return fit.status == "ok" and fit.refused is None and not self.sigma.blind and bool(fit.used) and self.refusal is None
 
@@ -70,7 +71,7 @@ class FitReport:
             sure = (
                 "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
             )
-            other = f"; {describe_other_machine(self.fit, self.gone)}" if is_other_machine(self.fit, self.gone) else ""
+            other = f"; {describe_other_machine(self.fit, self.departure)}" if is_other_machine(self.fit, self.departure) else ""
             if self.held_out is not None and self.held_out.p_value is not None:
                 shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
                 link = "and" if self.fit.p_value is not None else "but"
@@ -116,6 +117,7 @@ class FitReport:
 
     @property
     def all_notes(self) -> tuple[str, ...]:
+        """All notes, those on the data first."""
         return (*self._sequence(), *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
 
     def _sequence(self) -> tuple[str, ...]:
@@ -130,7 +132,7 @@ class FitReport:
         return self.fit.status == "ok" and self.refusal is None
 
     def _beyond(self) -> tuple[str, ...]:
-        """What is known of poses outside the measured postures, where they are many."""
+        """What is known of poses outside the measured configurations, where they are many."""
         sigma, m = self.sigma.about_home, self.fit.mechanism
         if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
             return ()
@@ -143,19 +145,19 @@ class FitReport:
         )
 
     def changes(self) -> list[Parameter]:
-        """The mechanism's parameters by the size of their change, angles times the size."""
+        """List the mechanism's parameters by the size of their change, angles times the size."""
         size = self.fit.mechanism.size
         own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
         return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
 
     def measuring_frames(self) -> list[Parameter]:
-        """Frames between the mechanism and what was measured that were identified."""
+        """List the frames between the mechanism and what was measured that were identified."""
         return [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
 
     # --- text ------------------------------------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """What the terminal shows."""
+        """Write what the terminal shows."""
         fit, found = self.fit, self.fit.identifiability
         p = "" if fit.p_value is None else f", probability {fit.p_value:.3g}"
         lines = [
@@ -176,7 +178,7 @@ class FitReport:
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
         lines.append(
-            f"  the geometry's poses differ from the file's by {100 * self.gone.share:.2g} % of their spread (frames aligned)"
+            f"  the geometry's poses differ from the file's by {100 * self.departure.share:.2g} % of their spread (frames aligned)"
         )
         changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]]
         if changed:
@@ -194,7 +196,7 @@ class FitReport:
         return "\n".join(lines)
 
     def sigma_text(self) -> str:
-        """What is known of poses after this fit; no figure where the fit is not usable."""
+        """Say what is known of poses after this fit; no figure where the fit is not usable."""
         m = self.fit.mechanism
         if not self.usable:
             return "standard deviation of poses: none, the fit is not usable"
@@ -211,7 +213,7 @@ class FitReport:
         )
 
     def residual_text(self) -> str:
-        """Root mean square of the residuals of each kind."""
+        """Write the root mean square of the residuals of each kind."""
         m, by_kind = self.fit.mechanism, dict[str, list[float]]()
         for r in self.fit.residuals:
             by_kind.setdefault(r.kind, []).append(r.value)
@@ -224,7 +226,7 @@ class FitReport:
         return "residuals, rms: " + ", ".join(parts)
 
     def held_out_texts(self) -> list[str]:
-        """What the held-out postures say of the prediction; none where none were held out."""
+        """Say how well held-out configurations are predicted; nothing where none were held out."""
         held = self.held_out
         if held is None:
             return []
@@ -244,7 +246,8 @@ class FitReport:
         return lines
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
-        """All of it, or without `residuals`; lengths in the mechanism's unit, angles in its angle unit."""
+        """Return the JSON object of the report, with or without `residuals`; lengths in the mechanism's unit, angles in its
+        angle unit."""
         fit, m = self.fit, self.fit.mechanism
         return {
             "mechanism": m.name, "data": self.data, "command": self.command, "length_unit": m.length_unit, "angle_unit": m.angle_unit,
@@ -252,37 +255,38 @@ class FitReport:
             "euler_sequence": None if self.sequence is None or not self._fits else {
                 "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
                 "runner_up": self.sequence.runner_up, "runner_up_chi_square": finite(self.sequence.runner_up_chi_square),
-                "clear": self.sequence.clear,
+                "clear": self.sequence.clear
             },
             "departure": {
-                "share": finite(self.gone.share), "position": self.gone.position, "angle": m.angle_out(self.gone.angle), "open": self.gone.open,
-                "postures": self.gone.postures,
+                "share": finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.unclosed,
+                "postures": self.departure.configurations
             },
             **fit.findings(),
             "pose_sigma": None if not self.usable else {
                 "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
-                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max())),
+                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max()))
             },
             "held_out": None if self.held_out is None else {
                 "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
                 "degrees": self.held_out.degrees, "p_value": finite(self.held_out.p_value),
                 "rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.rms.items()},
                 "expected_rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()},
-                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved),
+                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved)
             },
             "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
             "residuals": list(fit.residual_rows()) if residuals else [],
         }  # fmt: skip
 
     def json_text(self) -> bytes:
-        """`to_dict` as a file's content, residuals a line each: of many postures their objects would take more room than all else."""
+        """Write `to_dict` as a file's content, residuals a line each: objects of many configurations would take more memory
+        than all else."""
         head = json.dumps(self.to_dict(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
         rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.fit.residual_rows())
         return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"
 
     def to_markdown(self, files: Sequence[Path]) -> str:
-        """The report; `files` are those that stand beside it, pictures among them."""
+        """Write the report; `files` are those that stand beside it, pictures among them."""
         fit, m = self.fit, self.fit.mechanism
         lines = [
             f"# Calibration of {m.name}",

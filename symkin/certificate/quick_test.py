@@ -98,10 +98,7 @@ def _test(
         chosen = np.ascontiguousarray(instance, dtype=np.intc)
         return library.enclose(function.tape, points, patch, (prepared.middle, prepared.radius), chosen, wide)
     with np.errstate(all="ignore"):
-        try:
-            return _test_in_numpy(function, points, patch, prepared, instance, wide)
-        except np.linalg.LinAlgError:
-            return points, np.full(len(points), np.inf)
+        return _test_in_numpy(function, points, patch, prepared, instance, wide)
 
 
 def _test_in_numpy(
@@ -115,7 +112,7 @@ def _test_in_numpy(
     error = np.zeros((n, width, width))
     error[:, *function.tape.patterns[1]] = slope.radius
     gamma = (2 * width + 8) * UNIT
-    inverse = np.linalg.inv(middle)
+    inverse = _inverses(middle)
     weights = modulus(inverse)
     value = function.evaluate(0, Discs.exact(points), prepared, instance).middle
     centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
@@ -128,3 +125,13 @@ def _test_in_numpy(
     away = modulus(centre - points) + 1.5 * half[:, None]
     inside = (e < 0.6) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
     return centre, np.where(inside.all(axis=1), half, np.inf)
+
+
+def _inverses(matrices: np.ndarray) -> np.ndarray:
+    """About the inverses (n, m, m); no numbers where there is none."""
+    try:
+        return np.linalg.inv(matrices)
+    except np.linalg.LinAlgError:
+        singular = np.linalg.matrix_rank(np.nan_to_num(matrices)) < matrices.shape[1]
+        regular = np.where(singular[:, None, None], np.eye(matrices.shape[1]), matrices)
+        return np.where(singular[:, None, None], np.nan, np.linalg.inv(regular))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DistancePoints = tuple[list[float], list[float]]
 """Ends of a distance: a point of the platform frame and one of the base frame, length unit."""
-_NOISIEST = 0.1
+_MAX_NOISE_SHARE = 0.1
 """Standard deviation over the size, or in radians, from which readings tell nothing and a unit must be wrong."""
 _QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
 
@@ -51,7 +51,9 @@ def check_noise(value: float, kind: str, mechanism: Mechanism, option: str) -> N
     """Refuse a standard deviation beyond a tenth of the mechanism's size, or of a radian: nothing could be told from such readings."""
     m = mechanism
     most, given, unit = (
-        (_NOISIEST * m.size, value, m.length_unit) if kind == "length" else (_NOISIEST, m.angle_out(value), m.angle_unit)
+        (_MAX_NOISE_SHARE * m.size, value, m.length_unit)
+        if kind == "length"
+        else (_MAX_NOISE_SHARE, m.angle_out(value), m.angle_unit)
     )
     if value > most:
         bound = f"a tenth of the size of {m.name}, {most:.3g}" if kind == "length" else f"{m.angle_out(most):.3g}"

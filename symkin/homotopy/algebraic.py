@@ -16,6 +16,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.closure.numpy_code import vectorise
 from symkin.model.joint import Coordinate
+from symkin.numeric.mapped import Mapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +39,14 @@ class AlgebraicSystem:
     limbs: tuple[tuple[int, ...], ...] = ()
     known_ray: tuple[int, ...] = ()
 
-    @property
+    @cached_property
     def width(self) -> int:
+        """Numbers that hold the unknowns."""
         return int(self.z.shape[0])
 
-    @property
+    @cached_property
     def count(self) -> int:
+        """Rows."""
         return int(self.rows.shape[0])
 
     @cached_property
@@ -73,8 +76,9 @@ class AlgebraicSystem:
         return vectorise(ca.Function("r", [self.z, self.k], [self.rows, ca.jacobian(self.rows, self.z)], {"cse": True}))
 
     @cached_property
-    def angles_eliminated(self) -> ca.Function:
-        return ca.Function("eliminated", [self.z, self.k], [value for _, value in self.eliminated])
+    def angles_eliminated(self) -> Mapped:
+        """Values of the eliminated angles at real (z, k)."""
+        return Mapped.of([self.z, self.k], [value for _, value in self.eliminated])
 
     def evaluate(self, z: np.ndarray, k: np.ndarray, dk: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """F (n, rows), dF/dz (n, rows, width) and dF/dk dk (n, rows) at z (width, n), k (known, n), dk (known, 1 or n)."""

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.homotopy import tracker
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.engine import Line, track_lines
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.tracker import Tracked, TrackSettings
 
-Track = Callable[[AlgebraicSystem, np.ndarray, np.ndarray, np.ndarray, TrackSettings | None], Tracked]
-"""`tracker.track` or one of the same meaning."""
+TrackLines = Callable[[AlgebraicSystem, Sequence[np.ndarray], Sequence[Line], TrackSettings | None], list[Tracked]]
+"""`engine.track_lines` or one of the same meaning."""
 _CAREFUL = TrackSettings(tolerance=1e-5)
 _LEAST, _MOST = 0.4, 2.0
 """Heights of bases over real known values: lower ones pass close to real branch points, higher ones are far away."""
@@ -55,33 +55,35 @@ def bases_beside(targets: Sequence[np.ndarray], count: int, seed: int) -> list[n
 
 def best_start(
     system: AlgebraicSystem, start: Fibre, bases: Iterable[np.ndarray], targets: Sequence[np.ndarray],
-    track: Track = tracker.track, settings: TrackSettings | None = None,
+    track: TrackLines = track_lines, settings: TrackSettings | None = None,
 ) -> Choice:  # fmt: skip
     """The roots of `start` at whichever of its own base and `bases` takes the fewest steps to the real known values
     `targets`, fewest failures first. A base counts only if all roots reach it and stay apart."""
-    candidates = [start, *(_moved(system, start, base, track) for base in bases)]
-    scores = [_score(system, candidate, targets[:1], track, settings) for candidate in candidates]
-    order = sorted(range(len(scores)), key=scores.__getitem__)
-    finalists = order[: max(2, len(order) // 4)]
-    for i in finalists:
-        scores[i] = _score(system, candidates[i], targets, track, settings)
+    candidates = _moved(system, start, list(bases), track)
+    scores = [(len(targets), np.inf)] * len(candidates)
+    whole = [i for i, candidate in enumerate(candidates) if candidate is not None]
+
+    def score(which: list[int], targets: Sequence[np.ndarray]) -> None:
+        chosen = [(candidate, target) for i in which if (candidate := candidates[i]) for target in targets]
+        lines = [(candidate.k, target) for candidate, target in chosen]
+        tracked = track(system, [candidate.z for candidate, _ in chosen], lines, settings)
+        for place, i in enumerate(which):
+            ends = tracked[place * len(targets) : (place + 1) * len(targets)]
+            lost = sum(not _is_whole(system, end) for end in ends)
+            scores[i] = lost, float(np.mean([end.steps for end in ends]))
+
+    score(whole, targets[:1])
+    finalists = sorted(whole, key=scores.__getitem__)[: max(2, len(candidates) // 4)]
+    score(finalists, targets)
     best = candidates[min(finalists, key=scores.__getitem__)]
     return Choice(best or start, tuple(s[0] for s in scores), tuple(s[1] for s in scores))
 
 
-def _moved(system: AlgebraicSystem, start: Fibre, base: np.ndarray, track: Track) -> Fibre | None:
-    """The roots at another base, in their order, or None where one is lost."""
-    tracked = track(system, start.z, start.k, base, _CAREFUL)
-    return replace(start, z=tracked.z, k=base) if _is_whole(system, tracked) else None
-
-
-def _score(
-    system: AlgebraicSystem, start: Fibre | None, targets: Sequence[np.ndarray], track: Track, settings: TrackSettings | None
-) -> tuple[int, float]:
-    if start is None:
-        return len(targets), np.inf
-    ends = [track(system, start.z, start.k, target, settings) for target in targets]
-    return sum(not _is_whole(system, end) for end in ends), float(np.mean([end.steps for end in ends]))
+def _moved(system: AlgebraicSystem, start: Fibre, bases: Sequence[np.ndarray], track: TrackLines) -> list[Fibre | None]:
+    """The start itself, and its roots at other bases, in their order; None where one is lost."""
+    tracked = track(system, [start.z] * len(bases), [(start.k, base) for base in bases], _CAREFUL)
+    moved = [replace(start, z=t.z, k=k) if _is_whole(system, t) else None for t, k in zip(tracked, bases, strict=True)]
+    return [start, *moved]
 
 
 def _is_whole(system: AlgebraicSystem, tracked: Tracked) -> bool:

@@ -63,7 +63,7 @@ class CompiledTracker:
         )
         with np.errstate(all="ignore"):
             ends = self.system.unit_rays(ends.T)
-        return Tracked(ends, s >= 1.0, s, int(tries.max(initial=0)))
+        return Tracked(ends, s >= 1.0, s, tries)
 
     def newton(self, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
         """Newton at fixed k, as `tracker.newton` does; a point that has no finite step stays where it is."""

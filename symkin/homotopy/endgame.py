@@ -32,10 +32,12 @@ _BASES = (0.3 + 0.4j, 0.3 - 0.5j)
 """Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on it."""
 _AGREED = 1e-6
 """Largest distance between ends that two radii, or a mean and Newton, give for one cycle."""
-_SINGULAR = 1e-8
+SINGULAR_SHARE = 1e-8
 """Share of the smallest singular value (see `local`) below which a root is singular."""
-_BESIDE = 1e-7
+BESIDE = 1e-7
 """Distance from a root at which a Newton step shows that it is well conditioned."""
+RETURNED = 0.05
+"""Share of that distance by which a step from beside a regular root may miss it."""
 _ONE = 1e-7
 """Distance below which two regular ends are one root, and one of the paths has jumped."""
 _SAME_END = 1e-5
@@ -113,12 +115,12 @@ def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -
         return regular
     z = tracked.z[:, places]
     rng = np.random.default_rng(0)
-    shift = _BESIDE * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape))
+    shift = BESIDE * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape))
     back, _ = newton(system, z + shift, target, 1)
-    good = gaps(system, back, z) < 0.05 * _BESIDE
+    good = gaps(system, back, z) < RETURNED * BESIDE
     doubtful = np.flatnonzero(~good)
     if doubtful.size:
-        good[doubtful] = look(system, z[:, doubtful], target).share > _SINGULAR
+        good[doubtful] = look(system, z[:, doubtful], target).share > SINGULAR_SHARE
     regular[places] = good & ~is_no_pose(system, z) & (separations(system, z) > _ONE)
     return regular
 
@@ -216,7 +218,7 @@ def _settle(system: AlgebraicSystem, points: np.ndarray, target: np.ndarray) -> 
     """Which points (width, n) Newton settles at once at a regular pose, and where."""
     exact, last = newton(system, points, target, 6)
     regular = (last < 1e-9) & (gaps(system, exact, points) < _AGREED) & ~is_no_pose(system, exact)
-    return regular & (look(system, exact, target).share > _SINGULAR), exact
+    return regular & (look(system, exact, target).share > SINGULAR_SHARE), exact
 
 
 def _compare(system: AlgebraicSystem, i: int, new: Germ, end: _End, paths: _Paths) -> None:

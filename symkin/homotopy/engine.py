@@ -6,6 +6,8 @@ All have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symkin.homotopy import quadratic, tracker
@@ -14,7 +16,9 @@ from symkin.homotopy.compiled import CompiledTracker, load
 from symkin.homotopy.quadratic_form import quadratic_form
 from symkin.homotopy.tracker import Tracked, TrackSettings
 
-_WORTH_COMPILING = 200
+Line = tuple[np.ndarray, np.ndarray]
+"""Known values (known,) at which paths begin and end."""
+_WORTH_COMPILING = 50
 """Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""
 
 
@@ -32,17 +36,32 @@ def track(
     return tracker.track(system, z, begin, end, settings)
 
 
+def track_lines(
+    system: AlgebraicSystem, roots: Sequence[np.ndarray], lines: Sequence[Line], settings: TrackSettings | None = None
+) -> list[Tracked]:
+    """Roots (width, n) of each line's beginning to its end, all lines at once but where the tracker of quadratic rows, whose
+    paths share one line, is faster; the same as `track` of each."""
+    if len(lines) < 2 or (engine_of(system)[0] is None and quadratic_form(system) is not None):
+        return [track(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)]
+    counts = [z.shape[1] for z in roots]
+    begin = np.repeat(np.array([begin for begin, _ in lines], dtype=complex).T, counts, axis=1)
+    end = np.repeat(np.array([end for _, end in lines], dtype=complex).T, counts, axis=1)
+    whole = track(system, np.concatenate(roots, axis=1), begin, end, settings)
+    ends = np.cumsum(counts)
+    return [whole.take(slice(last - count, last)) for last, count in zip(ends.tolist(), counts, strict=True)]
+
+
 def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
-    """Newton at fixed k, (known,) or (known, n); points and the size of the last step."""
-    compiled, _ = engine_of(system)
+    """Newton at fixed k, (known,) or (known, n); points and the size of the last step. Nothing is compiled for it alone."""
+    compiled, _ = engine_of(system, build=False)
     return compiled.newton(z, k, iterations) if compiled else tracker.newton(system, z, k, iterations)
 
 
-def engine_of(system: AlgebraicSystem) -> tuple[CompiledTracker | None, str]:
-    """The compiled engine of a system, or None; and what is used, in a few words."""
+def engine_of(system: AlgebraicSystem, *, build: bool = True) -> tuple[CompiledTracker | None, str]:
+    """The compiled engine of a system, built at need if `build`, or None; and what is used, in a few words."""
     if system.cost < _WORTH_COMPILING:
         return None, "NumPy"
-    compiled, text = load(system)
+    compiled, text = load(system, build=build)
     return compiled, text if compiled else f"NumPy ({text})"
 
 

@@ -59,8 +59,9 @@ class Local:
 
 
 def look(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> Local:
-    """The rows and their Jacobians at points z (width, n) for known values k."""
-    f, j = system.linearise(z, np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1))
+    """The rows and their Jacobians at points z (width, n) for known values k, (known,) or (known, n)."""
+    each = k.astype(complex) if k.ndim == 2 else np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1)
+    f, j = system.linearise(z, each)
     if system.projective:
         ray = list(system.projective)
         patch = np.zeros((len(j), 1, system.width), dtype=complex)

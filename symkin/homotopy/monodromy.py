@@ -6,17 +6,18 @@ of one generic instance. Loops in the space of known values permute the roots an
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.branches import SAME, cover, labels_of, uncovered
-from symkin.homotopy.engine import newton, track
+from symkin.homotopy.engine import newton, track_lines
 from symkin.homotopy.seeds import Points, carried, seed_roots
 from symkin.homotopy.symmetry import Orbits
+from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
 
 MOST_ROOTS = 130
@@ -24,8 +25,17 @@ MOST_WORK = 1.5e7
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the instructions of a step's
 evaluation, weighed by the count of paths - and a search is given up. A count, not a clock, so that the same input gives
 the same answer."""
-_SEEDS = 12
-"""Points from which seeds are sought; fewer are found."""
+_SEEDS = 72
+"""Points from which seeds are sought; a tenth to a third of them are found, on whichever components of the closure there are."""
+_FEWEST_AT_ONCE, _LOOPS_AT_ONCE, _PATHS_AT_ONCE = 2, 24, 240
+"""Loops that are tracked together while they find roots, and afterwards at most, and their paths at most."""
+_IDLE_LOOPS = 25
+"""Loops after which a single root that none has moved is taken to be alone."""
+_LONGEST_TURN, _HIGHEST = 2 * np.pi, 2.0
+"""Real and imaginary part (radians) of the way of an angle in a loop, at most."""
+_LOOPING = TrackSettings(most_steps=400)
+"""Paths that take more steps around a loop are given up: hardly any of them arrives."""
+_ORBIT_LOOPS_AT_ONCE = 4
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
 
@@ -88,43 +98,95 @@ class _Found:
             pose = self.parents[pose]
         return pose
 
+    @property
+    def parts(self) -> int:
+        """How many orbits there are."""
+        return len({self.orbit(pose) for pose in self.poses})
+
     def join(self, i: int, j: int) -> None:
         """Roots i and j are connected."""
         self.parents[self.orbit(self.poses[i])] = self.orbit(self.poses[j])
 
 
+@dataclass(frozen=True, eq=False)
+class Looping:
+    """Where loops go and end. `angles`: which known values are angles (None: none); `bound`: roots at which the search ends
+    (None: no bound is known); `needed`: the evidence at which it ends; `most_loops`: loops after which it ends."""
+
+    angles: np.ndarray | None = None
+    bound: int | None = None
+    needed: float = 6.0
+    most_loops: int = 200
+
+
 def fibre(
-    system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int,
-    *, bound: int | None = None, known: tuple[np.ndarray, np.ndarray] | None = None, needed: float = 6.0,
-    most_loops: int = 200, progress: Progress | None = None,
+    system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int, looping: Looping,
+    known: tuple[np.ndarray, np.ndarray] | None = None, progress: Progress | None = None,
 ) -> Fibre | None:  # fmt: skip
-    """Loop until a bound is reached or the evidence is `needed`. None where no seed was found. `known` are roots and
-    base to begin with."""
+    """Loop until a bound is reached or the evidence is enough. None where no seed was found. `known` are roots and base to
+    begin with."""
     found, k0 = _begin(system, points, rng, rank, known)
     if found is None:
         return None
-    evidence, loops = 0.0, 0
-    work = 0.0
-    while loops < most_loops and evidence < needed and (bound is None or found.z.shape[1] < bound):
-        loops += 1
-        before = found.z.shape[1]
-        ends, arrived, steps = _loop(system, found.z, k0, rng)
-        work += steps * system.cost * (1 + before / 100)
-        if work > MOST_WORK or found.z.shape[1] > MOST_ROOTS:
-            raise TooManyRootsError(found.z.shape[1])
-        moved, new = _absorb(found, ends, arrived)
-        found = found.compressed() if new else found
-        if new:
-            evidence = 0.0
-        elif arrived.sum() > 0:
-            share = min(moved / before, 1 - 1e-3)
-            evidence += -np.log10(1 - share)
-        if progress is not None:
-            progress(int(100 * min(1.0, evidence / needed)), 100)
-        if before == 1 and not new and loops >= 25:
+    search = _Search(system, found, k0, looping.angles, rng)
+    while search.loops < looping.most_loops and search.evidence < looping.needed:
+        if looping.bound is not None and search.found.z.shape[1] >= looping.bound:
             break
+        search.go_round(looping.needed, looping.most_loops)
+        if progress is not None:
+            progress(int(100 * min(1.0, search.evidence / looping.needed)), 100)
+        if search.found.z.shape[1] == 1 and search.loops >= _IDLE_LOOPS:
+            break
+    found = search.found
     orbits = np.array([found.orbit(pose) for pose in found.poses])
-    return Fibre(found.z, k0, np.unique(orbits, return_inverse=True)[1], evidence, loops, seed)
+    return Fibre(found.z, k0, np.unique(orbits, return_inverse=True)[1], search.evidence, search.loops, seed)
+
+
+@dataclass
+class _Search:
+    """Loops of the known values at k0 and what they have found; `work` is what MOST_WORK bounds."""
+
+    system: AlgebraicSystem
+    found: _Found
+    k0: np.ndarray
+    angles: np.ndarray | None
+    rng: np.random.Generator
+    evidence: float = 0.0
+    loops: int = 0
+    work: float = 0.0
+    at_once: int = _FEWEST_AT_ONCE
+
+    def go_round(self, needed: float, most_loops: int) -> None:
+        """Several loops at once, all of the same roots. Where one finds a root, none of them is evidence: the others did not
+        move it. After idle ones come as many as the evidence `needed` seems to take."""
+        z = self.found.z
+        roots = z.shape[1]
+        count = min(self.at_once, most_loops - self.loops, max(1, _PATHS_AT_ONCE // roots))
+        loops = around(self.system, z, [self._triangle() for _ in range(count)])
+        self.loops += count
+        self.work += max(loop.steps for loop in loops) * self.system.cost * (1 + count * roots / 100)
+        if self.work > MOST_WORK:
+            raise TooManyRootsError(roots)
+        moved = [_absorb(self.found, loop) for loop in loops]
+        if self.found.z.shape[1] > MOST_ROOTS:
+            raise TooManyRootsError(self.found.z.shape[1])
+        if self.found.z.shape[1] > roots:
+            self.found, self.evidence, self.at_once = self.found.compressed(), 0.0, _FEWEST_AT_ONCE
+            return
+        gained = sum(_evidence(m, roots) for m, loop in zip(moved, loops, strict=True) if loop.arrived.any())
+        self.evidence += gained
+        self.at_once = int(np.clip(np.ceil((needed - self.evidence) / max(gained / count, 0.1)), 1, _LOOPS_AT_ONCE))
+
+    def _triangle(self) -> list[np.ndarray]:
+        """A random loop k0, k1, k2, k0."""
+        radius = loop_radius(self.rng)
+        ways = [radius * complex_normal(len(self.k0), self.rng) for _ in range(2)]
+        return [self.k0, *(self.k0 + within_reach(way, self.angles) for way in ways), self.k0]
+
+
+def _evidence(moved: int, roots: int) -> float:
+    """Of one loop that found no root: -log10 of the share of roots that it left alone."""
+    return float(-np.log10(1 - min(moved / roots, 1 - 1e-3)))
 
 
 def _begin(
@@ -140,33 +202,46 @@ def _begin(
     return _Found.of(system, np.hstack([z[:, :1], carried(system, z[:, 1:], k[:, 1:], k[:, 0])])), k[:, 0]
 
 
-def _loop(system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, int]:
-    """Along a random triangle k0, k1, k2, k0; angles may wind by whole turns."""
-    radius = loop_radius(rng)
-    return around(system, z, [k0, k0 + radius * complex_normal(len(k0), rng), k0 + radius * complex_normal(len(k0), rng), k0])
-
-
 def loop_radius(rng: np.random.Generator) -> float:
     """Log-uniform between 0.7 and 5 sizes (or radians), at times up to 30."""
     return float(0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform())
 
 
-def around(system: AlgebraicSystem, z: np.ndarray, corners: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:
-    """Roots z tracked along a closed polygon; ends, which of them arrived, and steps."""
-    steps = 0
-    arrived = np.ones(z.shape[1], dtype=bool)
-    for begin, end in pairwise(corners):
-        tracked = track(system, z[:, arrived], begin, end)
-        steps += tracked.steps
-        next_z = z.copy()
-        next_z[:, np.flatnonzero(arrived)] = tracked.z
-        z = next_z
-        arrived[np.flatnonzero(arrived)[~tracked.arrived]] = False
-    if arrived.any():
-        polished, last = newton(system, z[:, arrived], corners[0])
-        z[:, np.flatnonzero(arrived)] = polished
-        arrived[np.flatnonzero(arrived)[last > 1e-9]] = False
-    return z, arrived, steps
+@dataclass(frozen=True, eq=False)
+class _Loop:
+    """What one loop came to: an end for each root that it began with, which of them arrived, and the steps taken."""
+
+    z: np.ndarray
+    arrived: np.ndarray
+    steps: int
+
+
+def within_reach(way: np.ndarray, angles: np.ndarray | None) -> np.ndarray:
+    """A way from a base of known values, with its angles shortened to what loops need: branch points repeat after a whole turn,
+    and where imaginary parts are large sines and cosines are one exponential, which paths follow slowly or not at all."""
+    if angles is None or not angles.any():
+        return way
+    turned = _LONGEST_TURN * np.tanh(way.real / _LONGEST_TURN) + 1j * _HIGHEST * np.tanh(way.imag / _HIGHEST)
+    return np.where(angles, turned, way)
+
+
+def around(system: AlgebraicSystem, z: np.ndarray, polygons: Sequence[Sequence[np.ndarray]]) -> list[_Loop]:
+    """Roots z (width, n) tracked along closed polygons of equally many corners, all with the same first corner."""
+    ends, arrived = [z.copy() for _ in polygons], [np.ones(z.shape[1], dtype=bool) for _ in polygons]
+    steps = [0] * len(polygons)
+    for sides in zip(*(pairwise(corners) for corners in polygons), strict=True):
+        tracked = track_lines(system, [e[:, a] for e, a in zip(ends, arrived, strict=True)], sides, _LOOPING)
+        for i, t in enumerate(tracked):
+            there = np.flatnonzero(arrived[i])
+            ends[i][:, there], arrived[i][there], steps[i] = t.z, t.arrived, steps[i] + t.steps
+    counts = [int(a.sum()) for a in arrived]
+    if sum(counts):
+        polished, last = newton(system, np.hstack([e[:, a] for e, a in zip(ends, arrived, strict=True)]), polygons[0][0])
+        begins = np.cumsum([0, *counts])
+        for i, begin in enumerate(begins[:-1]):
+            there, here = np.flatnonzero(arrived[i]), slice(begin, begins[i + 1])
+            ends[i][:, there], arrived[i][there] = polished[:, here], last[here] <= 1e-9
+    return [_Loop(*parts) for parts in zip(ends, arrived, steps, strict=True)]
 
 
 def orbits(
@@ -174,27 +249,27 @@ def orbits(
 ) -> np.ndarray:
     """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
     connection is `needed`. All zero where the loops leave a root alone: that is no evidence of a part of its own."""
-    found, evidence = _Found.of(system, z), 0.0
-    for _ in range(_MOST_ORBIT_LOOPS):
-        before = len({found.orbit(pose) for pose in found.poses})
-        if before == 1 or evidence >= needed:
-            break
-        ends, arrived, _ = around(system, found.z, [k0, corner(), corner(), k0])
-        moved, _ = _absorb(found, ends, arrived & (found.match(ends) >= 0))
-        same = len({found.orbit(pose) for pose in found.poses}) == before
-        evidence = evidence - np.log10(1 - min(moved / z.shape[1], 1 - 1e-3)) if same else 0.0
+    found, evidence, loops = _Found.of(system, z), 0.0, 0
+    while found.parts > 1 and evidence < needed and loops < _MOST_ORBIT_LOOPS:
+        count = max(1, min(_ORBIT_LOOPS_AT_ONCE, _PATHS_AT_ONCE // z.shape[1]))
+        for loop in around(system, found.z, [[k0, corner(), corner(), k0] for _ in range(count)]):
+            before, loops = found.parts, loops + 1
+            moved = _absorb(found, replace(loop, arrived=loop.arrived & (found.match(loop.z) >= 0)))
+            evidence = evidence + _evidence(moved, z.shape[1]) if found.parts == before else 0.0
     labels = np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
     return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
 
 
-def _absorb(found: _Found, ends: np.ndarray, arrived: np.ndarray) -> tuple[int, int]:
-    moved = new = 0
-    for i in np.flatnonzero(arrived):
-        j = int(found.match(ends[:, [i]])[0])
+def _absorb(found: _Found, loop: _Loop) -> int:
+    """Unite roots with the ends of a loop that began at the first of them; how many it has moved."""
+    moved, there = 0, np.flatnonzero(loop.arrived)
+    if not there.size:
+        return 0
+    for i, known in zip(there.tolist(), found.match(loop.z[:, there]).tolist(), strict=True):
+        j = known
         if j < 0:
-            j = found.add(ends[:, i])
-            new += 1
-        if j != i:
-            moved += 1
-        found.join(int(i), j)
-    return moved, new
+            j = int(found.match(loop.z[:, [i]])[0])
+            j = found.add(loop.z[:, i]) if j < 0 else j
+        moved += j != i
+        found.join(i, j)
+    return moved

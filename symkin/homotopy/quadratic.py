@@ -73,10 +73,11 @@ def _common(k: np.ndarray) -> np.ndarray | None:
 def _track(line: Line, x: np.ndarray, settings: TrackSettings) -> Tracked:
     """`reach` is what each path's steps have been found to be worth, over the estimate from the last term."""
     n, form, aim = len(x), line.form, _AIM * settings.tolerance
-    ends, reached = x.copy(), np.zeros(n)
+    ends, reached, tries = x.copy(), np.zeros(n), np.zeros(n, dtype=int)
     active, s, reach, rounds = np.arange(n), np.zeros(n), np.full(n, 1.5), 0
     while active.size and rounds < settings.most_steps:
         rounds += 1
+        tries[active] = rounds
         terms = _series(line, x, s)
         h = np.minimum(reach * _trusted(terms, aim), 1.0 - s)
         landing = np.where(h >= 1.0 - s, 1.0, s + h)
@@ -90,10 +91,10 @@ def _track(line: Line, x: np.ndarray, settings: TrackSettings) -> Tracked:
             ends[active[leave]], reached[active[leave]] = x[leave], s[leave]
             x, s, reach, active = x[~leave], s[~leave], reach[~leave], active[~leave]
     ends[active], reached[active] = x, s
-    return _arrive(line, ends, reached, rounds)
+    return _arrive(line, ends, reached, tries)
 
 
-def _arrive(line: Line, x: np.ndarray, s: np.ndarray, rounds: int) -> Tracked:
+def _arrive(line: Line, x: np.ndarray, s: np.ndarray, tries: np.ndarray) -> Tracked:
     """Newton at the end; a point that it does not settle has not arrived."""
     form, arrived = line.form, s >= 1.0
     there = np.flatnonzero(arrived)
@@ -106,7 +107,7 @@ def _arrive(line: Line, x: np.ndarray, s: np.ndarray, rounds: int) -> Tracked:
                 break
         left = np.max(np.abs(_rows(line, line.apply(x[there]), x[there], line.weights(at)[:, :, 0])), axis=(1, 2))
         arrived[there] = (last <= _POLISHED) & (left <= _LEFT)
-    return Tracked(x[:, : form.unknowns].T, arrived, s, rounds)
+    return Tracked(x[:, : form.unknowns].T, arrived, s, tries)
 
 
 # --- series ------------------------------------------------------------------------------------------------------

@@ -89,8 +89,10 @@ def _with_rays(system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: 
 def full_linearisation(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """F (n, rows), dF/dz (n, rows, width) and dF/dk (n, rows, known) at z (width, n), k (known, n)."""
     f, jz = system.linearise(z, k)
-    along = [system.evaluate(z, k, unit[:, None])[2] for unit in np.eye(len(k), dtype=complex)]
-    return f, jz, np.stack(along, axis=2)
+    known, n = k.shape
+    directions = np.repeat(np.eye(known, dtype=complex), n, axis=1)
+    along = system.evaluate(np.tile(z, known), np.tile(k, known), directions)[2]
+    return f, jz, along.reshape(known, n, -1).transpose(1, 2, 0)
 
 
 def regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -109,17 +109,18 @@ def meet_all_distances(problem: Problem, z: np.ndarray, known: np.ndarray) -> np
 
 @lru_cache(maxsize=128)
 def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Length, base point and platform point of each distance (42 numbers, in units of the size) from known joints, real
-    or complex."""
+    """Length, base point and platform point of each distance (42 numbers, in units of the size) from known joints (known,) or
+    (known, n), real or complex."""
     function = distance_function(problem)
     if function is None:
         return None
     code, size = vectorise(function), problem.closure.size
 
     def data(joints: np.ndarray) -> np.ndarray:
-        numbers = np.zeros((1, 7 * DISTANCES, 1), dtype=complex)
-        code(np.asarray(joints, dtype=complex)[:, None], numbers)
-        return np.asarray(numbers[0, :, 0] / size)
+        columns = np.asarray(joints, dtype=complex).reshape(len(joints), -1)
+        numbers = np.zeros((columns.shape[1], 7 * DISTANCES, 1), dtype=complex)
+        code(columns, numbers)
+        return np.asarray(numbers[:, :, 0].T.reshape(7 * DISTANCES, *joints.shape[1:]) / size)
 
     return data
 

@@ -17,7 +17,7 @@ from symkin.caching import lru_cache
 from symkin.closure.pose_forms import HomogeneousPose
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
-from symkin.homotopy.monodromy import Fibre, fibre
+from symkin.homotopy.monodromy import Fibre, Looping, fibre
 from symkin.homotopy.tracker import TrackSettings, track
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
@@ -82,7 +82,7 @@ def compute_universal_start(seed: int = 0) -> Fibre:
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
         return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
 
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=BOUND, needed=1e9))
     if found is None or found.z.shape[1] != BOUND:
         raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
     return found

@@ -26,8 +26,8 @@ from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.branches import uncovered
 from symkin.homotopy.components import free_system, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
-from symkin.homotopy.engine import aligned, newton, track
-from symkin.homotopy.monodromy import Fibre, TooManyRootsError, fibre, loop_radius, orbits
+from symkin.homotopy.engine import aligned, newton, track, track_lines
+from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre, loop_radius, orbits, within_reach
 from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
 from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.homotopy.six_revolute import arm_start, is_six_revolute
@@ -36,7 +36,7 @@ from symkin.homotopy.symmetry import orbits as orbits_under
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
-from symkin.homotopy.values import algebraic_point, coordinate_scale, known_values
+from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angles, known_values
 from symkin.numeric.cache import cache_folder, discard, keep, read_kept
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
@@ -116,7 +116,7 @@ def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
     if len(targets) < 2:
         return start
     targets = [aligned(system, targets[0], target).real for target in targets]
-    return best_start(system, start, bases_beside(targets, _BASES, start.seed), targets, track).start
+    return best_start(system, start, bases_beside(targets, _BASES, start.seed), targets).start
 
 
 def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
@@ -152,17 +152,11 @@ def _from_universal(
     if np.max(last) > 1e-9:
         return None
 
-    scale = coordinate_scale(problem, problem.known_coordinates)
-
-    def corner() -> np.ndarray:
-        return known_values(problem, joints + 2.0 * loop_radius(rng) * scale * complex_normal(len(joints), rng))
-
-    return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
+    return Fibre(ends, k, orbits(system, ends, k, _corners(problem, joints, rng)), float("inf"), 0, seed)
 
 
 def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | None:
     """Track the 16 universal roots to this arm at a random complex pose; None where a path stays unresolved each time."""
-    scale = coordinate_scale(problem, problem.known_coordinates)
     for seed in range(3):
         rng = np.random.default_rng(seed)
         pose = random_known(problem, rng, near=True)
@@ -173,12 +167,19 @@ def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | No
         ends = _settled(system, z, k)
         if ends is None:
             continue
-
-        def corner(base: np.ndarray = pose, rng: np.random.Generator = rng) -> np.ndarray:
-            return known_values(problem, base + 2.0 * loop_radius(rng) * scale * complex_normal(len(base), rng))
-
-        return Fibre(ends, k, orbits(system, ends, k, corner), float("inf"), 0, seed)
+        return Fibre(ends, k, orbits(system, ends, k, _corners(problem, pose, rng)), float("inf"), 0, seed)
     return None
+
+
+def _corners(problem: Problem, base: np.ndarray, rng: np.random.Generator) -> Callable[[], np.ndarray]:
+    """Draws known values of the algebraic system about those of a base, in the length unit and radians."""
+    scale, angles = coordinate_scale(problem, problem.known_coordinates), known_angles(problem)
+
+    def corner() -> np.ndarray:
+        way = 2.0 * loop_radius(rng) * complex_normal(len(base), rng)
+        return known_values(problem, base + scale * within_reach(way, angles))
+
+    return corner
 
 
 def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
@@ -209,21 +210,25 @@ def _by_monodromy(
     combined = system.count < system_of(problem, block).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
-    first = fibre(system, points, np.random.default_rng(0), 0, rank, bound=bound, most_loops=loops, progress=progress)
+    looping = Looping(known_angles(problem), bound, most_loops=loops)
+    first = fibre(system, points, np.random.default_rng(0), 0, rank, looping, progress=progress)
     if first is None:
         return None, "no generic complex solution was found"
     if bound is not None:
         return first, ""
     for seed in range(1, 1 + runs):
         LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
-        grown = _agree(system, points, rank, first, seed, loops)
+        grown = _agree(system, points, rank, first, seed, looping)
         best = grown or first
         missing = missing_roots(problem, system, block, best, seed)
         fresh = np.hstack([missing, roots_elsewhere(problem, system, block, points, rank, best, seed)])
         if grown is None and fresh.shape[1] == 0:
             return first, ""
+        if fresh.shape[1] == 0:
+            first = best
+            continue
         known = (np.concatenate([best.z, fresh], axis=1), best.k)
-        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, known=known, most_loops=loops) or best
+        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, looping, known) or best
     return None, "independent searches for the generic count disagree"
 
 
@@ -243,21 +248,21 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
     At random closed configurations the roots must come in conjugate pairs, and must hold every real root that random
     starts find; what is missing is tracked back to the base.
     """
-    missing = np.zeros((system.width, 0), dtype=complex)
     settings = TrackSettings(tolerance=1e-5)
-    for values in closed_configurations(problem.closure, seed)[:_INSTANCES]:
-        known = problem.select_values(values, problem.known_coordinates)
-        k = known_values(problem, known)
-        tracked = track(system, start.z, start.k, k, settings)
-        if not tracked.arrived.any():
-            continue
+    closed = closed_configurations(problem.closure, seed)[:_INSTANCES]
+    instances = [problem.select_values(values, problem.known_coordinates) for values in closed]
+    ks = [known_values(problem, known).astype(complex) for known in instances]
+    there = track_lines(system, [start.z] * len(ks), [(start.k, k) for k in ks], settings)
+    lost = []
+    for known, k, tracked in zip(instances, ks, there, strict=True):
         ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
         wanted = np.concatenate([np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1)
-        back = track(system, wanted[:, uncovered(system, ends, wanted) < 0], k.astype(complex), start.k, settings)
-        missing = np.concatenate([missing, back.z[:, back.arrived]], axis=1)
-    if missing.shape[1] == 0:
-        return missing
-    everything = np.concatenate([start.z, missing], axis=1)
+        lost.append(wanted[:, uncovered(system, ends, wanted) < 0] if tracked.arrived.any() else wanted[:, :0])
+    back = track_lines(system, lost, [(k, start.k) for k in ks], settings)
+    missing = [tracked.z[:, tracked.arrived] for tracked in back]
+    if not any(z.shape[1] for z in missing):
+        return np.zeros((system.width, 0), dtype=complex)
+    everything = np.hstack([start.z, *missing])
     f = system.all_features(everything)
     first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
     return np.asarray(everything[:, first[first >= start.z.shape[1]]])
@@ -290,10 +295,11 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
 
 
-def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, loops: int) -> Fibre | None:
+def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, looping: Looping) -> Fibre | None:
     """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
     union, grown by more loops."""
-    second = fibre(system, points, np.random.default_rng(seed), seed, rank, bound=first.z.shape[1], most_loops=loops)
+    no_more = replace(looping, bound=first.z.shape[1])
+    second = fibre(system, points, np.random.default_rng(seed), seed, rank, no_more)
     if second is None:
         return None
     tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
@@ -302,7 +308,7 @@ def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, see
     if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
         return None
     start = np.concatenate([first.z, fresh], axis=1)
-    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, known=(start, first.k), most_loops=loops)
+    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, looping, (start, first.k))
 
 
 # --- files -------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ alone; others, such as the reflection of a platform with coplanar points (see `c
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import casadi as ca
@@ -63,7 +63,7 @@ class Orbits:
     def unfold_tracked(self, tracked: Tracked) -> Tracked:
         """What all paths came to, from the paths of `first`."""
         z = self.unfold(tracked.z)
-        return replace(tracked, z=z, arrived=tracked.arrived[self.labels], s=tracked.s[self.labels])
+        return Tracked(z, *(values[self.labels] for values in (tracked.arrived, tracked.s, tracked.tries)))
 
 
 def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Orbits:

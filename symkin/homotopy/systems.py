@@ -128,3 +128,13 @@ def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: f
     if width == 4:
         return [1.0] * 4
     return [1.0] * 4 + [size] * 4 if width == 8 else [size] * 3 + [1.0] * 4
+
+
+def unsuitable(problem: Problem) -> str | None:
+    """Why a problem has no complex start system, if it has none."""
+    for c in problem.system.unknowns:
+        if c.kind == "turns":
+            return f"the closure is not algebraic in {c.name} (helical joint)"
+        if c.kind == "quaternion" and c.role != "pose":
+            return f"{c.name} is a spherical joint that the closure keeps"
+    return None

@@ -36,12 +36,22 @@ class TrackSettings:
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
-    """End points z (width, n), and for each path whether it reached s = 1; `s` is how far it came."""
+    """End points z (width, n), and for each path whether it reached s = 1; `s` is how far it came, `tries` the steps that
+    were tried on it."""
 
     z: np.ndarray
     arrived: np.ndarray
     s: np.ndarray
-    steps: int
+    tries: np.ndarray
+
+    @property
+    def steps(self) -> int:
+        """Steps tried on the path that took most."""
+        return int(np.max(self.tries, initial=0))
+
+    def take(self, which: slice) -> Tracked:
+        """Some of the paths."""
+        return Tracked(self.z[:, which], self.arrived[which], self.s[which], self.tries[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +104,13 @@ def _columns(k: np.ndarray, n: int) -> np.ndarray:
 
 def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackSettings) -> Tracked:
     n = z.shape[1]
-    s, h = np.zeros(n), np.full(n, settings.first_step)
+    s, h, tries = np.zeros(n), np.full(n, settings.first_step), np.zeros(n, dtype=int)
     paths = _start(system, z, line)
     active = np.flatnonzero(np.isfinite(paths.t[0]).all(axis=0))
     steps = 0
     while active.size and steps < settings.most_steps:
         steps += 1
+        tries[active] += 1
         step = np.minimum(h[active], 1.0 - s[active])
         s_new = np.where(h[active] >= 1.0 - s[active], 1.0, s[active] + step)
         now, ahead = paths.take(active), line.take(active)
@@ -113,17 +124,17 @@ def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackS
         factor = np.where(np.isfinite(factor), factor, 0.25)
         h[active] = step * np.where(good, np.clip(factor, 0.3, 2.0), np.clip(factor, 0.1, 0.5))
         active = active[(s[active] < 1.0) & (h[active] > settings.smallest_step)]
-    return _arrive(system, z, s, line.at(1.0), steps)
+    return _arrive(system, z, s, line.at(1.0), tries)
 
 
-def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarray, steps: int) -> Tracked:
+def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarray, tries: np.ndarray) -> Tracked:
     """Newton at the end; a point that Newton does not settle has not arrived."""
     z, there = system.unit_rays(z), np.flatnonzero(s >= 1.0)
     arrived = s >= 1.0
     if there.size:
         z[:, there], last = newton(system, z[:, there], end[:, there], 4)
         arrived[there] = last <= _POLISHED
-    return Tracked(z, arrived, s, steps)
+    return Tracked(z, arrived, s, tries)
 
 
 def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from symkin.caching import lru_cache
 from symkin.homotopy.algebraic import complex_normal
 from symkin.homotopy.endgame import finish
 from symkin.homotopy.engine import track
-from symkin.homotopy.monodromy import Fibre, fibre
+from symkin.homotopy.monodromy import Fibre, Looping, fibre
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.tracker import TrackSettings
 from symkin.spatial.rotation import multiply
@@ -41,7 +41,7 @@ def compute_universal_start(seed: int = 0) -> Fibre:
         return np.concatenate([e, 0.5 * multiply(t, e)]), complex_normal(42, rng)
 
     system = universal_system()
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, bound=BOUND, needed=1e9)
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=BOUND, needed=1e9))
     if found is None or found.z.shape[1] != BOUND:
         raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
     return found

@@ -18,48 +18,67 @@ def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> n
     return np.concatenate([*parts, np.zeros(0)])
 
 
+def known_angles(problem: Problem) -> np.ndarray:
+    """Which numbers of the known coordinates are angles."""
+    return np.array([c.kind == "angle" for c in problem.known_coordinates for _ in range(c.width)], dtype=bool)
+
+
 def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
-    """Known values of a problem, real or complex, as the algebraic system takes them."""
+    """Known values of a problem (known,) or (known, n), real or complex, as the algebraic system takes them."""
     data = distance_data(problem) if is_universal(problem) else None
     if data is not None:
         return data(known)
-    return np.asarray(known / coordinate_scale(problem, problem.known_coordinates))
+    scale = coordinate_scale(problem, problem.known_coordinates)
+    return np.asarray((known.T / scale).T)
 
 
 def real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
     """Coordinates of the block (radians, length unit, unit quaternion) from a root at k that is real up to rounding."""
+    return {name: value[0] for name, value in many_real_values(problem, system, z[:, None], k[:, None]).items()}
+
+
+def many_real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
+    """Coordinates (n, numbers) of the block from roots z (width, n) at k (known, n) that are real up to rounding."""
     size = problem.closure.size
-    values = {c.name: np.array([z[i].real * (1.0 if c.is_angular else size)]) for i, c in enumerate(system.unknowns)}
+    values = {c.name: z[i].real[:, None] * (1.0 if c.is_angular else size) for i, c in enumerate(system.unknowns)}
     if system.eliminated:
-        angles = system.angles_eliminated.call([z.real, k.real])
-        values |= {c.name: np.asarray(angle).ravel() for (c, _), angle in zip(system.eliminated, angles, strict=True)}
+        angles = system.angles_eliminated(z.real.T, k.real.T)
+        values |= {c.name: angle[:, :, 0] for (c, _), angle in zip(system.eliminated, angles, strict=True)}
     if system.projective:
         values |= _pose_values(z[list(system.projective)], size)
     return values
 
 
-def _pose_values(ray: np.ndarray, size: float) -> dict[str, np.ndarray]:
-    ray = (ray / ray[np.argmax(np.abs(ray))]).real
-    ray = ray / np.linalg.norm(ray[:4])
-    values = {"pose.quaternion": ray[:4]}
-    if len(ray) == 8:
-        position = 2 * size * multiply(ray[4:], conjugate(ray[:4]))[1:]
-        values |= {f"pose.{axis}": position[i : i + 1] for i, axis in enumerate("xyz")}
+def _pose_values(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
+    """Of rays (4 or 8, n)."""
+    rays = (rays / rays[np.argmax(np.abs(rays), axis=0), np.arange(rays.shape[1])]).real
+    rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
+    values = {"pose.quaternion": rays[:4].T}
+    if len(rays) == 8:
+        position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
+        values |= {f"pose.{axis}": position[i][:, None] for i, axis in enumerate("xyz")}
     return values
 
 
 def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
     """z of a real root given as coordinates of the block: the inverse of `real_values`."""
-    z = [values[c.name] / (1.0 if c.is_angular else problem.closure.size) for c in system.unknowns]
+    return algebraic_points(problem, system, {name: value[None] for name, value in values.items()})[:, 0]
+
+
+def algebraic_points(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
+    """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of `many_real_values`."""
+    size = problem.closure.size
+    z = [values[c.name].T / (1.0 if c.is_angular else size) for c in system.unknowns]
     if system.projective:
-        z.append(pose_point(values, problem.closure.size))
+        z.append(pose_point({name: value.T for name, value in values.items() if name.startswith("pose.")}, size))
     return np.concatenate(z).astype(complex)
 
 
 def pose_point(values: dict[str, np.ndarray], size: float) -> np.ndarray:
-    """Study coordinates (e, g / size) of a pose; of one without a position, whose motion is spherical, the quaternion."""
+    """Study coordinates (e, g / size) of a pose, components first; of one without a position, whose motion is spherical, the
+    quaternion."""
     e = values["pose.quaternion"]
     if "pose.x" not in values:
         return e
-    t = np.concatenate([[0.0], *(values[f"pose.{axis}"] / size for axis in "xyz")])
-    return np.concatenate([e, 0.5 * multiply(t, e)])
+    x, y, z = (values[f"pose.{axis}"][0] / size for axis in "xyz")
+    return np.concatenate([e, 0.5 * multiply(np.array([0.0 * x, x, y, z]), e)])

@@ -16,6 +16,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from symkin.caching import lru_cache
 from symkin.errors import InputError
 
 SIZE = 500.0
@@ -31,7 +32,12 @@ _MINE = (".npz", ".so")
 
 def cache_folder() -> Path:
     """SYMKIN_CACHE, else the platform's folder for caches."""
-    named = os.environ.get("SYMKIN_CACHE")
+    return _folder(*(os.environ.get(name) for name in ("SYMKIN_CACHE", "HOME", "XDG_CACHE_HOME", "LOCALAPPDATA")))
+
+
+@lru_cache(maxsize=8)
+def _folder(named: str | None, *_platform: str | None) -> Path:
+    """The folder for some values of the environment."""
     if named:
         return Path(named)
     from platformdirs import user_cache_path

@@ -33,7 +33,8 @@ def levenberg_marquardt(
     patience: int = 5,
     progress: Progress | None = None,
 ) -> Batch:
-    """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each start.
+    """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each start; known values are those of
+    each start (n, known) or of all (known,).
 
     A start is finished when its largest row is below `tolerance` times the size, when `patience` steps have shrunk |F|
     by less than a tenth while it is far from zero (a local minimum), or when it meets NaN.
@@ -52,7 +53,7 @@ def levenberg_marquardt(
             break
         step = _damped_steps(values[active], jacobians[active], damping[active], freedom)
         trial = system.move(points[active], step)
-        trial_values, trial_jacobians = system.linearise(trial, known)
+        trial_values, trial_jacobians = system.linearise(trial, known[active] if known.ndim == 2 else known)
         trial_cost = np.linalg.norm(trial_values, axis=1)
         better = trial_cost < cost[active]
         taken = active[better]

@@ -14,13 +14,10 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.model.joint import Coordinate
+from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.mapped import Mapped
+from symkin.numeric.newton import Polished, polish
 from symkin.spatial.rotation import multiply
-
-_LANES = 128
-"""Starts that one mapped call evaluates; larger batches are cut into calls of this width."""
-NO_MOTION = 1e-13
-"""Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and
-more, rounding of a pose's numbers 1e-16."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +34,12 @@ class System:
     errors: ca.SX
     size: float
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Numbers that hold the unknowns."""
         return int(self.unknown.shape[0])
 
-    @property
+    @cached_property
     def freedom(self) -> int:
         """Dimension of the tangent space of the unknowns."""
         return sum(c.freedom for c in self.unknowns)
@@ -75,46 +72,53 @@ class System:
         return ca.mtimes(ca.jacobian(self.rows, self.unknown), self.tangent)
 
     @cached_property
-    def _linearised(self) -> ca.Function:
-        outputs = [ca.densify(self.rows), ca.densify(self.jacobian)]
-        return ca.Function("linearised", [self.unknown, self.known], outputs, {"cse": True})
+    def _linearised(self) -> Mapped:
+        return Mapped.of([self.unknown, self.known], [self.rows, self.jacobian])
 
     @cached_property
-    def _checked(self) -> ca.Function:
-        return ca.Function("checked", [self.unknown, self.known], [ca.densify(self.errors)], {"cse": True})
+    def _checked(self) -> Mapped:
+        return Mapped.of([self.unknown, self.known], [self.errors])
 
-    @cached_property
-    def _mapped(self) -> ca.Function:
-        return self._linearised.map(_LANES)
+    # --- evaluation: n points z (n, width), known values of each (n, known) or of all (known,) ---------------------
 
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F (n, rows) and dF/dd (n, rows, freedom) at the n points z (n, width), by one mapped CasADi function."""
-        count, m = z.shape[0], int(self.rows.shape[0])
-        values, jacobians = np.empty((count, m)), np.empty((count, m, self.freedom))
-        tiled = np.tile(known, _LANES)
-        buffer, evaluate = self._mapped.buffer()
-        points, out_f = np.zeros((_LANES, self.width)), np.zeros((_LANES, m))
-        out_j = np.zeros((_LANES, self.freedom, m))
-        buffer.set_arg(0, points.reshape(-1).data)
-        buffer.set_arg(1, tiled.data)
-        buffer.set_res(0, out_f.reshape(-1).data)
-        buffer.set_res(1, out_j.reshape(-1).data)
-        for begin in range(0, count, _LANES):
-            part = z[begin : begin + _LANES]
-            points[: len(part)] = part
-            evaluate()
-            values[begin : begin + _LANES] = out_f[: len(part)]
-            jacobians[begin : begin + _LANES] = out_j[: len(part)].transpose(0, 2, 1)
-        return values, jacobians
+        """F (n, rows) and dF/dd (n, rows, freedom)."""
+        values, jacobians = self._linearised(z, known)
+        return values[:, :, 0], jacobians
 
-    def residual(self, z: np.ndarray, known: np.ndarray) -> float:
-        """Largest closure error at one point, in the length unit, over all constraints and whole rotations."""
-        return float(np.max(np.abs(np.asarray(self._checked(z, known))), initial=0.0))
+    def residuals(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Largest closure error (n,) in the length unit, over all constraints and whole rotations."""
+        errors = self._checked(z, known)[0]
+        return np.asarray(np.max(np.abs(errors), axis=(1, 2), initial=0.0))
+
+    def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite at a singularity."""
+        return conditions(self.linearise(z, known)[1])
+
+    def polish_many(self, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
+        """Gauss-Newton on all rows from each point, until its step no longer shrinks the rows."""
+        return polish(self, z, known, steps)
+
+    # --- the same at one point z (width,) with known values (known,) ------------------------------------------------
 
     def linearise_one(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F (rows,) and dF/dd (rows, freedom) at one point."""
-        values, jacobian = self._linearised(z, known)
-        return np.asarray(values).ravel(), np.asarray(jacobian)
+        """F (rows,) and dF/dd (rows, freedom)."""
+        values, jacobians = self.linearise(z[None], known)
+        return values[0], jacobians[0]
+
+    def residual(self, z: np.ndarray, known: np.ndarray) -> float:
+        """Largest closure error in the length unit, over all constraints and whole rotations."""
+        return float(self.residuals(z[None], known)[0])
+
+    def condition(self, z: np.ndarray, known: np.ndarray) -> float:
+        """Condition of dF/dd; infinite at a singularity."""
+        return float(self.conditions(z[None], known)[0])
+
+    def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:
+        """Gauss-Newton on all rows until the step no longer shrinks them."""
+        return np.asarray(polish(self, z[None], known, steps).points[0])
+
+    # --- points of the configuration space ---------------------------------------------------------------------------
 
     def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Retraction: add tangent steps (n, freedom) to points (n, width); quaternions are turned and normalised. In few
@@ -165,29 +169,6 @@ class System:
             if coordinate.kind == "angle":
                 wrapped[..., place] -= 2.0 * np.pi * np.round(wrapped[..., place] / (2.0 * np.pi))
         return wrapped
-
-    def condition(self, z: np.ndarray, known: np.ndarray) -> float:
-        """Largest over smallest of the min(rows, freedom) singular values of dF/dd; infinite at a singularity."""
-        _, jacobian = self.linearise_one(z, known)
-        if not np.all(np.isfinite(jacobian)) or min(jacobian.shape) == 0:
-            return float("inf") if jacobian.size else 1.0
-        singular = np.linalg.svd(jacobian, compute_uv=False)
-        smallest = singular[-1]
-        return float(singular[0] / smallest) if smallest > max(1e-15 * singular[0], NO_MOTION) else float("inf")
-
-    def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:
-        """Gauss-Newton by least squares on all rows until the step no longer shrinks the rows."""
-        values, jacobian = self.linearise_one(z, known)
-        for _ in range(steps):
-            if not np.all(np.isfinite(jacobian)):
-                return z
-            step = np.linalg.lstsq(jacobian, -values, rcond=1e-13)[0]
-            trial = self.move(z[None], step[None])[0]
-            trial_values, trial_jacobian = self.linearise_one(trial, known)
-            if not np.linalg.norm(trial_values) < np.linalg.norm(values):
-                return z
-            z, values, jacobian = trial, trial_values, trial_jacobian
-        return z
 
 
 def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[System, ...]:

@@ -52,11 +52,11 @@ def residual_figure(fit: Calibration) -> Figure:
     """Normalised residuals by posture, and their distribution beside the normal one."""
     rows = [r for r in fit.residuals if r.normalised is not None]
     figure, (left, right) = _figure(11, 4.2, (3, 1))
-    flagged = {(o.posture, o.kind) for o in fit.outliers}
+    flagged = {(o.configuration, o.kind) for o in fit.outliers}
     for kind in dict.fromkeys(r.kind for r in rows):
         chosen = [r for r in rows if r.kind == kind]
         left.plot(
-            [r.posture + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=_KINDS.get(kind, COLOURS["text"]),
+            [r.configuration + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=_KINDS.get(kind, COLOURS["text"]),
             label=_AXES_OF.get(kind, kind),
         )  # fmt: skip
     values = np.array([r.normalised for r in rows], dtype=float)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +63,56 @@ def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float
     assert joints is not None  # noqa: S101 - one of the branches above has set it
     ordered = in_file_order(mechanism, joints)
     return Given("direct", joint_values(mechanism, ordered), {"joints": [float(v) for v in ordered]})
+
+
+def are_many(values: Any) -> bool:
+    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences, mappings or poses, or a
+    mapping of names to columns."""
+    if values is None or isinstance(values, (Pose, str)):
+        return False
+    if isinstance(values, Mapping):
+        return any(np.ndim(column) > 0 for column in values.values())
+    if isinstance(values, np.ndarray):
+        return values.ndim == 2
+    return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
+
+
+def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
+    """As `given_from`, for n inputs: all joints (n, joints) or all poses (n, 7); a message names the input that does not fit,
+    counted from 0."""
+    require_mechanism(mechanism)
+    if joints is not None and pose is not None:
+        return [given_from(mechanism, joints, pose)]
+    if pose is not None:
+        return [_named_input(i, partial(_given_pose, mechanism, one)) for i, one in enumerate(pose)]
+    joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
+    rows = _rows_without_fault(mechanism, joints)
+    if rows is None:
+        return [_named_input(i, partial(given_from, mechanism, one, None)) for i, one in enumerate(joints)]
+    values = rows * np.array([mechanism.angle_in(1.0) if c.is_angular else 1.0 for c in mechanism.actuated])
+    return [Given("direct", v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)]
+
+
+def _named_input(number: int, read: Callable[[], Given]) -> Given:
+    try:
+        return read()
+    except InputError as error:
+        raise InputError(f"input {number}: {error}") from None
+
+
+def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
+    """Joint values (n, joints) that all fit and are within a turn, so that they need no look one by one; else None."""
+    coordinates = mechanism.actuated
+    try:
+        rows = np.array(joints, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    if rows.ndim != 2 or rows.shape[1] != len(coordinates) or not (np.abs(rows) <= LARGEST_GIVEN).all():
+        return None
+    turn = mechanism.angle_out(2 * math.pi)
+    least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
+    most = np.array([turn if c.kind == "angle" else np.inf for c in coordinates])
+    return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
 
 
 def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Sequence[float]:

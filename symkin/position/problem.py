@@ -96,19 +96,30 @@ class Problem:
         return np.asarray(self._forward(known)).ravel()
 
     def select_values(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
-        """The part of a full vector of variables that belongs to some coordinates."""
-        parts = [values[self.closure.slices[c.name]] for c in coordinates]
-        return np.concatenate(parts) if parts else np.zeros(0)
+        """The part of full vectors of variables (..., variables) that belongs to some coordinates."""
+        return np.asarray(values[..., self.places(coordinates)])
 
     def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """A full vector of variables from its unknown and known parts."""
-        values = np.empty(int(self.closure.variables.shape[0]))
-        for coordinates, part in ((self.system.unknowns, unknown), (self.known_coordinates, known)):
-            start = 0
-            for c in coordinates:
-                values[self.closure.slices[c.name]] = part[start : start + c.width]
-                start += c.width
+        """Full vectors of variables (..., variables) from their unknown and known parts."""
+        values = np.empty((*unknown.shape[:-1], int(self.closure.variables.shape[0])))
+        values[..., self.unknown_places] = unknown
+        values[..., self.known_places] = known
         return values
+
+    @cached_property
+    def unknown_places(self) -> np.ndarray:
+        """Places of the unknowns in a full vector of variables."""
+        return self.places(self.system.unknowns)
+
+    @cached_property
+    def known_places(self) -> np.ndarray:
+        """Places of the known values in a full vector of variables."""
+        return self.places(self.known_coordinates)
+
+    def places(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
+        """Places of the numbers of some coordinates in a full vector of variables."""
+        slices = self.closure.slices
+        return np.array([i for c in coordinates for i in range(slices[c.name].start, slices[c.name].stop)], dtype=int)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""

@@ -6,12 +6,12 @@ import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
@@ -23,7 +23,7 @@ ACCEPTED = 1e-9
 """A configuration is a solution when no closure error exceeds this times the size."""
 SINGULAR = 1e8
 """Condition above which a solution is called singular."""
-_SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,87 +128,37 @@ class Solution(Result):
 
 def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = None, notes: tuple[str, ...] = ()) -> Solution:
     """A canonical, checked solution from a full vector of variables."""
-    values = canonical(problem.closure, values)
     closure, system = problem.closure, problem.system
-    unknown = problem.select_values(values, system.unknowns)
-    known = problem.select_values(values, problem.known_coordinates)
-    condition = system.condition(unknown, known)
-    named: dict[str, Any] = {}
-    for c in closure.coordinates:
-        part = values[closure.slices[c.name]]
-        named[c.name] = float(part[0]) if c.width == 1 else tuple(float(v) for v in part)
+    values = canonical(closure.coordinates, closure.slices, values[None])
+    unknown, known = problem.select_values(values, system.unknowns), problem.select_values(values, problem.known_coordinates)
+    condition = float(system.conditions(unknown, known)[0])
+    inside = within_limits(closure, values)
     return Solution(
         closure.mechanism,
-        named,
-        pose_of(closure, values),
-        system.residual(unknown, known),
+        named_values(closure, values[0]),
+        pose_of(closure, values[0]),
+        float(system.residuals(unknown, known)[0]),
         condition,
-        _within_limits(closure, values),
+        None if inside is None else bool(inside[0]),
         hits,
-        notes=notes if condition < SINGULAR else (*notes, _SINGULAR_NOTE),
+        notes=notes if condition < SINGULAR else (*notes, SINGULAR_NOTE),
     )
+
+
+def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
+    """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
+    numbers = values.tolist()
+    named: dict[str, Any] = {}
+    for c in closure.coordinates:
+        place = closure.slices[c.name]
+        named[c.name] = numbers[place.start] if c.width == 1 else tuple(numbers[place])
+    return named
 
 
 def pose_of(closure: Closure, values: np.ndarray) -> Pose:
     """The platform's pose, quaternion with w >= 0, from a full vector of variables."""
-    packed = np.asarray(_pose_function(closure)(values)).ravel()
-    q = packed[3:] / np.linalg.norm(packed[3:])
-    return Pose(packed[:3], _positive(q))
-
-
-def _pose_function(closure: Closure) -> ca.Function:
-    cached: ca.Function | None = closure.__dict__.get("_pose_function")
-    if cached is None:
-        expression = closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion))
-        cached = ca.Function("pose", [closure.variables], [expression])
-        closure.__dict__["_pose_function"] = cached
-    return cached
-
-
-def canonical(closure: Closure, values: np.ndarray) -> np.ndarray:
-    """The same configuration in its standard writing: rod lengths not negative, angles in (-pi, pi] and moved by
-    whole turns into their limits where possible, quaternions of unit length with w >= 0."""
-    values = values.copy()
-    for c in closure.coordinates:
-        place = closure.slices[c.name]
-        if c.kind == "quaternion":
-            values[place] = _positive(values[place] / np.linalg.norm(values[place]))
-        elif c.kind == "angle":
-            values[place] = _wrap(float(values[place][0]), c.limits)
-        elif c.least is not None and values[place][0] < c.least:
-            values[place] = 2.0 * c.least - values[place]
-        values[place] += 0.0
-    return values
-
-
-def _wrap(angle: float, limits: tuple[float, float] | None) -> float:
-    wrapped = math.remainder(angle, 2 * math.pi)
-    if wrapped <= -math.pi + 1e-15:
-        wrapped += 2 * math.pi
-    if limits is not None and not limits[0] <= wrapped <= limits[1]:
-        turns = math.ceil((limits[0] - wrapped) / (2 * math.pi) - 1e-12)
-        if wrapped + 2 * math.pi * turns <= limits[1] + 1e-12:
-            wrapped += 2 * math.pi * turns
-    return wrapped
-
-
-def _positive(q: np.ndarray) -> np.ndarray:
-    leading = next((v for v in q if abs(v) > 1e-12), 1.0)
-    return np.asarray((q if leading > 0 else -q) + 0.0)
-
-
-def _within_limits(closure: Closure, values: np.ndarray) -> bool | None:
-    limited = [c for c in closure.coordinates if c.limits is not None]
-    if not limited:
-        return None
-    return all(_inside(c, float(values[closure.slices[c.name]][0]), closure.size) for c in limited)
-
-
-def _inside(c: Coordinate, value: float, size: float) -> bool:
-    if c.limits is None:
-        return True
-    slack = 1e-9 * (1.0 if c.is_angular else size)
-    return c.limits[0] - slack <= value <= c.limits[1] + slack
+    position, quaternion = poses_of(closure, values[None])
+    return Pose(position[0], quaternion[0])
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:

@@ -1,4 +1,4 @@
-"""One singularity locus in a plane of two coordinates, and loci with the same picture as one."""
+"""One curve of a singularity locus in a plane of two coordinates; curves with the same picture are merged into one."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from symkin.singularities.self_motion import has_self_motion
 
 SAME_PICTURE = 5e-4
 """Curves whose points are within this of another curve (of the window's sides) have one picture."""
-_MOST, _ASIDE = 0.9, 0.01
+_LEAST_SHARE, _FARTHEST = 0.9, 0.01
 """So many of the points at least, and the others within this: a polyline cuts off sharp tips, and its ends lie up to a step
 outside the window. A step is 1/150 of the sides."""
-_NONE = 1e-6
+_SAME_PLACE = 1e-6
 """A distance below this, of the window's sides, counts as zero."""
 
 
@@ -73,7 +73,8 @@ class Locus:
         ends = self.points[[0, -1]]
         within = np.all((ends > low) & (ends < high), axis=1)
         at_cusp = [
-            bool(len(self.cusps)) and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _NONE for end in ends
+            bool(len(self.cusps)) and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _SAME_PLACE
+            for end in ends
         ]
         return np.asarray(ends[within & ~np.array(at_cusp)])
 
@@ -104,7 +105,7 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
 
 def is_one_place(points: np.ndarray) -> bool:
     """Whether points (n, 2) of a curve are one place of the plane."""
-    return bool(np.ptp(points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(points).max())))
+    return bool(np.ptp(points, axis=0).max() <= _SAME_PLACE * max(1.0, float(np.abs(points).max())))
 
 
 def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
@@ -128,7 +129,7 @@ def _has_picture(other: Locus, curve: Locus, sides: np.ndarray) -> bool:
     if other.kind != curve.kind or (other.limb != curve.limb and curve.kind != "passive") or other.is_point != curve.is_point:
         return False
     away, _ = picture_distance(other.points, other.closed, sides, curve.points)
-    return bool(np.mean(away < SAME_PICTURE) >= _MOST and np.all(away < _ASIDE))
+    return bool(np.mean(away < SAME_PICTURE) >= _LEAST_SHARE and np.all(away < _FARTHEST))
 
 
 def picture_distance(line: np.ndarray, closed: bool, sides: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Points from which loci are traced: random closed configurations over the plane, brought onto the curve."""
+"""Search for the curves of one locus: random closed configurations are brought onto it, and the curves traced from there."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from symkin.singularities.working_mode import same_mode
 
 _RADII = (0.1, 0.5, 3.0)
 """Random steps off the configuration, of the size: the same mode, its neighbours, anywhere."""
-_NULL = 1e-9
+_LOST_EVERYWHERE = 1e-9
 """A smallest singular value of J below this is zero."""
 _CLOSED = 1e-8
 """A start is closed when no row exceeds this times the size; the curve's own correction follows."""
-_OTHERS = 3
+_OTHER_VECTORS = 3
 """Beside the null vector of the smallest singular value a start tries one of so many next ones: of joints that are nearly
 parallel everywhere, or of units far apart, the smallest one never leads to a curve."""
 _FINENESS = 1 / 150
@@ -44,26 +44,26 @@ def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.rando
     if not len(closed):
         return Seeds([], [], 0, False)
     lifted, smallest = zip(*(system.lift(z) for z in closed), strict=True)
-    if float(np.median(smallest)) < _NULL:
+    if float(np.median(smallest)) < _LOST_EVERYWHERE:
         return Seeds([], [], len(closed), True)
-    begin, numbers = _begin(lifted)
+    begin, numbers = _lifted_starts(lifted)
     batch = levenberg_marquardt(system.curve, begin, np.zeros(0), max_iterations=60, tolerance=1e-10)
     points, origins = [], []
     for z, number in zip(batch.points[batch.converged], numbers[batch.converged], strict=True):
         point = correct(system.curve, system.curve.fold(system.curve.unit(z)[None])[0])
         if point is not None and system.loss.is_lost(point[: system.uv.stop]):
-            point = _towards(system, point, window)
+            point = _turned_into(system, point, window)
             if inside(point[system.uv], window):
                 points.append(point)
                 origins.append(int(number))
     return Seeds(points, origins, len(closed), False)
 
 
-def _begin(lifted: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _lifted_starts(lifted: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """All starts with their first null vector, then all with another one in turn (of every radius), and the starts' numbers."""
     numbers = np.arange(len(lifted))
     begin = [vectors[0] for vectors in lifted]
-    others = min(_OTHERS, len(lifted[0]) - 1)
+    others = min(_OTHER_VECTORS, len(lifted[0]) - 1)
     if not others:
         return np.array(begin), numbers
     begin += [vectors[1 + k // len(_RADII) % others] for k, vectors in enumerate(lifted)]
@@ -88,7 +88,7 @@ def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np
     return np.array([z for z in ends if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.size])
 
 
-def _towards(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> np.ndarray:
+def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> np.ndarray:
     """Angles of the plane that lie outside the window, moved by whole turns towards it. Rows of an orientation change sign with
     a turn, and with them a w that relates rows: it is taken anew there."""
     turned = point.copy()
@@ -120,16 +120,16 @@ def traced_curves(system: LocusSystem, found: Seeds, window: np.ndarray) -> tupl
     ones (multiple zeros) last. Those at which more than one rank is lost and no curve is found are tried again at the end, with
     w free to move in one place: most are on other seeds' curves by then."""
     traced: list[Traced] = []
-    seeds, view = found.points, _view(system, window)
+    seeds, view = found.points, _tracing_window(system, window)
     modes = same_mode(system, np.array(seeds)) if seeds else np.zeros(0, dtype=bool)
     regular = [is_regular(system.curve, z) for z in seeds]
     left = sorted(range(len(seeds)), key=lambda k: (not regular[k], not modes[k]))
     for again in (False, True):
         missed = []
         for k in left:
-            met = _met(system, traced, seeds[k], bool(modes[k]), window)
+            met = _curve_at(system, traced, seeds[k], bool(modes[k]), window)
             if met is None:
-                met = _through(system, seeds[k], view, again)
+                met = _curve_through(system, seeds[k], view, again)
                 traced.extend([] if met is None else [met])
             if met is None:
                 missed.append(k)
@@ -139,7 +139,7 @@ def traced_curves(system: LocusSystem, found: Seeds, window: np.ndarray) -> tupl
     return traced, len({found.starts[k] for k in left})
 
 
-def _through(system: LocusSystem, seed: np.ndarray, view: Window, again: bool) -> Traced | None:
+def _curve_through(system: LocusSystem, seed: np.ndarray, view: Window, again: bool) -> Traced | None:
     here, start = (system, seed) if again else system.through(seed)
     curve = trace(here.curve, start, view)
     if curve is None or (here is not system and is_one_place(curve.points[:, system.uv])):
@@ -148,7 +148,7 @@ def _through(system: LocusSystem, seed: np.ndarray, view: Window, again: bool) -
     return Traced(here, curve, cusps, same_mode(system, curve.points), set())
 
 
-def _view(system: LocusSystem, window: np.ndarray) -> Window:
+def _tracing_window(system: LocusSystem, window: np.ndarray) -> Window:
     """The window for tracing: steps of at most 1/150 of its sides in the plane."""
     sides = window[:, 1] - window[:, 0]
     scale = np.array([system.curve.size if c.is_angular else 1.0 for c in system.plane.coordinates])
@@ -160,7 +160,7 @@ def _view(system: LocusSystem, window: np.ndarray) -> Window:
     return Window(lambda z: inside(z[system.uv], window), cap, len(system.free) + 2)
 
 
-def _met(system: LocusSystem, traced: Sequence[Traced], z: np.ndarray, in_mode: bool, window: np.ndarray) -> Traced | None:
+def _curve_at(system: LocusSystem, traced: Sequence[Traced], z: np.ndarray, in_mode: bool, window: np.ndarray) -> Traced | None:
     """The curve whose picture has a seed; a seed in the configuration's working mode asks for one that has it too."""
     sides = window[:, 1] - window[:, 0]
     for t in traced:

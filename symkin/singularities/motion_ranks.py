@@ -1,4 +1,9 @@
-"""What tells a singular configuration from a regular one: feasible motions, ranks of their parts, and distances."""
+"""Count ranks at a configuration, compare them with generic ones, and measure the distance to losing one.
+
+The feasible motions (t, q') are the null space of [A B]. Their part in q' has less than its generic rank where some inputs
+become impossible, their part in t where some outputs do; A loses rank where the platform moves with q' = 0, B where joints move
+with t = 0 (Zlatanov, Fenton and Benhabib 1995).
+"""
 
 from __future__ import annotations
 

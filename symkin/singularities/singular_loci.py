@@ -1,4 +1,4 @@
-"""Singularity loci over a plane of two coordinates: curves of true zeros, found from random configurations and traced.
+"""Find singularity loci over a plane of two coordinates: curves of true zeros, met from random configurations and traced.
 
 Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions in which the number of
 real assembly modes is constant, and have cusps where three modes meet. Seeds: random configurations over the plane are

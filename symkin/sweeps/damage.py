@@ -8,57 +8,49 @@ its counts say.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.sweeps.layout import create_digest, expected_coordinates
-
-if TYPE_CHECKING:
-    from symkin.sweeps.store import Store
+from symkin.sweeps.chunk_files import digest_of
+from symkin.sweeps.interrupts import interrupts_held
+from symkin.sweeps.layout import consolidate, create_digest, expected_coordinates
+from symkin.sweeps.store import Store, refused_writing
 
 _SOMETIMES_NAN = ("distance_type_1", "distance_type_2")
 """Numbers of a mode that are not there where the mechanism has no such kind of singularity."""
 
 
-def digest_of(store: Store, index: int) -> int:
-    """A number of 64 bits made of the files of a chunk of points, their names and bytes."""
-    found = hashlib.blake2b(digest_size=8)
-    for path in chunk_files(store, index):
-        content = path.read_bytes()
-        found.update(f"{path.relative_to(store.folder).as_posix()} {len(content)} ".encode())
-        found.update(content)
-    return int.from_bytes(found.digest(), "little")
+@interrupts_held()
+def mend(store: Store) -> int:
+    """Remove what a killed run left half written, and what was lost or damaged since; how many chunks these were. To be called by
+    the only run in the folder."""
+    with refused_writing(store.folder):
+        for rest in store.folder.rglob("*.partial"):
+            rest.unlink(missing_ok=True)
+        _check_descriptions(store)
+        if len(store.lengths()) > 1:
+            store.grow(max(store.lengths()))
+        damaged = _mend_chunks(store)
+        _mend_coordinates(store)
+        consolidate(store.folder)
+    return damaged
 
 
-def chunk_files(store: Store, index: int) -> Iterator[Path]:
-    """The files that hold a chunk of points, in order."""
-    place = [str(int(i)) for i in np.unravel_index(index, store.plan.blocks.grid)]
-    for variable in store.plan.variables:
-        path = store.folder.joinpath(variable.name, "c", *place)
-        if path.is_file():
-            yield path
-        elif path.is_dir():
-            yield from sorted(p for p in path.rglob("*") if p.is_file())
-
-
-def mend_chunks(store: Store) -> int:
+def _mend_chunks(store: Store) -> int:
     """Take the mark of chunks whose files are not those that were written, and remove these files; how many there are."""
     _remove_unreadable(store, "done")
     found = _adopt(store) if "digest" not in store.group else 0
     _remove_unreadable(store, "digest")
     digests = np.asarray(store.group["digest"][:])
-    damaged = [int(i) for i in np.flatnonzero(store.done()) if int(digests[i]) != digest_of(store, int(i))]
+    damaged = [int(i) for i in np.flatnonzero(store.done()) if int(digests[i]) != digest_of(store.folder, store.files(int(i)))]
     for index in damaged:
         _forget(store, index)
     return found + len(damaged)
 
 
-def mend_coordinates(store: Store) -> None:
+def _mend_coordinates(store: Store) -> None:
     """Write anew the names and coordinates that are not those of the plan."""
     for name, values in expected_coordinates(store.plan).items():
         if not _is_equal(store.group[name], values):
@@ -68,19 +60,19 @@ def mend_coordinates(store: Store) -> None:
             store.group[name][:] = values
 
 
-def check_descriptions(folder: Path, store: Store) -> None:
+def _check_descriptions(store: Store) -> None:
     """Raises InputError where the description of an array is lost or cannot be read."""
     for name in (*(v.name for v in store.plan.variables), "done", *expected_coordinates(store.plan)):
         if _readable(store.group.__getitem__, name) is None:
             raise InputError(
-                f"{folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
+                f"{store.folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
                 "restore it, or sweep into another folder"
             )
 
 
 def _forget(store: Store, index: int) -> None:
-    store.group["done"][index] = 0
-    for path in list(chunk_files(store, index)):
+    store.mark(index, done=False)
+    for path in store.files(index):
         path.unlink()
 
 
@@ -90,7 +82,7 @@ def _adopt(store: Store) -> int:
     damaged = 0
     for index in (int(i) for i in np.flatnonzero(store.done())):
         if _is_plausible(store, index):
-            store.group["digest"][index] = digest_of(store, index)
+            store.note(index, digest_of(store.folder, store.files(index)))
         else:
             _forget(store, index)
             damaged += 1
@@ -104,7 +96,7 @@ def _is_plausible(store: Store, index: int) -> bool:
     if any(values is None for values in arrays.values()):
         return False
     counts = np.maximum(arrays["count"], 0)
-    there = any(path.is_relative_to(store.folder / "count") for path in chunk_files(store, index))
+    there = any(path.is_relative_to(store.folder / "count") for path in store.files(index))
     told = [v for v in store.per_mode if np.dtype(v.dtype).kind == "f" and v.name not in _SOMETIMES_NAN]
     return there and all(np.array_equal(_modes_stored(arrays[v.name], counts.ndim), counts) for v in told)
 

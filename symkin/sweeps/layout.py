@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_table import joint_labels
 from symkin.closure.closure import build_closure
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
-from symkin.sweeps.found import joint_labels
+from symkin.sweeps.chunk_files import COMPRESSION_LEVEL
 from symkin.sweeps.plan import Plan
 from symkin.sweeps.quantities import QUANTITIES, variables
 
@@ -50,6 +51,7 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
 
     space, box = plan.space, plan.blocks.box
     names = labels([axis.name for axis in space.axes])
+    codec = _codec()
     group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
     dimensions = (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(names)
     joints = joint_labels(build_closure(plan.mechanism))
@@ -58,10 +60,10 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
     for v in plan.variables:
         group.create_array(
             v.name, shape=(*space.shape, *(lengths[d] for d in v.dimensions)), chunks=(*box, *(max(1, chunks[d]) for d in v.dimensions)),
-            dtype=v.dtype, fill_value=v.fill, dimension_names=(*dimensions, *v.dimensions), attributes=dict(v.attributes),
+            dtype=v.dtype, fill_value=v.fill, dimension_names=(*dimensions, *v.dimensions), attributes=dict(v.attributes), compressors=codec,
         )  # fmt: skip
     group.create_array(
-        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",),
+        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",), compressors=codec,
         attributes={"long_name": "chunks of points that are written"},
     )  # fmt: skip
     create_digest(group, len(plan.blocks))
@@ -71,11 +73,19 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
     consolidate(folder)
 
 
+def _codec() -> Any:
+    """What `chunk_files` writes."""
+    from zarr.codecs import ZstdCodec
+
+    return ZstdCodec(level=COMPRESSION_LEVEL)
+
+
 def create_digest(group: Any, chunks: int) -> None:
     """The array that tells lost and damaged files (see `damage`)."""
     group.create_array(
         "digest", shape=(chunks,), chunks=(1,), dtype="uint64", fill_value=0, dimension_names=("chunk",),
         attributes={"long_name": "numbers made of the files of each chunk, by which lost and damaged ones are told"},
+        compressors=_codec(),
     )  # fmt: skip
 
 

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from symkin._version import __version__
+from symkin.assembly.finder import ModeFinder, make_finder
 from symkin.assembly.search import MOST_STARTS
 from symkin.caching import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Kind
-from symkin.sweeps.enumerator import Enumerator, make_enumerator
 from symkin.sweeps.quantities import Variable, arrays_of, variables
 from symkin.sweeps.space import Blocks, Space
 
@@ -54,15 +54,15 @@ class Plan:
     def variables(self) -> tuple[Variable, ...]:
         return variables(self.quantity, self.certify, self.mechanism.length_unit)
 
-    def enumerator(self) -> Enumerator:
-        return make_enumerator(self.mechanism, self.kind, starts=self.starts, seed=self.space.seed, certify=self.certify)
+    def enumerator(self) -> ModeFinder:
+        return make_finder(self.mechanism, self.kind, starts=self.starts, seed=self.space.seed, certify=self.certify)
 
-    def compute(self, enumerator: Enumerator, index: int) -> dict[str, np.ndarray]:
+    def compute(self, enumerator: ModeFinder, index: int) -> dict[str, np.ndarray]:
         """The arrays of one chunk."""
         found = enumerator.enumerate([self.space.given(point) for point in self.space.points(self.blocks[index])])
         return arrays_of(found, self.quantity, self.certify, self.mechanism)
 
-    def pinned(self, enumerator: Enumerator) -> dict[str, Any]:
+    def pinned(self, enumerator: ModeFinder) -> dict[str, Any]:
         """What another sweep must share for its arrays to be equal."""
         return {
             "symkin_sweep": FORMAT,
@@ -82,7 +82,7 @@ class Plan:
             "first_point_sha256": self._probe(enumerator),
         }
 
-    def _probe(self, enumerator: Enumerator) -> str:
+    def _probe(self, enumerator: ModeFinder) -> str:
         """Hash of the results at the first point: shows a machine that computes other last digits."""
         first = self.space.points(self.blocks[0])[0]
         arrays = arrays_of(enumerator.enumerate([self.space.given(first)]), self.quantity, self.certify, self.mechanism)

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.singularities.classification import TOLERANCE
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
-from symkin.sweeps.found import COMPLETENESS, Found
 
 QUANTITIES = ("modes", "conditioning", "reach")
 
@@ -112,7 +112,7 @@ def _certificates(length_unit: str) -> list[Variable]:
     ]
 
 
-def arrays_of(found: Found, quantity: str, certify: bool, mechanism: Mechanism) -> dict[str, np.ndarray]:
+def arrays_of(found: ModeTable, quantity: str, certify: bool, mechanism: Mechanism) -> dict[str, np.ndarray]:
     """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
     chosen = variables(quantity, certify, mechanism.length_unit)
     derived = _derived(found) | (_distances(found, mechanism) if quantity == "conditioning" else {})
@@ -136,7 +136,7 @@ def _spread(count: np.ndarray, values: Any, variable: Variable) -> np.ndarray:
     return spread
 
 
-def _derived(found: Found) -> dict[str, np.ndarray]:
+def _derived(found: ModeTable) -> dict[str, np.ndarray]:
     """What is computed for each point from its modes."""
     n, owner = len(found.count), _owners(found.count)
     least, largest = np.full(n, np.inf), np.full(n, -np.inf)
@@ -152,7 +152,7 @@ def _derived(found: Found) -> dict[str, np.ndarray]:
     }
 
 
-def _distances(found: Found, mechanism: Mechanism) -> dict[str, np.ndarray]:
+def _distances(found: ModeTable, mechanism: Mechanism) -> dict[str, np.ndarray]:
     """Of each mode; NaN for a kind that the mechanism cannot have."""
     closure, generic = build_closure(mechanism), generic_ranks(mechanism)
     rows = [distances(closure, limbwise_equations(closure, values, TOLERANCE), generic) for values in found.values]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -90,6 +91,7 @@ def sweep(
     from symkin.assembly.search import DEFAULT_SEED
     from symkin.position.multistart import DEFAULT_STARTS
     from symkin.sweeps.arguments import check_types, refuse_unread, whole
+    from symkin.sweeps.damage import mend
     from symkin.sweeps.plan import make_plan
     from symkin.sweeps.space import make_space
     from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
@@ -113,7 +115,7 @@ def sweep(
     with _crew(executor, workers, dask) as crew:
         store = open_store(folder, plan, pinned, enumerator.bound)
         with locked(folder):
-            damaged = store.mend()
+            damaged = mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
 
 
@@ -129,28 +131,30 @@ def _run(store: Store, crew: Crew, job: bytes, progress: Progress | None) -> Swe
     from symkin.sweeps.work import compute_chunk
 
     plan = store.plan
-    left = np.flatnonzero(~store.done())
+    done_before = store.done()
+    left = np.flatnonzero(~done_before)
+    counts = _counts(store, np.flatnonzero(done_before))
     total = plan.space.size
     done = total - sum(_points(plan, int(i)) for i in left)
     if progress is not None:
         progress(done, total)
     for index, arrays in crew.results(compute_chunk, job, (int(i) for i in left)):
         store.write(index, arrays)
+        counts.update(arrays["count"].tolist())
         done += _points(plan, index)
         if progress is not None:
             progress(done, total)
-    counts = _histogram(store)
-    return Swept(store.folder, total, len(plan.blocks), len(left), max([0, *counts]), counts)
+    by_count = dict(sorted(counts.items()))
+    return Swept(store.folder, total, len(plan.blocks), len(left), max([0, *by_count]), by_count)
 
 
 def _points(plan: Plan, index: int) -> int:
     return int(np.prod([place.stop - place.start for place in plan.blocks[index]]))
 
 
-def _histogram(store: Store) -> dict[int, int]:
-    """How many points have each count, read chunk by chunk."""
-    totals: dict[int, int] = {}
-    for index in range(len(store.plan.blocks)):
-        for count, points in zip(*np.unique(store.counts(index), return_counts=True), strict=True):
-            totals[int(count)] = totals.get(int(count), 0) + int(points)
-    return dict(sorted(totals.items()))
+def _counts(store: Store, chunks: np.ndarray) -> Counter[int]:
+    """How many points of some chunks have each count, read chunk by chunk."""
+    counts: Counter[int] = Counter()
+    for index in chunks.tolist():
+        counts.update(store.counts(index).ravel().tolist())
+    return counts

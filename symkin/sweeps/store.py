@@ -19,7 +19,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.errors import InputError
-from symkin.sweeps.damage import check_descriptions, digest_of, mend_chunks, mend_coordinates
+from symkin.sweeps.chunk_files import chunk_files, digest_of, write_chunk
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import consolidate, create_arrays
 from symkin.sweeps.plan import Plan, difference
@@ -55,21 +55,6 @@ class Store:
         return {self.arrays[v.name].shape[len(self.plan.space.shape)] for v in self.per_mode}
 
     @interrupts_held()
-    def mend(self) -> int:
-        """Remove what a killed run left half written, and what was lost or damaged since; how many chunks these were. To be
-        called by the only run in the folder."""
-        with refused_writing(self.folder):
-            for rest in self.folder.rglob("*.partial"):
-                rest.unlink(missing_ok=True)
-            check_descriptions(self.folder, self)
-            if len(self.lengths()) > 1:
-                self.grow(max(self.lengths()))
-            damaged = mend_chunks(self)
-            mend_coordinates(self)
-            consolidate(self.folder)
-        return damaged
-
-    @interrupts_held()
     def counts(self, index: int) -> np.ndarray:
         """How many real modes each point of a chunk has."""
         return np.asarray(self.arrays["count"][self.plan.blocks[index]])
@@ -77,20 +62,38 @@ class Store:
     @interrupts_held()
     def write(self, index: int, arrays: Mapping[str, np.ndarray]) -> None:
         """One chunk, its mark last. Raises InputError where the folder cannot be written."""
-        block, dimensions = self.plan.blocks[index], len(self.plan.space.shape)
-        shape = tuple(place.stop - place.start for place in block)
+        shape = tuple(side.stop - side.start for side in self.plan.blocks[index])
+        place, files = self.place(index), dict[Path, bytes]()
         with refused_writing(self.folder):
             needed = max((arrays[v.name].shape[1] for v in self.per_mode), default=0)
             if needed > max(self.lengths(), default=needed):
                 self.grow(needed)
             for v in self.plan.variables:
-                target, values = self.arrays[v.name], arrays[v.name]
-                if v.per_mode:
-                    gap = target.shape[dimensions] - values.shape[1]
-                    values = np.pad(values, [(0, 0), (0, gap), *[(0, 0)] * (values.ndim - 2)], constant_values=v.fill)
-                target[block] = values.reshape(*shape, *values.shape[1:])
-            self.group["digest"][index] = digest_of(self, index)
-            self.arrays["done"][index] = 1
+                values = arrays[v.name].reshape(*shape, *arrays[v.name].shape[1:])
+                files |= write_chunk(self.folder / v.name, place, values, self._shapes[v.name], v.fill)
+            self.note(index, digest_of(self.folder, files))
+            self.mark(index, done=True)
+
+    @cached_property
+    def _shapes(self) -> dict[str, tuple[int, ...]]:
+        return {v.name: self.arrays[v.name].chunks for v in self.plan.variables}
+
+    def place(self, index: int) -> tuple[int, ...]:
+        """Place of a chunk of points along each dimension of the points."""
+        return tuple(int(i) for i in np.unravel_index(index, self.plan.blocks.grid))
+
+    def files(self, index: int) -> dict[Path, bytes]:
+        """What the files of a chunk of points hold now."""
+        place = self.place(index)
+        return {path: path.read_bytes() for v in self.plan.variables for path in chunk_files(self.folder / v.name, place)}
+
+    def note(self, index: int, digest: int) -> None:
+        """Keep the number by which damage to a chunk is told."""
+        write_chunk(self.folder / "digest", (index,), np.array([digest], dtype=np.uint64), (1,), 0)
+
+    def mark(self, index: int, *, done: bool) -> None:
+        """Mark a chunk as written or not."""
+        write_chunk(self.folder / "done", (index,), np.array([done], dtype=np.uint8), (1,), 0)
 
     def grow(self, modes: int) -> None:
         """Make the dimension `mode` of all arrays `modes` long."""

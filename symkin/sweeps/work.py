@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.finder import ModeFinder
 from symkin.caching import lru_cache
 from symkin.errors import InputError
-from symkin.sweeps.enumerator import Enumerator
 from symkin.sweeps.plan import Plan, difference
 
 _one_at_a_time = threading.Lock()
@@ -38,7 +38,7 @@ def compute_chunk(job: bytes, index: int) -> dict[str, np.ndarray]:
 
 
 @lru_cache(maxsize=4)
-def _prepared(job: bytes) -> tuple[Plan, Enumerator]:
+def _prepared(job: bytes) -> tuple[Plan, ModeFinder]:
     loaded: Job = pickle.loads(job)
     enumerator = loaded.plan.enumerator()
     reason = difference(loaded.pinned, loaded.plan.pinned(enumerator))

@@ -26,35 +26,36 @@ SEQUENCES = tuple(
 """The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
 INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
-"""Columns of a plan that a measurement file may keep; they say how the posture was meant, not what was read."""
+"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
 DISTANCE = "distance_"
-"""Beginning of the columns of distances."""
+"""Prefix of the columns of distances."""
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
 _EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _MAX_LISTED_GROUPS = 5
-"""Most groups of one posture that a message lists."""
+"""Most groups of one configuration that a message lists."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 Measure = Literal["length", "angle"]
 
 
 def unit_of(mechanism: Mechanism, measure: Measure) -> str:
-    """The file's unit of lengths or angles."""
+    """Return the file's unit of lengths or angles."""
     return mechanism.length_unit if measure == "length" else mechanism.angle_unit
 
 
 def reading_name(mechanism: Mechanism, name: str) -> str:
-    """The column of a reading: its name, or platform.NAME where a joint has it."""
+    """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
     return f"platform.{name}" if any(c.name == name for c in mechanism.actuated) else name
 
 
 def measure_of(c: Coordinate) -> Measure:
+    """Say whether a coordinate is a length or an angle."""
     return "angle" if c.is_angular else "length"
 
 
 def _sequenced(table: Table) -> dict[str, str]:
-    """Columns of Euler angles whose header names the sequence, and their names as they are written here. Letters of the sequence say
-    by their size which axes are meant; where the whole header is in capitals they do not."""
+    """Map columns of Euler angles whose header names the sequence to their names as they are written here. Letters of the
+    sequence say by their size which axes are meant; where the whole header is in capitals they do not."""
     found = {}
     for name in table.columns:
         match = _EULER_HEADER.fullmatch(name)
@@ -76,7 +77,7 @@ def _sequenced(table: Table) -> dict[str, str]:
 
 
 class ColumnReader:
-    """One table read for one mechanism."""
+    """Reads one table for one mechanism, column by column."""
 
     def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
         self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
@@ -86,7 +87,7 @@ class ColumnReader:
         self.notes: list[str] = list(self.table.notes)
 
     def _matched(self, table: Table) -> Table:
-        """The columns that mean something for this mechanism, under their names."""
+        """Keep the columns that mean something for this mechanism, under their names."""
         joints, sequenced = [c.name for c in self.mechanism.actuated], _sequenced(table)
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
@@ -98,7 +99,7 @@ class ColumnReader:
         return made
 
     def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
-        """Refuse what would be missed: distances without their points, joints, and all readings."""
+        """Refuse files that leave out what is needed: points of distances, joints, all readings."""
         for name in made.left_out:
             if name.startswith(DISTANCE):
                 raise InputError(
@@ -176,7 +177,7 @@ class ColumnReader:
             self.notes.append(f"{c.name}: the reading is the same in all rows")
 
     def together(self, names: tuple[str, ...], measure: Measure | None) -> np.ndarray | None:
-        """Columns that stand together, all cells of a row or none; None where nothing is in them."""
+        """Read columns that stand together, all cells of a row or none; None where nothing is in them."""
         present = [self._column(name) for name in names]
         if not any(present):
             return None
@@ -197,7 +198,7 @@ class ColumnReader:
         return None if np.all(np.isnan(values)) else values
 
     def some(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
-        """Columns any of which may be missing."""
+        """Read columns any of which may be missing."""
         present = [self._column(name) for name in names]
         empty = [float("nan")] * len(self.table)
         values = np.array([empty if column is None else self._numbers(column, measure) for column in present]).T
@@ -217,7 +218,7 @@ class ColumnReader:
         return values
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:
-        """The sequence of the header, None where it is open, and the angles."""
+        """Read Euler angles: the sequence of the header, None where it names none, and the angles."""
         found = {name: match for name in self.table.columns if (match := _EULER_COLUMN.fullmatch(name))}
         if not found:
             return None, None
@@ -231,7 +232,7 @@ class ColumnReader:
         return sequence, self.together((f"{prefix}1", f"{prefix}2", f"{prefix}3"), "angle")
 
     def distance(self, name: str) -> tuple[np.ndarray, np.ndarray | None]:
-        """Values (n,) of a distance and their standard deviations, None without a column."""
+        """Read the values (n,) of a distance and their standard deviations, None without a column."""
         column = self._column(DISTANCE + name)
         if column is None:
             raise InputError(f"{self.table.path}: column {DISTANCE + name!r} is missing or empty; --distance {name} names it")
@@ -253,7 +254,7 @@ class ColumnReader:
         return np.array(columns).T
 
     def sigmas(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
-        """Standard deviations of columns: for each reading that there is, or for none."""
+        """Read standard deviations of columns: for each reading that there is, or for none."""
         wanted = [f"sigma_{name}" for name in names]
         if not any(name in self.table.columns for name in wanted):
             return None
@@ -265,7 +266,7 @@ class ColumnReader:
         return np.array(columns).T
 
     def sigma(self, name: str, measure: Measure, of: list[str]) -> np.ndarray | None:
-        """Standard deviations of one column for all components of a reading."""
+        """Read standard deviations of one column for all components of a reading."""
         if f"sigma_{name}" not in self.table.columns:
             return None
         if not any(column.startswith(tuple(of)) for column in self.table.columns):
@@ -289,7 +290,7 @@ class ColumnReader:
         return values
 
     def _column(self, name: str) -> str | None:
-        """The column in which a reading stands, None where there is none or nothing is in it."""
+        """Find the column in which a reading stands, None where there is none or nothing is in it."""
         candidates = [f"platform.{name}"] if name in self.known else [name, f"platform.{name}"]
         return next((c for c in candidates if c in self.table.columns and any(t.strip() for t in self.table.text(c))), None)
 

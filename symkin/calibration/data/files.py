@@ -52,10 +52,10 @@ DistancePoints = tuple[Sequence[float], Sequence[float]]
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """What a file holds: measurements in radians and the mechanism's length unit, the line of each posture, the names of
-    its groups, and Euler angles (n, 3) in radians whose sequence is to be found (then the measurements have no
-    orientation yet). `sequence` is the one that the header names, `wedges` (n, 2) a plan's inclinations, `euler` the Euler angles
-    of any sequence, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
+    """The content of a file: measurements in radians and the mechanism's length unit, the line of each configuration, and the
+    names of its groups. `sequence` is the Euler sequence that the header names; where it names none, `open_euler` (n, 3)
+    holds the angles (radians) and the measurements have no orientation yet. `euler` holds the angles of any sequence,
+    `wedges` (n, 2) a plan's inclinations, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
 
     path: str
     measurements: Measurements
@@ -69,19 +69,19 @@ class DataFile:
     copies: tuple[tuple[int, int], ...] = ()
 
     def subset(self, rows: np.ndarray) -> DataFile:
-        """Some of the rows, by number from 0."""
+        """Keep some of the rows, by number from 0."""
 
         def part(table: np.ndarray | None) -> np.ndarray | None:
             return None if table is None else table[rows]
 
         return replace(
             self, measurements=self.measurements.subset(rows), lines=tuple(self.lines[k] for k in rows),
-            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=(),
+            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=()
         )  # fmt: skip
 
     def without_copies(self) -> DataFile:
-        """Without the rows that repeat an earlier one in every cell, and a note that names their lines: a copy is no new measurement,
-        and would make degrees of freedom too many and standard deviations too small."""
+        """Leave out rows that repeat an earlier one in every cell, with a note that names their lines: a copy is no new
+        measurement; it would make degrees of freedom too many and standard deviations too small."""
         if not self.copies:
             return self
         kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
@@ -92,7 +92,7 @@ class DataFile:
         return replace(self.subset(kept), notes=(note, *self.notes))
 
     def with_sequence(self, sequence: str) -> Measurements:
-        """The measurements with the open Euler angles read in a sequence."""
+        """Read the open Euler angles in a sequence, and return the measurements with them."""
         if self.open_euler is None:
             return self.measurements
         return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
@@ -114,33 +114,29 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     if angles is not None and sequence is not None:
         quaternions = euler_quaternions(angles, sequence)
     measurements = Measurements(
-        reader.joints(),
-        groups=groups,
-        inclination=reader.together(INCLINATION, "angle"),
-        position=reader.some(POSITION, "length"),
-        orientation=quaternions,
-        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
-        joint_sigma=reader.joint_sigmas(),
-        group_sigma=reader.sigma("group", "angle", ["group"]),
-        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
+        reader.joints(), groups=groups, inclination=reader.together(INCLINATION, "angle"),
+        position=reader.some(POSITION, "length"), orientation=quaternions,
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()], joint_sigma=reader.joint_sigmas(),
+        group_sigma=reader.sigma("group", "angle", ["group"]), inclination_sigma=reader.sigmas(INCLINATION, "angle"),
         position_sigma=reader.sigmas(POSITION, "length"),
         orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
         labels=tuple(f"line {line}" for line in table.lines),
-    )
+    )  # fmt: skip
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(
-        str(path), measurements, table.lines, labels, sequence, open_euler, wedges, tuple(reader.notes), angles, reader.copies
+        path=str(path), measurements=measurements, lines=table.lines, groups=labels, sequence=sequence, open_euler=open_euler,
+        wedges=wedges, notes=tuple(reader.notes), euler=angles, copies=reader.copies,
     )  # fmt: skip
 
 
 def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
     values, sigma = reader.distance(name)
-    return Distance(platform, base, values, sigma, DISTANCE + name)
+    return Distance(platform=platform, base=base, values=values, sigma=sigma, name=DISTANCE + name)
 
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
-    """Unit quaternions (n, 4) of Euler angles (n, 3) in radians; NaN stays NaN."""
+    """Convert Euler angles (n, 3) in radians to unit quaternions (n, 4); NaN stays NaN."""
     return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
 
 
@@ -154,10 +150,10 @@ def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Mea
 
 def measurements_text(
     mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
-    comments: Sequence[str] = (),
+    comments: Sequence[str] = ()
 ) -> str:  # fmt: skip
-    """Readings in the mechanism's units as CSV; orientations as quaternions or, with `sequence`, as Euler angles, whose
-    headers leave the sequence out when it is `hidden`."""
+    """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with `sequence`, as Euler angles,
+    whose headers leave the sequence out when it is `hidden`."""
     if sequence is not None and sequence not in SEQUENCES:
         raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
     table = CsvColumns(mechanism)
@@ -167,7 +163,7 @@ def measurements_text(
     for k, c in enumerate(mechanism.actuated):
         table.number(c.name, measurements.joints[:, k], measure_of(c))
     readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
+        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length")
     )  # fmt: skip
     for kind, names, measure in readings:
         values = getattr(measurements, kind)
@@ -181,7 +177,7 @@ def measurements_text(
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
         ("group", ("group",), "angle"), ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
-        ("orientation", ("orientation",), "angle"),
+        ("orientation", ("orientation",), "angle")
     )  # fmt: skip
     for key, names, measure in sigmas:
         sigma = measurements.sigma(key)
@@ -204,7 +200,7 @@ def _write_orientation(table: CsvColumns, quaternions: np.ndarray, sequence: str
 
 
 class CsvColumns:
-    """Columns gathered for a CSV text, numbers with all their digits, NaN as an empty cell."""
+    """Gathers columns for a CSV text: numbers with all their digits, NaN as an empty cell."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism

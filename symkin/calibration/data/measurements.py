@@ -18,14 +18,14 @@ from symkin.model.joint import vector3
 from symkin.model.mechanism import Mechanism
 
 NO_GROUP = -1
-"""Group number of a posture that belongs to no group."""
+"""Group number of a configuration that belongs to no group."""
 _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
 
 
 SIGMA_WIDTHS = {
-    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3,
+    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3
 }  # fmt: skip
-"""Numbers of one posture's standard deviations; 0: as many as there are joints."""
+"""How many standard deviations one configuration has of each kind; 0: as many as there are joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +46,10 @@ class Distance:
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """Readings of n postures.
+    """Readings of n configurations.
 
     joints (n, actuated)     joint readings in file order
-    groups (n,)              integers; postures of one group have equal inclination, unknown; -1: no group
+    groups (n,)              integers; configurations of one group have equal inclination, unknown; -1: no group
     inclination (n, 2)       alpha, beta
     position (n, 3)          platform origin in the base frame, any of its components
     orientation (n, 4)       unit quaternion w, x, y, z (all four or NaN)
@@ -57,7 +57,7 @@ class Measurements:
     *_sigma                  standard deviations: a number or an array that broadcasts to the readings (orientation: of
                              the rotation vector's components, (n, 3)); None: unknown, and then estimated from the fit
     starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured pose, else the reference
-    labels                   names of the postures for messages (default: 1, 2, ...)
+    labels                   names of the configurations for messages (default: 1, 2, ...)
 
     Raises InputError for shapes, values or standard deviations that cannot be.
     """
@@ -103,14 +103,15 @@ class Measurements:
         return len(self.joints)
 
     def sigma(self, key: str) -> np.ndarray | None:
-        """Standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if unknown."""
+        """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if
+        unknown."""
         value = getattr(self, f"{key}_sigma")
         width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
         return None if value is None else _broadcast(value, (len(self), width))
 
     @property
-    def read(self) -> np.ndarray:
-        """Which postures (n,) hold any reading beside the joints; a group of one posture is none."""
+    def is_read(self) -> np.ndarray:
+        """Tell which configurations (n,) hold any reading beside the joints; a group of one configuration is none."""
         tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
         found = np.zeros(len(self), dtype=bool)
         for table in (*tables, *(d.values[:, None] for d in self.distances)):
@@ -120,9 +121,9 @@ class Measurements:
             found |= np.isin(self.groups, numbers[counts > 1])
         return found
 
-    def subset(self, postures: Sequence[int] | np.ndarray) -> Measurements:
-        """The readings of some postures, by number from 0 or by mask."""
-        index = np.arange(len(self))[np.asarray(postures)]
+    def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
+        """Keep the readings of some configurations, by number from 0 or by mask."""
+        index = np.arange(len(self))[np.asarray(configurations)]
         changes: dict[str, Any] = {"labels": tuple(self.labels[k] for k in index)}
         for item in fields(self):
             value = getattr(self, item.name)
@@ -136,27 +137,26 @@ class Measurements:
         )
         return replace(self, **changes)
 
-    def without(self, posture: int, kind: str) -> Measurements:
-        """The same measurements less one reading: the kind is group, inclination, position, orientation or the name of a
-        distance."""
+    def without(self, configuration: int, kind: str) -> Measurements:
+        """Leave out one reading: the kind is group, inclination, position, orientation or the name of a distance."""
         if kind == "group" and self.groups is not None:
             groups = self.groups.copy()
-            groups[posture] = NO_GROUP
+            groups[configuration] = NO_GROUP
             return replace(self, groups=groups)
         if kind in _WIDTHS:
             table = np.array(getattr(self, kind))
-            table[posture] = np.nan
+            table[configuration] = np.nan
             changes: dict[str, Any] = {kind: table}
             return replace(self, **changes)
         made = []
         for d in self.distances:
             values = np.array(d.values)
-            values[posture] = np.nan if d.name == kind else values[posture]
+            values[configuration] = np.nan if d.name == kind else values[configuration]
             made.append(replace(d, values=values))
         return replace(self, distances=tuple(made))
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuses readings of another number of joints than the mechanism has."""
+        """Refuse readings of another number of joints than the mechanism has."""
         if self.joints.shape[1] != len(mechanism.actuated):
             names = ", ".join(c.name for c in mechanism.actuated) or "none"
             raise InputError(
@@ -183,6 +183,11 @@ class Measurements:
                 "allowed: 1 to within 0.01"
             )
         object.__setattr__(self, "orientation", self.orientation / norms[:, None])
+
+
+def spread_rows(count: int, most: int) -> np.ndarray:
+    """Choose at most so many of `count` rows, spread evenly, by number."""
+    return np.unique(np.linspace(0, count - 1, most).astype(int))
 
 
 def _matrix(values: Any, what: str) -> np.ndarray:

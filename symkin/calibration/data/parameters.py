@@ -22,20 +22,21 @@ ParameterKind = Literal["length", "angle", "number"]
 MEASURING_FRAMES = tuple(
     f"{frame}.{what}.{k}" for frame in ("world", "target") for what in ("position", "rotation") for k in "xyz"
 )
-"""Frames between the mechanism and what is measured: the base frame in the measuring system, and what is observed on the platform."""
+"""Components of the frames between mechanism and measurement: the base frame in the measuring system (world), and what is
+observed in the platform frame (target); lengths, and rotation vectors in radians."""
 
 AXES = ("x", "y", "z")
 Velocity = dict[str, float]
-"""Velocity of parameters by name; what is not named stays."""
+"""Rates of parameters by name; those that are not named stay."""
 
 
 def parameter_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """All that may be identified: the closure's parameters, factors of readings, world and target frame."""
+    """Name all that may be identified: the closure's parameters, factors of readings, world and target frame."""
     return tuple(nominal_parameters(mechanism))
 
 
 def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
-    """Nominal value and kind of each name that may be identified."""
+    """List all that may be identified by name, with nominal value (lengths, radians, plain numbers) and kind."""
     closure = build_closure(mechanism)
     turning = {f"{_joint_path(mechanism, limb.name, j.name)}.zero" for limb, j in mechanism.joints if j.type in ("R", "H")}
     table: dict[str, tuple[float, ParameterKind]] = {}
@@ -52,8 +53,8 @@ def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, Parameter
 
 @lru_cache(maxsize=64)
 def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
-    """Parameters that a declared motion binds: moved alone, they let rows that the motion leaves out appear, and the limb
-    could no longer carry the platform through it."""
+    """Name the parameters that a declared motion binds: moved alone, they let rows that the motion leaves out appear, and the
+    limb could no longer carry the platform through it."""
     closure = build_closure(mechanism)
     builder = RowBuilder(mechanism)
     builder.build_rows()
@@ -78,13 +79,13 @@ def _joint_path(mechanism: Mechanism, limb: str, joint: str) -> str:
 
 
 def is_writable(mechanism: Mechanism, name: str) -> bool:
-    """Whether a mechanism file has a place for the parameter: factors of readings and measuring frames have none."""
+    """Tell whether a mechanism file has a place for the parameter: factors of readings and measuring frames have none."""
     return name in build_closure(mechanism).parameter_names
 
 
 def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
-    """The same mechanism with other values of named parameters (key paths of the closure, angles in radians); names that
-    a file has no place for are left out. Rods keep their lengths, which become explicit."""
+    """Replace values of named parameters in a mechanism (key paths of the closure, angles in radians); names that a file has
+    no place for are left out. Rods keep their lengths, which become explicit."""
     closure = build_closure(mechanism)
     table = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     table |= {name: float(v) for name, v in values.items() if name in table}
@@ -150,7 +151,8 @@ def _unit_quaternion(q: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def written_freedoms(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    """Freedoms in how a joint is written down: where on its axis its point lies, the length of a direction."""
+    """Yield the freedoms in how joints are written down, each with the rates of parameters that it leaves open: where on its
+    axis the point of a joint lies, the length of a direction, the zero of a passive joint."""
     for limb, joint in mechanism.joints:
         path = joint.name if mechanism.serial else f"{limb.name}.{joint.name}"
         if joint.type == "P":
@@ -181,9 +183,9 @@ def vector_velocity(path: str, value: np.ndarray, letters: str = "xyz") -> Veloc
 
 
 def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[str]) -> tuple[str, ...]:
-    """Parameters to hold so that frames stand in the joints of a platform on rods: the platform frame's origin in the
-    joint of the first limb named, x axis through the second, xy plane through the third; the base frame's origin in the
-    joint of the first, z against gravity, x towards the projection of the second.
+    """Name the parameters to hold so that frames stand in the joints of a platform on rods: the platform frame's origin in the
+    joint of the first limb named, x axis through the second, xy plane through the third; the base frame's origin in the joint of
+    the first, z against gravity, x towards the projection of the second.
 
     Raises InputError where a limb is no rod, and where an entry to be held is not zero at the nominal geometry.
     """

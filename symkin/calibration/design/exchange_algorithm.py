@@ -25,14 +25,14 @@ CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each posture, -1: none."""
+    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each configuration, -1: none."""
 
     rows: np.ndarray
     group: np.ndarray
     wedge: np.ndarray
 
     def extended(self, wedges: int) -> np.ndarray:
-        """(n, K, P + 2 W)."""
+        """Return the rows in all unknowns (n, K, P + 2 W)."""
         count, k, width = self.rows.shape
         full = np.zeros((count, k, width + 2 * wedges))
         full[:, :, :width] = self.rows
@@ -41,13 +41,13 @@ class Candidates:
         return full
 
     def thinned(self, each: int) -> Candidates:
-        """The first `each` candidates of every wedge."""
+        """Keep the first `each` candidates of every wedge."""
         kept = np.concatenate([np.flatnonzero(self.wedge == w)[:each] for w in np.unique(self.wedge)])
         return Candidates(self.rows[kept], self.group[kept], self.wedge[kept])
 
 
 class ExchangeSearch:
-    """A choice among candidates: greedy construction, then exchange of single postures until none helps."""
+    """The search among candidates: greedy construction, then exchange of single configurations until none helps."""
 
     def __init__(self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float) -> None:
         self.candidates, self.wedges, self.criterion, self.prior = candidates, wedges, criterion, prior
@@ -57,19 +57,19 @@ class ExchangeSearch:
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
 
     def covariance(self, chosen: list[int]) -> np.ndarray:
-        """C (P + 2 W) of chosen candidates."""
+        """Return C (P + 2 W) of chosen candidates."""
         flat = self.rows[chosen].reshape(-1, self.rows.shape[2])
         weak = np.concatenate([np.full(self.width, self.prior), np.full(2 * self.wedges, 1.0)])
         return np.asarray(np.linalg.inv(flat.T @ flat + np.diag(weak)))
 
     def value(self, c: np.ndarray) -> float:
-        """The criterion, less is better."""
+        """Return the criterion, less is better."""
         if self.criterion == "D":
             return float(np.linalg.slogdet(c[: self.width, : self.width])[1])
         return float(np.sum(self.q * c))
 
     def gains(self, c: np.ndarray, index: np.ndarray) -> np.ndarray:
-        """By how much the criterion falls when one of the candidates of `index` is added."""
+        """Return by how much the criterion falls when one of the candidates of `index` is added."""
         rows = self.rows[index]
         spread = rows @ c
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
@@ -81,15 +81,15 @@ class ExchangeSearch:
         return np.asarray(np.trace(np.linalg.solve(inner, weight), axis1=1, axis2=2))
 
     def updated(self, c: np.ndarray, k: int, sign: int) -> np.ndarray:
-        """C after one candidate is added (sign 1) or removed (-1)."""
+        """Return C after one candidate is added (sign 1) or removed (-1)."""
         rows = self.rows[k]
         spread = rows @ c
         inner = np.eye(len(rows)) + sign * spread @ rows.T
         return np.asarray(c - sign * spread.T @ np.linalg.solve(inner, spread))
 
     def greedy(self, count: int, allowed: set[int]) -> list[int]:
-        """Candidates one by one, each the best to add; none twice. A wedge's first posture says nothing yet, so that each
-        wedge is given one to begin with, as far as two of each can be had."""
+        """Choose candidates one by one, each the best to add; none twice. A wedge's first configuration says nothing yet, so
+        that each wedge is given one to begin with, as far as two of each can be had."""
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         begun = sorted(allowed)[: count // 2] if self.wedges else []
         chosen = [int(np.argmax(self.candidates.wedge == wedge)) for wedge in begun]
@@ -102,7 +102,7 @@ class ExchangeSearch:
         return chosen
 
     def improve(self, chosen: list[int], allowed: set[int], passes: int = 6) -> list[int]:
-        """Take each posture out in turn and put the best candidate in its place, until a whole pass changes nothing."""
+        """Take each configuration out in turn and put the best candidate in its place, until a whole pass changes nothing."""
         chosen = list(chosen)
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         for _ in range(passes):
@@ -120,8 +120,8 @@ class ExchangeSearch:
         return chosen
 
     def best_wedges(self, count: int, groups: int) -> set[int]:
-        """Which wedges to use when only `groups` may be: the best of several beginnings, then one exchanged for another while
-        that helps. A set is worth what a greedy choice with one pass of exchanges makes of it."""
+        """Choose the wedges when only `groups` of them may be used: the best of several beginnings, then one exchanged for
+        another while that helps. A set is worth what a greedy choice with one pass of exchanges makes of it."""
         if not self.wedges:
             return {-1}
         everything = set(range(self.wedges))
@@ -146,7 +146,7 @@ class ExchangeSearch:
         return best
 
     def _fewer(self, count: int, groups: int) -> set[int]:
-        """Backward elimination: the wedge whose postures tell least goes, again and again."""
+        """Eliminate wedges backwards: the one whose configurations determine least goes, again and again."""
         allowed = set(range(self.wedges))
         while len(allowed) > groups:
             chosen = self.greedy(count, allowed)

@@ -19,7 +19,7 @@ from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
 """What may be read beside the joints; a pose is position and orientation. Groups need nothing of these."""
 MAX_CONFIGURATIONS = 100_000
-"""More rows than this are taken for a slip of the keyboard."""
+"""More rows than this are taken for a typing mistake."""
 
 
 @dataclass(frozen=True)
@@ -53,26 +53,26 @@ def check_readings(readings: Sequence[str]) -> None:
             raise InputError(f"readings: {kind!r} is unknown; allowed: {', '.join(READING_CHOICES)}")
 
 
-def group_numbers(postures: int, groups: int) -> np.ndarray:
-    """Numbers 0, 0, ..., 1, 1, ...: `postures` in `groups` as equal as may be, each of two at least."""
-    if not 1 <= postures <= MAX_CONFIGURATIONS:
-        raise InputError(f"{postures} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
+def group_numbers(configurations: int, groups: int) -> np.ndarray:
+    """Number the groups 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each of two at least."""
+    if not 1 <= configurations <= MAX_CONFIGURATIONS:
+        raise InputError(f"{configurations} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
     if groups < 0:
         raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
-    if groups > postures // 2:
+    if groups > configurations // 2:
         raise InputError(
-            f"{groups} groups for {postures} posture{'s' * (postures != 1)}, and two postures in each are needed: at least {2 * groups} "
+            f"{groups} groups for {configurations} posture{'s' * (configurations != 1)}, and two postures in each are needed: at least {2 * groups} "
             f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
         )
     if groups == 0:
-        return np.full(postures, NO_GROUP)
-    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(postures), groups)])
+        return np.full(configurations, NO_GROUP)
+    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)])
 
 
 def random_configurations(
     workspace: Workspace, groups: np.ndarray, noise: Noise, rng: np.random.Generator, wedges: np.ndarray | None = None
 ) -> ClosedConfigurations:
-    """Random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
+    """Draw random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
     held = workspace.inclinations(int(groups.max()) + 1, rng) if wedges is None else wedges
@@ -88,12 +88,13 @@ def planned_configurations(
     noise: Noise,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, ClosedConfigurations]:
-    """Group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at its joints,
-    each turned to its group's inclination (with the noise of that). Raises InputError for postures that cannot be taken."""
+    """Return the group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at
+    its joints, each turned to its group's inclination (with the noise of that). Raises InputError for configurations that
+    cannot be taken."""
     model = build_model(nominal, plan, ())
-    postures = solve_configurations(model, plan, np.zeros(0))
-    if not postures.solved.all():
-        label = plan.labels[int(np.argmin(postures.solved))]
+    configurations = solve_configurations(model, plan, np.zeros(0))
+    if not configurations.solved.all():
+        label = plan.labels[int(np.argmin(configurations.solved))]
         raise InputError(f"the plan's posture of {label} does not close at the nominal geometry of {nominal.name}")
     groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
     held = None
@@ -101,7 +102,7 @@ def planned_configurations(
         if wedges is None:
             raise InputError("the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` wrote")
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(model.poses(postures.z, np.zeros(0)), held)
+    made, closed = workspace.at(model.poses(configurations.z, np.zeros(0)), held)
     if not closed.all():
         raise InputError(
             f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by {workspace.mechanism.name}"
@@ -118,8 +119,8 @@ def simulate_readings(
     rng: np.random.Generator,
     distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> Measurements:
-    """Readings of true configurations, with standard deviations where there is noise; `distances` are points of the platform
-    and of the base by the names of their columns."""
+    """Read true configurations, with standard deviations where there is noise; `distances` are points of the platform and of
+    the base by the names of their columns."""
     check_readings(readings)
     kinds = {part for kind in readings for part in (("position", "orientation") if kind == "pose" else (kind,))}
     count, joint_sigma = len(true), noise.joints(mechanism)
@@ -144,5 +145,11 @@ def simulate_readings(
     for name, (platform, base) in (distances or {}).items():
         ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
         values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(noise.distance, (count,), rng)
-        made = replace(made, distances=(*made.distances, Distance(platform, base, values, noise.distance or None, name)))
+        made = replace(
+            made,
+            distances=(
+                *made.distances,
+                Distance(platform=platform, base=base, values=values, sigma=noise.distance or None, name=name),
+            ),
+        )
     return made

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.model import ConfigurationModel
+from symkin.calibration.estimate.model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -19,13 +19,20 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_euler
 
 CLOSURE_TOLERANCE = 1e-10
-"""A posture is solved when its largest closure row, over the size, is below this."""
+"""A configuration is solved when its largest closure row is below this, of the size: far above rounding (1e-15), far below
+any noise."""
 ROUGH_CLOSURE_TOLERANCE = 1e-6
-"""The same where an estimator goes on from there and corrects what is left to first order."""
+"""The same, of the size, where an estimator goes on from there and corrects what is left to first order."""
 _MAX_STEP = 0.3
-"""Longest Newton step, in sizes."""
+"""Longest Newton step, of the size: longer ones leave the assembly mode."""
+_ROUNDED_CLOSURE, _CLOSED_TO_ROUNDING = 1e-14, 1e-11
+"""Closure error (of the size) at which poses and joints that are drawn are no longer improved, and that below which they are closed."""
+_MAX_POSE_STEP = 0.5
+"""Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
+_MAX_STEPS, _MAX_POSE_STEPS = 20, 30
+"""Most Newton steps of direct problems, and from drawn poses."""
 _RANDOM_STARTS = 12
-"""Random starts for a posture that neither the reference nor its neighbours reach."""
+"""Random starts for a configuration that neither the reference nor its neighbours reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,47 +44,44 @@ class SolvedConfigurations:
 
 
 def newton_configurations(
-    model: ConfigurationModel,
-    z: np.ndarray,
-    joints: np.ndarray,
-    p: np.ndarray,
-    *,
-    tolerance: float = CLOSURE_TOLERANCE,
-    iterations: int = 20,
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, *, tolerance: float = CLOSURE_TOLERANCE
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Newton or Gauss-Newton with a bounded step for all postures: points and which of them closed."""
-    size = model.closure.size
-    largest = np.full(len(z), np.inf)
-    for _ in range(iterations):
-        rows, rows_z = model.rows(z, joints, p)
-        largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
-        if not np.any(largest > tolerance):
-            break
-        step = -solve_systems(rows_z, rows[:, :, None])[:, :, 0]
-        length = np.linalg.norm(step, axis=1)
-        step *= np.minimum(1.0, _MAX_STEP * size / np.maximum(length, 1e-300))[:, None]
-        moved = model.system.move(z, np.nan_to_num(step))
-        z = np.where((largest > tolerance)[:, None], moved, z)
+    """Solve the direct problems by Newton from points z (n, width): points, and which of them closed (n,)."""
+    z, largest = _newton(lambda z: model.rows(z, joints, p), model.system, z, _Steps(_MAX_STEPS, tolerance, _MAX_STEP))
     return z, largest <= tolerance
 
 
-def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Least-squares solutions of n systems matrix (n, m, f), right (n, m, k); of no use (NaN) where singular."""
-    if matrix.shape[1] == matrix.shape[2]:
-        try:
-            return np.asarray(np.linalg.solve(matrix, right))
-        except np.linalg.LinAlgError:
-            pass
-    if not np.all(np.isfinite(matrix)):
-        matrix = np.nan_to_num(matrix)
-    return np.asarray(np.linalg.pinv(matrix, rcond=1e-12) @ right)
+@dataclass(frozen=True)
+class _Steps:
+    """Most Newton steps, the closure error (over the size) that ends them, and the longest step (in sizes)."""
+
+    count: int
+    tolerance: float
+    longest: float
+
+
+def _newton(
+    linearise: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], system: System, z: np.ndarray, steps: _Steps
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newton, or Gauss-Newton where rows are more than unknowns, with a bounded step: points z (n, width) and their largest closure
+    rows over the size (n,)."""
+    largest = np.full(len(z), np.inf)
+    for _ in range(steps.count):
+        rows, rows_z = linearise(z)
+        largest = np.max(np.abs(rows), axis=1, initial=0.0) / system.size
+        if not np.any(largest > steps.tolerance):
+            break
+        step = -solve_systems(rows_z, rows[:, :, None])[:, :, 0]
+        step *= np.minimum(1.0, steps.longest * system.size / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
+        z = np.where((largest > steps.tolerance)[:, None], system.move(z, np.nan_to_num(step)), z)
+    return z, largest
 
 
 def solve_configurations(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, *, z: np.ndarray | None = None, seed: int = 0,
-    tolerance: float = CLOSURE_TOLERANCE,
+    tolerance: float = CLOSURE_TOLERANCE
 ) -> SolvedConfigurations:  # fmt: skip
-    """Solve F(z; q, p) = 0 for every posture, from `z` if given, else from the measurements' starts, the measured poses
+    """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
     start = start_points(model, measurements) if z is None else z
     joints = measurements.joints
@@ -95,21 +99,21 @@ def solve_configurations(
 
 
 def _polished(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """One Newton step more: closed to rounding."""
+    """Take one Newton step more, so that configurations are closed to rounding."""
     rows, rows_z = model.rows(z, joints, p)
     return model.system.move(z, np.nan_to_num(-solve_systems(rows_z, rows[:, :, None])[:, :, 0]))
 
 
 def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
-    """Sign of det F_z (n,), 0 where F_z is not square: it changes only across a singularity."""
+    """Return the sign of det F_z (n,), 0 where F_z is not square: it changes only across a singularity."""
     if rows_z.shape[1] != rows_z.shape[2] or rows_z.shape[2] == 0:
         return np.zeros(len(rows_z))
     return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
 
 
 def start_points(model: ConfigurationModel, measurements: Measurements, *, measured: bool = False) -> np.ndarray:
-    """Unknowns (n, width) at the starts: the pose given or measured (only so if `measured`), else the reference. Poses that are
-    seen through unknown frames are no starts."""
+    """Return the unknowns (n, width) at the starts: the pose given or measured (only so if `measured`), else the reference.
+    Poses that are seen through unknown frames are no starts."""
     if model.observes_through_frames:
         measurements = without_poses(measurements)
     closure, system = model.closure, model.system
@@ -129,7 +133,8 @@ def start_points(model: ConfigurationModel, measurements: Measurements, *, measu
 
 
 def known_poses(measurements: Measurements, *, measured: bool = False) -> list[np.ndarray | None]:
-    """A whole pose of each posture: its start (unless `measured`), else what was measured."""
+    """Return a whole pose of each configuration, None where there is none: its start (unless `measured`), else what was
+    measured."""
     poses: list[np.ndarray | None] = [None] * len(measurements)
     both = (measurements.position, measurements.orientation)
     read = None if any(part is None for part in both) else np.hstack(both)  # type: ignore[arg-type]
@@ -140,7 +145,7 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> list[n
 
 
 def without_poses(measurements: Measurements) -> Measurements:
-    """The measurements without positions and orientations."""
+    """Leave out positions and orientations."""
     return replace(measurements, position=None, orientation=None)
 
 
@@ -152,7 +157,7 @@ def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, c
 def _solve_from_many(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, k: int, starts: np.ndarray, seed: int
 ) -> np.ndarray | None:
-    """A solution of one posture nearest to its first start, or None."""
+    """Find the solution of one configuration that is nearest to its first start, or None."""
     system: System = model.system
     rng = np.random.default_rng([seed, k])
     steps = 0.2 * model.closure.size * rng.normal(size=(_RANDOM_STARTS, system.freedom))
@@ -184,8 +189,8 @@ class ClosedConfigurations:
 
 
 def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
-    """Actuated joints (n, a) at platform poses (n, 7), the limbs as near to the reference as Newton finds them; NaN where a limb does
-    not reach the pose."""
+    """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the reference as Newton finds them;
+    NaN where a limb does not reach the pose."""
     closure = build_closure(mechanism)
     starts = np.array([with_pose(mechanism, closure.reference, Pose(row[:3], row[3:])) for row in poses])
     solver = JointsOfPose(closure)
@@ -195,7 +200,7 @@ def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
 
 
 def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarray:
-    """Variables with the pose coordinates nearest to a pose."""
+    """Put the pose coordinates nearest to a pose into the closure's variables."""
     closure, values = build_closure(mechanism), values.copy()
     numbers, _ = pose_coordinates(mechanism, pose)
     begin = closure.slices[closure.role("pose")[0].name].start
@@ -203,36 +208,31 @@ def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarra
     return values
 
 
-class _ClosureNewton:
-    """Gauss-Newton with rows and derivatives mapped over postures; each posture has its own known values."""
+class _MappedSystem:
+    """A system solved at many points, each with known values of its own."""
 
     def __init__(self, system: System) -> None:
         self.system = system
         self._one = ca.Function("rows", [system.unknown, system.known], [ca.densify(system.rows), ca.densify(system.jacobian)])
         self._maps: dict[int, ca.Function] = {}
 
-    def rows(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         count = len(z)
         mapped = self._maps.setdefault(count, self._one.map(count))
         rows, rows_z = (np.asarray(part) for part in mapped(z.T, known.T))
         m = int(self.system.rows.shape[0])
         return rows.T.reshape(count, m), rows_z.reshape(m, count, self.system.freedom).transpose(1, 0, 2)
 
-    def newton(self, z: np.ndarray, known: np.ndarray, iterations: int = 30) -> tuple[np.ndarray, np.ndarray]:
-        largest = np.full(len(z), np.inf)
-        for _ in range(iterations):
-            rows, rows_z = self.rows(z, known)
-            largest = np.max(np.abs(rows), axis=1, initial=0.0) / self.system.size
-            if not np.any(largest > 1e-14):
-                break
-            step = np.nan_to_num(-solve_systems(rows_z, rows[:, :, None])[:, :, 0])
-            step *= np.minimum(1.0, 0.5 * self.system.size / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
-            z = np.where((largest > 1e-14)[:, None], self.system.move(z, step), z)
-        return z, largest < 1e-11
+    def newton(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, width) by Newton from z, and which of them closed (n,)."""
+        z, largest = _newton(
+            lambda z: self._linearise(z, known), self.system, z, _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
+        )
+        return z, largest < _CLOSED_TO_ROUNDING
 
 
 class JointsOfPose:
-    """Joints, actuated and passive, at a given pose."""
+    """Solves for all joints, actuated and passive, at given poses."""
 
     def __init__(self, closure: Closure) -> None:
         self.closure = closure
@@ -241,20 +241,20 @@ class JointsOfPose:
         unknown = closure.variables[: self.width]
         pose = closure.variables[self.width : self.width + sum(c.width for c in known)]
         rows = closure.bound(closure.rows)
-        self._newton = _ClosureNewton(System(unknowns, unknown, pose, rows, closure.bound(closure.errors), closure.size))
+        self._system = _MappedSystem(System(unknowns, unknown, pose, rows, closure.bound(closure.errors), closure.size))
 
     def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Joints by Newton from those in the values, and which postures closed."""
-        return self._newton.newton(values[:, : self.width], values[:, self.width :])
+        """Solve for the joints by Newton from those in the values; and tell which configurations closed."""
+        return self._system.newton(values[:, : self.width], values[:, self.width :])
 
     def solve(self, values: np.ndarray) -> np.ndarray:
-        """Values with joints from Newton where it closes; others as they were."""
+        """Replace the joints by Newton's where it closes; others stay as they were."""
         joints, closed = self.newton(values)
         return np.where(closed[:, None], np.hstack([joints, values[:, self.width :]]), values)
 
 
-class AllCoordinates(_ClosureNewton):
-    """All coordinates; with `held` also the inclination, size (R^T e_z - R_home^T (Ry Rx)^T e_z) = 0."""
+class AllCoordinates(_MappedSystem):
+    """Solves for all coordinates; with `held` also the inclination, size (R^T e_z - R_home^T (Ry Rx)^T e_z) = 0."""
 
     def __init__(self, closure: Closure, home: Pose, *, held: bool) -> None:
         rows, known = closure.bound(closure.rows), ca.SX.sym("inclination", 2 if held else 0)

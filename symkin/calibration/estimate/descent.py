@@ -49,25 +49,26 @@ readings tell to second order only lets the linear model promise more for ever."
 
 
 def undetermined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Orthonormal columns (P, k) along which nothing changes the cost, not even faintly. In groups, and with rows left over, only
-    RANK_TOLERANCE tells rounding from that."""
+    """Return orthonormal columns (P, k) along which nothing changes the cost, not even faintly. In groups, and with rows left
+    over, only RANK_TOLERANCE separates rounding from that."""
     exact = not problem.readings.groups and state.leftover is None
     return null_directions(error_free_design(problem, state), FAINT_SINGULAR_RATIO if exact else RANK_TOLERANCE)
 
 
 def remaining_decrease(problem: CalibrationProblem, state: State, null_space: np.ndarray) -> float:
-    """By how much one more linear step would lower chi-square: the squared projection of the residuals, over their standard
-    deviations, to the columns of all that readings tell. Where no standard deviation is known, the scatter is taken for it."""
+    """Return by how much one more linear step would lower chi-square: the squared projection of the residuals, over their
+    standard deviations, to the columns of all that readings determine. Where no standard deviation is known, the scatter is
+    taken for it."""
     basis, _ = admissible_steps(state, null_space)
-    matrix = state.fit.matrix if basis is None else state.fit.matrix @ basis
-    matrix = matrix @ spectrum(matrix, FAINT_SINGULAR_RATIO).told
+    matrix = state.linearised.matrix if basis is None else state.linearised.matrix @ basis
+    matrix = matrix @ spectrum(matrix, FAINT_SINGULAR_RATIO).determined
     lengths = np.linalg.norm(matrix, axis=0)
-    along = (matrix / np.where(lengths > 0.0, lengths, 1.0)).T @ state.fit.vector
+    along = (matrix / np.where(lengths > 0.0, lengths, 1.0)).T @ state.linearised.vector
     return float(along @ along) / _unit_variance(problem, state)
 
 
 def is_rounding(problem: CalibrationProblem, state: State) -> bool:
-    """Whether the residuals are no more than what arithmetic leaves, so that no step means anything."""
+    """Tell whether the residuals are no more than what arithmetic leaves, so that no step means anything."""
     return state.cost <= problem.readings.count * _rounding_residual(problem) ** 2
 
 
@@ -84,7 +85,7 @@ def _rounding_residual(problem: CalibrationProblem) -> float:
 
 @dataclass(eq=False)
 class Descent:
-    """The iteration: `state` where it stands, `null_space` what is not told there."""
+    """The iteration: `state` where it stands, `null_space` what is not determined there."""
 
     problem: CalibrationProblem
     form: Form
@@ -98,7 +99,7 @@ class Descent:
         self.null_space = undetermined_directions(self.problem, self.state)
 
     def run(self, limit: int) -> tuple[str, int]:
-        """Status and number of steps."""
+        """Iterate; return status and number of steps."""
         for count in range(limit):
             if self.slow >= _MAX_SLOW_STEPS or self.is_minimum:
                 return "ok", count
@@ -112,9 +113,9 @@ class Descent:
 
     @property
     def _promises_nothing(self) -> bool:
-        """Whether even the shortest step is expected to gain no more than rounding: what the linear model promises of longer ones is
-        then the second order's, and not kept."""
-        fit = self.state.fit
+        """Tell whether even the shortest step is expected to gain no more than rounding: what the linear model promises of
+        longer ones is then of second order, and not kept."""
+        fit = self.state.linearised
         step = _DampedSteps(self.state, self.null_space, _MAX_DAMPING).step(fit.vector)
         after = fit.vector + fit.matrix @ step
         return (
@@ -123,7 +124,7 @@ class Descent:
         )
 
     def _advance(self) -> bool:
-        """One step that lowers the cost, with as much damping as it needs; whether there is one."""
+        """Take one step that lowers the cost, with as much damping as it needs; tell whether there is one."""
         failed = 0
         while self.damping < _MAX_DAMPING:
             trial = self._tried()
@@ -139,19 +140,21 @@ class Descent:
         return False
 
     def _tried(self) -> State | None:
-        """The state after a bent step; None where it bends too much, a posture has no solution, or one passes a singularity."""
+        """Evaluate the state after an accelerated step; None where it bends too much, a configuration has no solution, or one
+        passes a singularity."""
         step = self._bent()
         trial = None if step is None else restored_after(self._moved, self.state, step, self.null_space)
         return trial if trial is not None and np.array_equal(trial.determinant_signs, self.state.determinant_signs) else None
 
     def _bent(self) -> np.ndarray | None:
-        """A damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J d) / h."""
-        fit, solver = self.state.fit, _DampedSteps(self.state, self.null_space, self.damping)
+        """Return a damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J
+        d) / h."""
+        fit, solver = self.state.linearised, _DampedSteps(self.state, self.null_space, self.damping)
         step = solver.step(fit.vector, whole=True)
         probe = self._moved(self.state, _PROBE_SHARE * step) if np.all(np.isfinite(step)) else None
         if probe is None:
             return None
-        half = 0.5 * solver.step(2.0 * ((probe.fit.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE)
+        half = 0.5 * solver.step(2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE)
         lengths = solver.lengths
         return step + half if np.linalg.norm(lengths * half) <= _MAX_ACCELERATION * np.linalg.norm(lengths * step) else None
 
@@ -160,10 +163,10 @@ class Descent:
 
 
 class _DampedSteps:
-    """Minimisers of |r + J d|^2 + damping |D d|^2 over the admitted steps d = particular + B y, D the columns' lengths."""
+    """Minimisers of |r + J d|^2 + damping |D d|^2 over the allowed steps d = particular + B y, D the columns' lengths."""
 
     def __init__(self, state: State, null_space: np.ndarray, damping: float) -> None:
-        matrix = state.fit.matrix
+        matrix = state.linearised.matrix
         lengths = np.linalg.norm(matrix, axis=0)
         self.lengths = np.maximum(lengths, _MIN_COLUMN_LENGTH * float(np.max(lengths, initial=0.0)))
         basis, self._particular = admissible_steps(state, null_space)
@@ -173,7 +176,7 @@ class _DampedSteps:
         self._weights = np.sqrt(damping) * self.lengths[:, None] * self._basis
 
     def step(self, residuals: np.ndarray, *, whole: bool = False) -> np.ndarray:
-        """The step for residuals; `whole` with the part that meets the rows left over."""
+        """Return the step for residuals; `whole` with the part that meets the rows left over."""
         begin = self._particular if whole else np.zeros_like(self._particular)
         right = -(self._q.T @ (residuals + self._matrix @ begin))
         above = np.concatenate([right, np.zeros(len(self._weights))])

@@ -18,7 +18,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import known_poses, start_points
 from symkin.calibration.estimate.model import ConfigurationModel
@@ -35,12 +35,12 @@ from symkin.spatial.rotation import (
 _MAX_PARAMETER_STEPS = 40
 """Most Gauss-Newton steps; a start needs no more."""
 _MAX_POSES = 2000
-"""Most postures that are used, spread evenly over the file: a start needs no more."""
+"""Most configurations that are used, spread evenly over the file: a start needs no more."""
 _MIN_SINGULAR_RATIO = 1e-6
 """Directions with singular values below this of the largest are left at their start."""
 
 _FRAME_CONFIGURATIONS = 40
-"""Postures that the start is found from, spread evenly: twelve numbers at most are wanted, and only nearly."""
+"""Configurations that the start is found from, spread evenly: twelve numbers at most are wanted, and only nearly."""
 _TRIAL_STEPS, _FOLLOWED_TRIALS, _FINAL_STEPS = 4, 3, 40
 """Steps from each orientation, how many of what they lead to are followed, and the steps from there."""
 _FIRST_DAMPING = 1e-3
@@ -50,13 +50,13 @@ _MIN_COST_DECREASE = 1e-8
 
 
 def parameters_from_poses(model: ConfigurationModel, measurements: Measurements) -> np.ndarray | None:
-    """Parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or where
-    frames between mechanism and measurement are unknown."""
+    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or
+    where frames between mechanism and measurement are unknown."""
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
     if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
         return None
     if np.sum(given) > _MAX_POSES:
-        some = np.flatnonzero(given)[np.linspace(0, np.sum(given) - 1, _MAX_POSES).astype(int)]
+        some = np.flatnonzero(given)[spread_rows(int(np.sum(given)), _MAX_POSES)]
         return parameters_from_poses(model, measurements.subset(some))
     joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
     passive = np.flatnonzero([c.role == "passive" for c in model.system.unknowns for _ in range(c.freedom)])
@@ -65,7 +65,7 @@ def parameters_from_poses(model: ConfigurationModel, measurements: Measurements)
 
 
 def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray | None:
-    """Gauss-Newton with halved steps; passive joints are condensed posture by posture."""
+    """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in each configuration."""
     p = model.nominal
 
     def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
@@ -99,13 +99,12 @@ def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
 
 
 def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
-    """Parameters (P,) with the free frames at their best for those of the postures z (n, width) that are solved (n,), all others
-    as in `p`."""
+    """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all other parameters as in `p`."""
     free = np.array([k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int)
     if not len(free) or not solved.any():
         return p
     closed = np.flatnonzero(solved)
-    rows = closed[np.unique(np.linspace(0, len(closed) - 1, _FRAME_CONFIGURATIONS).astype(int))]
+    rows = closed[spread_rows(len(closed), _FRAME_CONFIGURATIONS)]
     some = problem.measurements.subset(rows)
     few = replace(problem, measurements=some, readings=build_readings(problem.model, some))
     with np.errstate(all="ignore"):
@@ -120,7 +119,7 @@ def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarr
 def _fit_frames(
     problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int
 ) -> tuple[np.ndarray, float]:
-    """Levenberg-Marquardt in the free frames, postures as they are: parameters and cost."""
+    """Fit the free frames by Levenberg-Marquardt, configurations as they are: parameters and cost."""
     model = problem.model
 
     def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -147,8 +146,8 @@ def _fit_frames(
 
 
 def _frame_starts(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Iterator[np.ndarray]:
-    """p, and with the world frame in the orientations of a cube where all of its rotation is free; the target's orientation is then
-    the mean of those that were read, where all of it is free."""
+    """Yield p, and p with the world frame in the orientations of a cube where all of its rotation is free; the target's
+    orientation is then the mean of those that were read, where all of it is free."""
     yield p
     places = {name: k for k, name in enumerate(problem.names)}
     world, target = ([places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target"))

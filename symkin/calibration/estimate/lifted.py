@@ -19,7 +19,7 @@ from symkin.position.least_squares import IPOPT
 
 _IPOPT_OPTIONS = {
     "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "calc_lam_p": False, "ipopt.tol": 1e-10, "ipopt.nlp_scaling_method": "none",
-    "ipopt.mu_strategy": "adaptive",
+    "ipopt.mu_strategy": "adaptive"
 }  # fmt: skip
 _POLISHING_STEPS = 3
 """Gauss-Newton steps that remove what IPOPT's tolerance leaves."""
@@ -38,8 +38,8 @@ class NonlinearProgram:
 def estimate_by_ipopt(
     problem: CalibrationProblem, z: np.ndarray, *, max_iterations: int = 200, p: np.ndarray | None = None
 ) -> Estimate:
-    """The least-squares estimate by IPOPT from p (default: nominal) and postures z, polished by Gauss-Newton; maximum
-    likelihood takes the covariance of joint noise at the estimate by the means."""
+    """Minimise by IPOPT from p (default: nominal) and configurations z, polished by Gauss-Newton; maximum likelihood takes
+    the covariance of joint noise at the estimate by the means."""
     state = closed_state(problem, problem.model.nominal if p is None else p, z, "means", None)
     steps = 0
     if problem.form == "maximum likelihood":
@@ -59,7 +59,7 @@ def estimate_by_ipopt(
 
 
 def build_program(problem: CalibrationProblem, state: State, covariance: np.ndarray | None, limit: int) -> NonlinearProgram:
-    """The program at a start with closed postures; `covariance` is that of joint noise for maximum likelihood."""
+    """Build the program at a start with closed configurations; `covariance` is that of joint noise for maximum likelihood."""
     model, readings = problem.model, problem.readings
     count, width = state.z.shape
     step, z = ca.MX.sym("dp", len(model.names)), ca.MX.sym("z", width, count)
@@ -90,7 +90,7 @@ def build_program(problem: CalibrationProblem, state: State, covariance: np.ndar
 
 
 def _residual(problem: CalibrationProblem, h: ca.MX, h0: np.ndarray, means: ca.MX, covariance: np.ndarray | None) -> ca.MX:
-    """Residuals over their standard deviations; whole turns of angles are those of the start."""
+    """Write residuals over their standard deviations; whole turns of angles are those of the start."""
     readings = problem.readings
     columns = np.flatnonzero(readings.grouped)
     gap = h - ca.DM(np.nan_to_num(readings.values).T) + ca.DM(_turns(readings, h0).T)
@@ -124,7 +124,7 @@ def _differences(readings: Readings, gap: ca.MX, weight: np.ndarray) -> ca.MX:
 
 
 def _turns(readings: Readings, h0: np.ndarray) -> np.ndarray:
-    """Multiples of a turn that bring h - m (and a group's h) to the shorter way round at the start."""
+    """Return the multiples of a turn that bring h - m (and a group's h) to the shorter way round at the start."""
     plain = np.where(readings.taken, h0 - np.nan_to_num(readings.values), 0.0)
     wrapped = deviations(readings, h0)
     inside = np.flatnonzero(readings.group >= 0)

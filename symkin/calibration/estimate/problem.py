@@ -18,8 +18,7 @@ import numpy as np
 from symkin.caching import cached_property, lru_cache
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import bound_by_motion, written_freedoms
-from symkin.calibration.estimate.configurations import solve_systems
-from symkin.calibration.estimate.model import ConfigurationModel, build_model
+from symkin.calibration.estimate.model import ConfigurationModel, build_model, solve_systems
 from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
@@ -27,13 +26,13 @@ from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
-"""Postures beyond which derivatives are not kept but made anew part by part, and how many a part has: derivatives of 10,000 postures
-of a hexapod take some 100 MB, as much as a program may."""
+"""Configurations beyond which derivatives are not kept but evaluated part by part, and how many a part has: derivatives of
+10,000 configurations of a hexapod take some 100 MB."""
 
 _COMPARED_CONFIGURATIONS = 24
 """Random closed configurations at which zeros are compared with the other parameters."""
 _REDUNDANT_SHARE = 1e-7
-"""A zero whose effect differs by less than this share from one of the other parameters is told by them."""
+"""A zero whose effect differs from one of the other parameters by less than this share is redundant."""
 
 
 class NothingReadError(InputError):
@@ -42,9 +41,10 @@ class NothingReadError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class CalibrationProblem:
-    """`model.names` are the free parameters; `fixed` those that the user asked for and holds at their nominal values. `prior` (P,)
-    holds standard deviations of the scaled parameters about nominal, infinite where there is none: the manufacturing tolerances, by
-    which the estimate is the maximum a posteriori; None: least squares of the readings alone."""
+    """What is fitted to what: `model.names` are the free parameters, `fixed` those that the user asked for and holds at their
+    nominal values. `prior` (P,) holds standard deviations of the scaled parameters about nominal, infinite where there is
+    none: the manufacturing tolerances, by which the estimate is the maximum a posteriori; None: least squares of the readings
+    alone."""
 
     mechanism: Mechanism
     measurements: Measurements
@@ -68,7 +68,8 @@ class CalibrationProblem:
         self.__dict__.update(own, model=model)
 
     def prior_rows(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Residuals (k,) of parameters p from nominal over their tolerances, and their derivative (k, P) by scaled parameters."""
+        """Return the residuals (k,) of parameters p from nominal over their tolerances, and their derivative (k, P) by scaled
+        parameters; None without tolerances."""
         if self.prior is None:
             return None
         known = np.isfinite(self.prior)
@@ -77,14 +78,14 @@ class CalibrationProblem:
 
     @property
     def is_large(self) -> bool:
-        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all postures."""
+        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all configurations."""
         system = self.model.system
         return len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of postures and the problem of these alone, members of a group together and what is known beside the readings left
-        out; one part where the problem is not large."""
+        """Numbers of configurations and the problem of these alone, members of a group together and without the prior; one
+        part where the problem is not large."""
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
         return tuple((rows, self._of(rows)) for rows in _split_rows(self.readings))
@@ -109,8 +110,8 @@ def build_calibration(
     residual: str = "means",
     tolerance: tuple[float, float] | None = None,
 ) -> CalibrationProblem:
-    """The problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held; `tolerance` is that of
-    lengths (length unit) and of angles and directions (radians).
+    """State the problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held; `tolerance` is
+    that of lengths (length unit) and of angles and directions (radians).
 
     Raises InputError for unknown names, for readings that do not fit the mechanism and for measurements without any.
     """
@@ -143,12 +144,15 @@ def build_calibration(
     if tolerance is not None and not readings.known:
         raise InputError("a tolerance is weighed against the noise, and standard deviations of readings are missing: give them")
     prior = None if tolerance is None else _prior(model, *tolerance)
-    return CalibrationProblem(mechanism, measurements, model, readings, tuple(fixed), residual, prior)
+    return CalibrationProblem(
+        mechanism=mechanism, measurements=measurements, model=model, readings=readings, fixed=tuple(fixed), form=residual,
+        prior=prior,
+    )  # fmt: skip
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
-    """Standard deviations of scaled parameters; frames between the mechanism and what is measured are not made to a tolerance, and
-    factors of readings are no geometry."""
+    """Return the standard deviations (P,) of scaled parameters; frames between the mechanism and what is measured are not
+    made to a tolerance, and factors of readings are no geometry."""
     if not (0.0 < length < np.inf and 0.0 < angle < np.inf):
         raise InputError(f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and positive, are needed")
     free = [name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names]
@@ -157,22 +161,17 @@ def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray
 
 
 def _split_rows(readings: Readings) -> list[np.ndarray]:
-    """Numbers of postures in parts of `PART_ROWS`, or of a group where one has more."""
+    """Split configurations, by number, into parts of `PART_ROWS`, or of a group where one has more."""
     order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
     heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(int)
     cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
     return [rows for rows in np.split(order, cuts) if len(rows)]
 
 
-def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:
-    """All that moves poses (see `minimal`), without those that a declared motion binds."""
-    return minimal_parameters(mechanism)
-
-
 @lru_cache(maxsize=64)
-def minimal_parameters(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of the closure's parameters, in its order, without those that a declared motion binds and one for each freedom in how the
-    file is written."""
+def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:
+    """Name the closure's parameters that matter, in its order: without those that a declared motion binds, and without one
+    for each freedom in how the file is written."""
     bound, closure = bound_by_motion(mechanism), build_closure(mechanism)
     values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     dropped: set[str] = set()
@@ -185,7 +184,7 @@ def minimal_parameters(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
-    """Zeros of actuated joints among the names whose effect on closure and pose is that of the other parameters."""
+    """Find the zeros of actuated joints among the names whose effect on closure and pose is that of the other parameters."""
     zeros = [n for n in names if n.endswith(".zero")]
     if not zeros:
         return set()
@@ -200,12 +199,12 @@ def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
     e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
     follow = solve_systems(e.rows_z, e.rows_p)
     effect = np.concatenate([e.readings_p - e.readings_z @ follow, e.rows_p - e.rows_z @ follow], axis=1).reshape(-1, len(names))
-    told, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
+    redundant, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
     for zero in zeros:
         column, basis = effect[:, names.index(zero)], effect[:, others]
         left = column - basis @ np.linalg.lstsq(basis, column, rcond=1e-10)[0]
         if np.linalg.norm(left) <= _REDUNDANT_SHARE * np.linalg.norm(column):
-            told.add(zero)
+            redundant.add(zero)
         else:
             others.append(names.index(zero))
-    return told
+    return redundant

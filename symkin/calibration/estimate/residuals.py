@@ -17,28 +17,26 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.model import ConfigurationModel
+from symkin.calibration.estimate.model import ANGULAR, ConfigurationModel
 
 Form = Literal["means", "differences", "maximum likelihood"]
-ANGULAR = ("group", "inclination", "orientation")
-"""Kinds of readings that are angles; the others are lengths."""
 _ROUNDING_RESIDUAL = 1e-9
-"""Residuals below this, in radians or over the size, are rounding and not errors of an instrument."""
+"""Residuals below this, in radians or of the size, are rounding and not errors of an instrument."""
 
 
 FORMS: tuple[Form, ...] = ("means", "differences", "maximum likelihood")
 
 
 def only_rounding(kind: str, values: np.ndarray | float, size: float) -> bool:
-    """Whether residuals of a kind (radians or length unit) are no more than what arithmetic leaves."""
+    """Tell whether residuals of a kind (radians or length unit) are no more than what arithmetic leaves."""
     return bool(np.all(np.abs(values) < _ROUNDING_RESIDUAL * (1.0 if kind in ANGULAR else size)))
 
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """What the residuals need of the measurements: values m (n, K) and standard deviations (n, K) of each column, NaN
-    and infinite where nothing was read; which columns are angles modulo a turn; the group number (n,) from 0, -1 for
-    none, and the first posture of each group. `known` says that every standard deviation was given."""
+    """The readings as the residuals need them: values m (n, K) and standard deviations (n, K) of each column, NaN and
+    infinite where nothing was read; which columns are angles modulo a turn; the group number (n,) from 0, -1 for none, and
+    the first configuration of each group. `known` says that every standard deviation was given."""
 
     values: np.ndarray
     sigma: np.ndarray
@@ -68,17 +66,17 @@ class Readings:
 
     @cached_property
     def inside(self) -> np.ndarray:
-        """Postures that belong to a group."""
+        """Configurations that belong to a group."""
         return np.flatnonzero(self.group >= 0)
 
     @cached_property
     def order(self) -> np.ndarray:
-        """Postures that belong to a group, group after group."""
+        """Configurations that belong to a group, group after group."""
         return self.inside[np.argsort(self.group[self.inside], kind="stable")]
 
     @cached_property
     def places(self) -> np.ndarray:
-        """Number of the group of each posture in `order`."""
+        """Number of the group of each configuration in `order`."""
         return np.asarray(self.group[self.order])
 
     @cached_property
@@ -88,7 +86,7 @@ class Readings:
 
     @cached_property
     def shares(self) -> np.ndarray:
-        """Weights of the postures in `order` in the means of their groups' alpha and beta (2, members), each group's sum 1."""
+        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2, members), each group's sum 1."""
         squares = self.weight[self.order][:, self.columns] ** 2
         return np.asarray((squares / np.add.reduceat(squares, self.begins, axis=0)[self.places]).T)
 
@@ -127,7 +125,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     turning = np.array([kind in ("group", "inclination") for kind, _ in model.columns], dtype=bool)
     grouped = np.array([kind == "group" for kind, _ in model.columns], dtype=bool)
     group, first = _groups(measurements)
-    return Readings(table, spread, turning, grouped, group, first, known)
+    return Readings(values=table, sigma=spread, turning=turning, grouped=grouped, group=group, first=first, known=known)
 
 
 def _in_group(measurements: Measurements) -> np.ndarray:
@@ -135,7 +133,7 @@ def _in_group(measurements: Measurements) -> np.ndarray:
 
 
 def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Consecutive numbers of the groups; a group of one posture says nothing and counts as none."""
+    """Number the groups consecutively, and find the first configuration of each; a group of one configuration counts as none."""
     if measurements.groups is None:
         return np.full(len(measurements), -1), np.zeros(0, dtype=int)
     numbers, counts = np.unique(measurements.groups[measurements.groups >= 0], return_counts=True)
@@ -146,8 +144,9 @@ def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K, P). `prior` holds residuals (k,)
-    and derivative (k, P) of what is known of the parameters beside the readings; the least squares are over both."""
+    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K, P). `prior` holds
+    residuals (k,) and derivative (k, P) of what is known of the parameters beside the readings; the least squares are over
+    both."""
 
     residuals: np.ndarray
     jacobian: np.ndarray
@@ -166,8 +165,8 @@ class Linearised:
 
 @dataclass(frozen=True, eq=False)
 class Condensed(Linearised):
-    """Residuals r (n, K) of many postures; in place of dr/dp and r the triangle that is left of both, so that |r + J d|^2 is the
-    same for all d."""
+    """Residuals r (n, K) of many configurations; in place of dr/dp and r the triangle of their QR factorisation, so that |r +
+    J d|^2 is the same for all d."""
 
     right: np.ndarray = field(kw_only=True)
 
@@ -177,7 +176,7 @@ class Condensed(Linearised):
 
 
 def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, covariance: np.ndarray | None = None) -> Linearised:
-    """Residuals and derivatives of one form; `covariance` (n, K, K) is that of joint noise for maximum likelihood."""
+    """Form residuals and derivatives; `covariance` (n, K, K) is that of joint noise for maximum likelihood."""
     gap = deviations(readings, h)
     if form == "differences":
         return _differences(readings, gap, h_p)
@@ -186,19 +185,24 @@ def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, co
     return _likelihood(readings, gap, h_p, whitening(readings, covariance))
 
 
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """Bring angles (radians) to the interval from -pi to pi."""
+    return np.asarray(np.remainder(angles + np.pi, 2 * np.pi) - np.pi)
+
+
 def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
-    """h - m (n, K), angles by the shorter way; in a group from its first posture. 0 where nothing was read."""
+    """Subtract readings: h - m (n, K), angles by the shorter way; in a group from its first configuration. 0 where nothing
+    was read."""
     gap = np.where(readings.taken, h - readings.targets, 0.0)
     if readings.groups:
         reference = h[readings.first[readings.group[readings.inside]]]
         for column in readings.columns:
             gap[readings.inside, column] -= reference[:, column]
-    wrapped = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
-    return np.where(readings.turning & (np.abs(gap) > np.pi), wrapped, gap)
+    return np.where(readings.turning & (np.abs(gap) > np.pi), wrapped(gap), gap)
 
 
 def group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
-    """Sums over the postures of each group: (n, ...) to (groups, ...)."""
+    """Sum over the configurations of each group: (n, ...) to (groups, ...)."""
     return np.asarray(np.add.reduceat(values[readings.order], readings.begins, axis=0))
 
 
@@ -214,14 +218,14 @@ def _means(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
 
 
 def neighbours(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (earlier, later) of neighbours in each group."""
+    """Return the pairs (earlier, later) of neighbours in each group."""
     order = [np.flatnonzero(readings.group == k) for k in range(readings.groups)]
     pairs = [(a, b) for members in order for a, b in pairwise(members)]
     return np.array([a for a, _ in pairs], dtype=int), np.array([b for _, b in pairs], dtype=int)
 
 
 def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
-    """Each posture but the first of its group holds its difference from the one before it."""
+    """Each configuration but the first of its group holds its difference from the one before it."""
     residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
     before, after = neighbours(readings)
     for column in np.flatnonzero(readings.grouped):
@@ -233,7 +237,7 @@ def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linear
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
-    """L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero."""
+    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero."""
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
     spread = np.where(taken, readings.sigma, 1.0) ** 2
@@ -242,7 +246,7 @@ def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
 
 
 def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray) -> Linearised:
-    """W (h - m - G g) with g that minimises its square in each group."""
+    """Form W (h - m - G g) with g that minimises its square in each group."""
     residuals = (whiten @ gap[:, :, None])[:, :, 0]
     jacobian = whiten @ h_p
     if not readings.groups:
@@ -257,7 +261,7 @@ def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np
 
 
 def group_basis(readings: Readings, whiten: np.ndarray) -> np.ndarray:
-    """W G (n, K, 2): how the two unknown inclinations of its group enter a posture's residuals."""
+    """Return W G (n, K, 2): how the two unknown inclinations of its group enter a configuration's residuals."""
     basis = whiten[:, :, np.flatnonzero(readings.grouped)].copy()
     basis[readings.group < 0] = 0.0
     return basis

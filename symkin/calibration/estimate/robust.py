@@ -33,21 +33,21 @@ _SIGMA_OVER_MEDIAN = 1.4826
 
 @dataclass(frozen=True, eq=False)
 class RobustEstimate:
-    """A robust estimate, and what one standard deviation of its good readings is of the stated one."""
+    """A robust estimate, and the ratio of the standard deviation of its good readings to the stated one."""
 
     result: Estimate
     scale: float
 
 
 def loss_weights(loss: str, t: np.ndarray) -> np.ndarray:
-    """Weights (n, K) of readings whose residuals are t of their scale."""
+    """Return the weights (n, K) of readings whose residuals are t of their scale."""
     if loss == "huber":
         return np.asarray(np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300)))
     return np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
 
 
 def loss_note(loss: str) -> str:
-    """What a robust loss does to the statistics."""
+    """Say what a robust loss does to the statistics."""
     return (
         f"loss {loss}: readings count less from {_TUNING[loss]:g} standard deviations on; chi-square and its probability are those of all "
         "readings kept, each with its full weight, so that bad ones that are kept raise it; standard deviations of parameters and poses "
@@ -56,7 +56,7 @@ def loss_note(loss: str) -> str:
 
 
 def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str) -> RobustEstimate:
-    """The estimate with a robust loss from p and postures z."""
+    """Estimate with a robust loss from p and configurations z."""
     known, state = problem.readings.known, evaluate(problem, p, z, "means")
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
@@ -76,16 +76,16 @@ def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, l
 
 
 def with_weights(problem: CalibrationProblem, weight: np.ndarray) -> CalibrationProblem:
-    """The problem with readings that count as much as their weights say."""
+    """Let readings count as much as their weights say."""
     readings = problem.readings
     return replace(problem, readings=replace(readings, sigma=readings.sigma / np.sqrt(np.maximum(weight, 1e-12))))
 
 
 def normalised_residuals(problem: CalibrationProblem, here: CalibrationProblem, state: State) -> np.ndarray:
-    """Residuals (n, K) over the standard deviations of a problem, joint noise included; groups' means are those of the weights that
-    another problem, `here`, gives."""
+    """Return residuals (n, K) over the standard deviations of a problem, joint noise included; groups' means are those of the
+    weights that another problem, `here`, gives."""
     taken = problem.readings.taken
-    raw = evaluate(here, state.p, state.z, "means").fit.residuals * np.where(taken, here.readings.sigma, 0.0)
+    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(taken, here.readings.sigma, 0.0)
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))
     return np.asarray(np.where(taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0))
 

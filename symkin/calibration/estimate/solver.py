@@ -34,7 +34,7 @@ from symkin.numeric.rank import RANK_TOLERANCE
 _TAIL_STEP = 1e-8
 """Steps below this (of the size) are Gauss-Newton steps near the minimum, where the cost is flat to rounding."""
 _CONVERGED_STEP = 1e-13
-"""The iteration ends when steps are below this, or below _TAIL and no longer shrinking."""
+"""The iteration ends when steps (of the size) are below this, or below `_TAIL_STEP` and no longer shrinking."""
 _MAX_RISING_STEPS = 4
 """Undamped steps in a row that may raise the cost before the best state so far is taken up again with damping: curved
 valleys are crossed faster so than along their floor."""
@@ -61,7 +61,7 @@ _COST_ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Where an estimation ended: `state` with closed postures; status "ok", "max_iterations" or "stalled"."""
+    """Where an estimation ended: `state` with closed configurations; status "ok", "max_iterations" or "stalled"."""
 
     state: State
     status: str
@@ -72,8 +72,8 @@ class Estimate:
 def estimate(
     problem: CalibrationProblem, z: np.ndarray, *, method: str = "nested", max_iterations: int = 60, p: np.ndarray | None = None
 ) -> Estimate:
-    """Least squares from p (default: nominal) and postures z; maximum likelihood begins with the means and then takes
-    the covariance of joint noise at the estimate, twice."""
+    """Minimise the squared residuals from p (default: nominal) and configurations z; maximum likelihood begins with the means
+    and then takes the covariance of joint noise at the estimate, twice."""
     begin = problem.model.nominal if p is None else p
     with np.errstate(all="ignore"):
         if problem.form != "maximum likelihood":
@@ -98,7 +98,9 @@ def _minimise(
     null_space = null_directions(error_free_design(problem, state))
     if is_rounding(problem, state):
         return Estimate(closed_state(problem, p, z, form, covariance), "ok", 0, null_space)
-    search = _Search(problem, form, covariance, method, null_space, state, state)
+    search = _Search(
+        problem=problem, form=form, covariance=covariance, method=method, null_space=null_space, state=state, best=state
+    )
     status, iterations = search.run(limit)
     best = closed_state(problem, search.best.p, search.best.z, form, covariance)
     result = Estimate(best, status, iterations, null_space)
@@ -109,16 +111,16 @@ def _minimise(
 def finish_by_descent(
     problem: CalibrationProblem, result: Estimate, form: Form, covariance: np.ndarray | None = None
 ) -> Estimate:
-    """On from where an iteration ended to a minimum over all that is told there (see `descent`)."""
-    descent = Descent(problem, form, covariance, result.state)
+    """Go on from where an iteration ended to a minimum over all that is determined there (see `descent`)."""
+    descent = Descent(problem=problem, form=form, covariance=covariance, state=result.state)
     status, steps = descent.run(_MAX_DESCENT_STEPS)
     state = closed_state(problem, descent.state.p, descent.state.z, form, covariance) if steps else result.state
     return Estimate(state, status, result.iterations + steps, descent.null_space)
 
 
 def descend_from(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, result: Estimate) -> Estimate | None:
-    """The minimum that the descent alone reaches from p and postures z; None where nothing was released on the way to a `result`,
-    which is when the first iteration, with what is held there, may have led it into another valley."""
+    """Find the minimum that the descent alone reaches from p and configurations z; None where nothing was released on the way
+    to a `result`. Where something was, the first iteration may have led into another valley."""
     if problem.form == "maximum likelihood":
         return None
     with np.errstate(all="ignore"):
@@ -150,7 +152,7 @@ class _Search:
     refused: int | None = None
 
     def run(self, limit: int) -> tuple[str, int]:
-        """Status and number of iterations."""
+        """Iterate; return status and number of iterations."""
         for iteration in range(1, limit + 1):
             status = self._advance(iteration)
             if status is not None:
@@ -158,7 +160,7 @@ class _Search:
         return "max_iterations", limit
 
     def _advance(self, iteration: int) -> str | None:
-        """One step taken or refused; the status where it is the last one."""
+        """Take or refuse one step; return the status where it is the last one."""
         step, length = self._step()
         if not np.isfinite(length):
             return "stalled"
@@ -179,22 +181,22 @@ class _Search:
         return None
 
     def _step(self) -> tuple[np.ndarray, float]:
-        """The next step and its length, of the size, before damped ones are bent."""
+        """Return the next step and its length, of the size, before its acceleration."""
         step = damped_step(self.state, self.null_space, self.damping)
         length = float(np.max(np.abs(step), initial=0.0)) / self.problem.model.closure.size
         return (self._bent(step) if self.damping > 0.0 and length < _MAX_PARAMETER_STEP else step), length
 
     def _bent(self, step: np.ndarray) -> np.ndarray:
-        """A damped step with half of its geodesic acceleration (Transtrum and Sethna 2012), which follows a curved valley: the second
-        derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that is no small
-        correction, and where residuals are condensed."""
-        fit = self.state.fit
+        """Add half of its geodesic acceleration to a damped step (Transtrum and Sethna 2012), which follows a curved valley:
+        the second derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that
+        is no small correction, and where residuals are condensed."""
+        fit = self.state.linearised
         if isinstance(fit, Condensed):
             return step
         probe = self._stepped(self.state, _PROBE_SHARE * step)
         if probe is None:
             return step
-        curved = 2.0 * ((probe.fit.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE
+        curved = 2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE
         if not np.all(np.isfinite(curved)):
             return step
         half = 0.5 * damped_step(self.state, self.null_space, self.damping, curved)
@@ -202,8 +204,8 @@ class _Search:
         return step + half if np.linalg.norm(lengths * half) < _MAX_ACCELERATION * np.linalg.norm(lengths * step) else step
 
     def _tried(self, step: np.ndarray, length: float) -> State | None:
-        """The state after a step, postures moved along and rows left over met again; None where the step is too long, or a direct
-        problem has no solution."""
+        """Evaluate the state after a step, configurations moved along and rows left over met again; None where the step is
+        too long, or a direct problem has no solution."""
         if self.method == "nested" and length > _MAX_PARAMETER_STEP:
             return None
         return restored_after(lambda state, more: self._stepped(state, more), self.state, step, self.null_space)
@@ -232,8 +234,8 @@ class _Search:
 
 
 def _damping_after(damping: float, ratio: float, since_refused: int | None) -> float:
-    """The damping after a step that lowered the cost by `ratio` times what the linear model said: not less where less was refused
-    just before, and less by a smaller factor where it was refused at all; 0 when it is next to nothing."""
+    """Choose the damping after a step that lowered the cost by `ratio` times what the linear model said: not less where less
+    was refused just before, and less by a smaller factor where it was refused at all; 0 when it is next to nothing."""
     if ratio < 0.25:
         factor = 2.0
     elif since_refused is None:
@@ -244,14 +246,14 @@ def _damping_after(damping: float, ratio: float, since_refused: int | None) -> f
 
 
 def _predicted_decrease(state: State, step: np.ndarray) -> float:
-    """By how much the linear model lowers the cost in a step."""
-    after = state.fit.vector + state.fit.matrix @ step
+    """Return by how much the linear model lowers the cost in a step."""
+    after = state.linearised.vector + state.linearised.matrix @ step
     return max(state.cost - float(after @ after), 1e-300)
 
 
 def move_by_least_change(problem: CalibrationProblem, result: Estimate, method: str) -> Estimate:
-    """The same fit with parameters nearest to nominal: moved along the unobservable directions N until N^T (p - nominal)
-    vanishes (scaled parameters), and refitted; as far as the cost stays. Rigid frames are then a best fit of the joints to nominal
+    """Move the parameters of a fit nearest to nominal along the unobservable directions N, until N^T (p - nominal) vanishes
+    (scaled parameters), and refit, as far as the cost stays. Rigid frames are then a best fit of the joints to nominal
     (Procrustes); measuring frames, which have no nominal place, take all of it."""
     result, moved = _move_towards_nominal(
         problem, result, method, lambda state: null_directions(error_free_design(problem, state))
@@ -266,9 +268,9 @@ def move_by_least_change(problem: CalibrationProblem, result: Estimate, method: 
 def _move_towards_nominal(
     problem: CalibrationProblem, result: Estimate, method: str, free: Callable[[State], np.ndarray]
 ) -> tuple[Estimate, bool]:
-    """The fit moved along the directions that are `free` of it until it is nearest to nominal, and whether it got there."""
+    """Move a fit along the directions that are `free` of it until it is nearest to nominal; and tell whether it got there."""
     model, size = problem.model, problem.model.closure.size
-    slack = MINIMUM_TOLERANCE if problem.readings.known else 1e-12 * result.state.fit.vector.size
+    slack = MINIMUM_TOLERANCE if problem.readings.known else 1e-12 * result.state.linearised.vector.size
     for _ in range(_MAX_FRAME_CORRECTIONS):
         directions = free(result.state)
         change = _removable_change(directions, (result.state.p - model.nominal) / model.scales, model.names)
@@ -284,8 +286,8 @@ def _move_towards_nominal(
 
 
 def _removable_change(directions: np.ndarray, change: np.ndarray, names: Sequence[str]) -> np.ndarray:
-    """How much of each direction (P, k) a change of the parameters (P,) holds: what is taken away so that the mechanism's own
-    parameters change least, and then, with the freedom that is left, the measuring frames."""
+    """Return how much of each direction (P, k) a change of the parameters (P,) holds: what is taken away so that the
+    mechanism's own parameters change least, and then, with the freedom that is left, the measuring frames."""
     measuring = np.array([name in MEASURING_FRAMES for name in names])
     if not np.any(measuring):
         return np.asarray(directions.T @ change)

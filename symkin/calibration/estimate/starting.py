@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.assembly.modes import modes_at_need
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.configurations import (
     ROUGH_CLOSURE_TOLERANCE,
@@ -25,39 +25,39 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.model import ConfigurationModel
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR, linearise
+from symkin.calibration.estimate.residuals import linearise, wrapped
 from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 
 _MAX_READING_GAP = 0.05
-"""A posture whose readings are off by more than this share of the size (angles times the size) at the geometry that it starts from may
-stand in another mode."""
+"""A configuration whose readings are off by more than this share of the size (angles times the size) at the geometry that it
+starts from may stand in another mode."""
 _DOUBTFUL_RATIO, _MIN_DOUBTFUL_GAP = 8.0, 1e-4
-"""So may one that is off by so many times the median of the file and by more than this share of the size."""
+"""So may one that is off by so many times the median of the file, and by more than this share of the size."""
 _MODE_IMPROVEMENT = 0.5
 """Another mode is taken where the readings are off by less than this share of what they are off in the present one."""
 _MAX_LISTED, _FOLLOWED_NEIGHBOURS = 12, 3
-"""Postures whose modes are listed at most in one round, spread over the file, and neighbours that are followed to a posture."""
+"""Configurations whose modes are listed at most in one round, spread over the file, and neighbours that are followed to a configuration."""
 _MAX_COMPARED_ROWS, _BLOCK_ROWS = 1000, 5000
 """Most rows among which neighbours are sought, and rows whose readings are evaluated at once."""
 _RANDOM_STARTS = 200
-"""Random starts where the modes of a posture cannot be listed by continuation."""
+"""Random starts where the modes of a configuration cannot be listed by continuation."""
 _MAX_ROUNDS = 3
-"""Rounds of neighbours and lists: a posture found in one serves its neighbours in the next."""
+"""Rounds of neighbours and lists: a configuration found in one serves its neighbours in the next."""
 _INDISTINCT_RATIO = 1.5
-"""Modes through whose postures the groups disagree by less than this times the least disagreement are not told apart by groups."""
+"""Modes through whose configurations the groups disagree by less than this times the least disagreement are not told apart by groups."""
 
 
 # --- where a direct problem begins -----------------------------------------------------------------------------------
 
 
 def with_starts(mechanism: Mechanism, measurements: Measurements, *, posed: bool = True, completed: bool = True) -> Measurements:
-    """The measurements with a start for each posture that has none and whose pose was not measured as a whole: what was read of the
-    pose, the rest from the nearest posture (in the joints) whose pose is whole, else from home. Readings are no starts where they are
-    seen through unknown frames (not `posed`), nor parts of a pose where readings are judged (not `completed`): begun at a wrong one, a
-    posture would end in the mode that fits it best."""
+    """Give a start to each configuration that has none and whose pose was not measured as a whole: what was read of the pose,
+    the rest from the nearest configuration (in the joints) whose pose is whole, else from home. Readings are no starts where
+    they are seen through unknown frames (not `posed`), nor parts of a pose where readings are judged (not `completed`): begun
+    at a wrong one, a configuration would end in the mode that fits it best."""
     home = home_pose(mechanism)
     bare = np.array([pose is None or not posed for pose in known_poses(measurements)])
     if measurements.starts is not None:
@@ -72,7 +72,7 @@ def with_starts(mechanism: Mechanism, measurements: Measurements, *, posed: bool
 
 
 def _complete_poses(m: Measurements, starts: np.ndarray, bare: np.ndarray) -> np.ndarray:
-    """The starts (k, 7) of bare postures with what was read of them put in."""
+    """Return starts (k, 7) for the configurations without one, with what was read of them put in."""
     rows = np.flatnonzero(bare)
     found = starts[rows].copy()
     whole = np.flatnonzero([pose is not None for pose in known_poses(m, measured=True)])
@@ -99,9 +99,9 @@ def _incline(poses: np.ndarray, inclination: np.ndarray) -> None:
 
 
 def _nearest(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
-    """Numbers (k, count) of the rows of `joints` that are nearest to each row of `wanted`, columns counting by their spread; of many
-    rows every so many-th is looked at."""
-    chosen = np.unique(np.linspace(0, len(joints) - 1, _MAX_COMPARED_ROWS).astype(int))
+    """Find the rows of `joints` that are nearest to each row of `wanted`, by number (k, count); columns count by their
+    spread, and of many rows only some are looked at."""
+    chosen = spread_rows(len(joints), _MAX_COMPARED_ROWS)
     spread = np.std(np.vstack([joints, wanted]), axis=0)
     weight = 1.0 / np.where(spread > 0.0, spread, 1.0)
     scaled = joints[chosen] * weight
@@ -113,53 +113,53 @@ def _nearest(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
 
 
 def start_configurations(problem: CalibrationProblem, p: np.ndarray, *, seed: int = 0) -> SolvedConfigurations:
-    """The direct problem of every posture at the parameters p, each in the mode that fits what was read of it."""
+    """Solve the direct problem of every configuration at the parameters p, each in the mode that fits what was read of it."""
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        postures = solve_configurations(model, m, p, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        configurations = solve_configurations(model, m, p, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
         if problem.mechanism.serial or model.observes_through_frames:
-            return postures
+            return configurations
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
             whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
-            return _choose_modes(problem, p, postures, judged & ~(whole & postures.solved))
-        if problem.readings.groups and (not has_home(problem.mechanism) or not postures.solved.all()):
-            return _choose_branch(problem, p, postures)
-    return postures
+            return _choose_modes(problem, p, configurations, judged & ~(whole & configurations.solved))
+        if problem.readings.groups and (not has_home(problem.mechanism) or not configurations.solved.all()):
+            return _choose_branch(problem, p, configurations)
+    return configurations
 
 
 def has_home(mechanism: Mechanism) -> bool:
-    """Whether the file says where the platform stands: rod limbs leave it open."""
+    """Tell whether the file says where the platform stands: rod limbs leave it open."""
     given = mechanism.example is not None and (mechanism.example.pose is not None or mechanism.example.start is not None)
     return given or states_reference(mechanism)
 
 
 def _choose_modes(
-    problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations, judged: np.ndarray
+    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations, judged: np.ndarray
 ) -> SolvedConfigurations:
-    """Postures, those that do not fit their own readings in a mode that fits them better where there is one."""
-    gaps = reading_gaps(problem, p, postures)
+    """Move configurations that do not fit their own readings to a mode that fits them better, where there is one."""
+    gaps = reading_gaps(problem, p, configurations)
     listed = np.zeros(len(gaps), dtype=bool)
     for _ in range(_MAX_ROUNDS):
         bad = _doubtful(problem, gaps, judged)
         if not bad.any():
             break
-        postures, gaps = _follow_neighbours(problem, p, postures, gaps, bad)
+        configurations, gaps = _follow_neighbours(problem, p, configurations, gaps, bad)
         bad = np.flatnonzero(_doubtful(problem, gaps, judged) & ~listed)
-        chosen = bad[np.unique(np.linspace(0, len(bad) - 1, _MAX_LISTED).astype(int))] if len(bad) else bad
+        chosen = bad[spread_rows(len(bad), _MAX_LISTED)] if len(bad) else bad
         if not len(chosen):
             break
         listed[chosen] = True
         points, owner = _all_modes(problem, p, chosen)
         before = gaps
-        postures, gaps = _take_better_points(problem, p, postures, gaps, points, owner)
+        configurations, gaps = _take_better_points(problem, p, configurations, gaps, points, owner)
         if np.array_equal(before, gaps):
             break
-    return postures
+    return configurations
 
 
 def _doubtful(problem: CalibrationProblem, gaps: np.ndarray, judged: np.ndarray) -> np.ndarray:
-    """Which postures (n,) may stand in another mode."""
+    """Tell which configurations (n,) may stand in another mode."""
     read = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
     size, known = problem.model.closure.size, gaps[read & np.isfinite(gaps)]
     usual = float(np.median(known)) if len(known) else np.inf
@@ -167,56 +167,54 @@ def _doubtful(problem: CalibrationProblem, gaps: np.ndarray, judged: np.ndarray)
 
 
 def reading_gaps(
-    problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations, rows: np.ndarray | None = None
+    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations, rows: np.ndarray | None = None
 ) -> np.ndarray:
-    """How far the readings of each posture (of `rows`, default: all) are off, root mean square, angles times the size; infinite where
-    it is not solved, 0 where nothing but its group was read."""
+    """Compute how far the readings of each configuration (of `rows`, default: all) are off, root mean square, angles times
+    the size; infinite where it is not solved, 0 where nothing but its group was read."""
     rows = np.arange(len(problem.measurements)) if rows is None else rows
     blocks = [slice(k, k + _BLOCK_ROWS) for k in range(0, len(rows), _BLOCK_ROWS)]
-    found = [_gaps_of(problem, p, SolvedConfigurations(postures.z[b], postures.solved[b]), rows[b]) for b in blocks]
+    found = [_gaps_of(problem, p, SolvedConfigurations(configurations.z[b], configurations.solved[b]), rows[b]) for b in blocks]
     return np.concatenate(found) if found else np.zeros(0)
 
 
-def _gaps_of(problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations, rows: np.ndarray) -> np.ndarray:
+def _gaps_of(problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations, rows: np.ndarray) -> np.ndarray:
     model, readings = problem.model, problem.readings
-    h = model.evaluate(np.nan_to_num(postures.z), problem.measurements.joints[rows], p, problem.quaternions[rows]).readings
+    h = model.evaluate(np.nan_to_num(configurations.z), problem.measurements.joints[rows], p, problem.quaternions[rows]).readings
     gap = h - readings.targets[rows]
-    turned = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
-    units = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
     used = readings.taken[rows] & ~readings.grouped
-    squares = np.where(used, (units * np.where(readings.turning, turned, gap)) ** 2, 0.0)
+    squares = np.where(used, (model.lengths * np.where(readings.turning, wrapped(gap), gap)) ** 2, 0.0)
     mean = np.sum(squares, axis=1) / np.maximum(np.sum(used, axis=1), 1)
-    return np.where(postures.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
+    return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 
 
 def _follow_neighbours(
-    problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations, gaps: np.ndarray, bad: np.ndarray
+    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations, gaps: np.ndarray, bad: np.ndarray
 ) -> tuple[SolvedConfigurations, np.ndarray]:
-    """Bad postures begun again from the nearest good ones."""
-    good, wanted = np.flatnonzero(~bad & postures.solved), np.flatnonzero(bad)
+    """Begin bad configurations again from the nearest good ones."""
+    good, wanted = np.flatnonzero(~bad & configurations.solved), np.flatnonzero(bad)
     if not len(good):
-        return postures, gaps
+        return configurations, gaps
     joints = problem.measurements.joints
     near = good[_nearest(joints[good], joints[wanted], _FOLLOWED_NEIGHBOURS)]
-    return _take_better_points(problem, p, postures, gaps, postures.z[near.ravel()], np.repeat(wanted, near.shape[1]))
+    return _take_better_points(problem, p, configurations, gaps, configurations.z[near.ravel()], np.repeat(wanted, near.shape[1]))
 
 
 def _take_better_points(
     problem: CalibrationProblem,
     p: np.ndarray,
-    postures: SolvedConfigurations,
+    configurations: SolvedConfigurations,
     gaps: np.ndarray,
     points: np.ndarray,
     owner: np.ndarray,
 ) -> tuple[SolvedConfigurations, np.ndarray]:
-    """Postures moved to the best of the points (k, width) tried for them (`owner` (k,)), where that is better by far."""
+    """Move configurations to the best of the points (k, width) tried for them (`owner` (k,)), where that is better by far."""
     if not len(owner):
-        return postures, gaps
+        return configurations, gaps
     found = SolvedConfigurations(
         *newton_configurations(problem.model, points, problem.measurements.joints[owner], p, tolerance=ROUGH_CLOSURE_TOLERANCE)
     )
     trial = reading_gaps(problem, p, found, owner)
-    z, solved, before, gaps = postures.z.copy(), postures.solved.copy(), gaps, gaps.copy()
+    z, solved, before, gaps = configurations.z.copy(), configurations.solved.copy(), gaps, gaps.copy()
     for k in np.argsort(-trial, kind="stable"):  # the best one last
         if trial[k] < _MODE_IMPROVEMENT * before[owner[k]]:
             z[owner[k]], solved[owner[k]], gaps[owner[k]] = found.z[k], True, trial[k]
@@ -224,7 +222,8 @@ def _take_better_points(
 
 
 def _all_modes(problem: CalibrationProblem, p: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns (k, width) of all real modes of the geometry p at the joint readings of some postures, and their postures (k,)."""
+    """List the unknowns (k, width) of all real modes of the geometry p at the joint readings of some configurations, and the
+    numbers of these (k,)."""
     model = problem.model
     values = dict(zip(model.names, p, strict=True))
     mechanism = with_parameters(replace(problem.mechanism, example=None), values)
@@ -237,7 +236,7 @@ def _all_modes(problem: CalibrationProblem, p: np.ndarray, rows: np.ndarray) -> 
 
 
 def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarray) -> np.ndarray:
-    """Unknowns (k, width) of the modes at joint readings; none where they cannot be listed."""
+    """List the unknowns (k, width) of the modes at joint readings; none where they cannot be listed."""
     given = [mechanism.angle_out(float(v)) if c.is_angular else float(v) for v, c in zip(joints, mechanism.actuated, strict=True)]
     try:
         found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS)
@@ -251,29 +250,29 @@ def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarra
 # --- groups ----------------------------------------------------------------------------------------------------------
 
 
-def _choose_branch(problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations) -> SolvedConfigurations:
-    """The branch through all postures in which the groups agree best: each mode of one posture, followed to its neighbours, theirs,
-    and so on. Of branches that agree equally (mirror images) the one whose platform is highest."""
+def _choose_branch(problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations) -> SolvedConfigurations:
+    """Choose the branch through all configurations in which the groups agree best: each mode of one configuration, followed
+    to its neighbours, theirs, and so on. Of branches that agree equally (mirror images) the one whose platform is highest."""
     m = problem.measurements
     middle = int(_nearest(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
     points, _ = _all_modes(problem, p, np.array([middle]))
     branches = [_branch(problem, p, middle, z) for z in points]
     whole = [b for b in branches if b.solved.sum() >= max((c.solved.sum() for c in branches), default=0) * 0.9]
     if not whole:
-        return postures
-    if postures.solved.all():
-        whole.append(postures)
+        return configurations
+    if configurations.solved.all():
+        whole.append(configurations)
     worth = [_disagreement(problem, p, b) for b in whole]
     equal = [b for b, w in zip(whole, worth, strict=True) if w <= _INDISTINCT_RATIO * min(worth)]
     return max(equal, key=lambda b: _height(problem, p, b))
 
 
-def _height(problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations) -> float:
-    return float(np.mean(problem.model.poses(postures.z[postures.solved], p)[:, 2]))
+def _height(problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations) -> float:
+    return float(np.mean(problem.model.poses(configurations.z[configurations.solved], p)[:, 2]))
 
 
 def _branch(problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray) -> SolvedConfigurations:
-    """All postures solved from the mode z of one of them, each from its nearest solved neighbour."""
+    """Solve all configurations from the mode z of one of them, each from its nearest solved neighbour."""
     model, joints = problem.model, problem.measurements.joints
     points, solved = np.tile(z, (len(joints), 1)), np.zeros(len(joints), dtype=bool)
     points[first], solved[first] = z, True
@@ -294,10 +293,11 @@ def _branch(problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarra
     return SolvedConfigurations(points, solved)
 
 
-def _disagreement(problem: CalibrationProblem, p: np.ndarray, postures: SolvedConfigurations) -> float:
-    """Root mean square by which the inclinations of groups differ from their means, over their standard deviations."""
+def _disagreement(problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations) -> float:
+    """Compute the root mean square by which the inclinations of groups differ from their means, over their standard
+    deviations."""
     model = problem.model
-    h = model.evaluate(np.nan_to_num(postures.z), problem.measurements.joints, p, problem.quaternions).readings
+    h = model.evaluate(np.nan_to_num(configurations.z), problem.measurements.joints, p, problem.quaternions).readings
     fit = linearise("means", problem.readings, np.nan_to_num(h), np.zeros((*h.shape, 1)))
-    squares = np.sum(fit.residuals**2, axis=1)[postures.solved]
+    squares = np.sum(fit.residuals**2, axis=1)[configurations.solved]
     return float(np.sqrt(np.mean(squares))) if len(squares) else np.inf

@@ -16,14 +16,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determinant_signs, newton_configurations, solve_systems
-from symkin.calibration.estimate.model import Evaluation
+from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determinant_signs, newton_configurations
+from symkin.calibration.estimate.model import Evaluation, solve_systems
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise, wrapped
 from symkin.numeric.rank import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
-"""A predicted posture off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+"""A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
 CONSTRAINT_WEIGHT = 1e6
 """Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
 _RESTORATION_STEPS = 2
@@ -33,7 +33,8 @@ _MAX_CONSISTENCY_STEPS = 6
 """Gauss-Newton steps; deviations are small, so that three or four meet the tolerance."""
 
 _LONG_COLUMN_RATIO = 30.0
-"""Columns up to so many times as long as the median one are as they are where rank is judged; longer ones are made so long."""
+"""Columns up to so many times as long as the median one stay as they are where rank is judged; longer ones are scaled to that
+length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,71 +44,58 @@ class State:
 
     p: np.ndarray
     z: np.ndarray
-    fit: Linearised
+    linearised: Linearised
     values: Evaluation
     pending: np.ndarray
     leftover: tuple[np.ndarray, np.ndarray] | None
     determinant_signs: np.ndarray
 
     def follow(self, step: np.ndarray) -> np.ndarray:
-        """Tangent steps (n, f) that keep the postures closed while the scaled parameters take a step."""
+        """Tangent steps (n, f) that keep the configurations closed while the scaled parameters take a step."""
         return np.asarray(-self.pending - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0])
 
     @property
     def cost(self) -> float:
-        return float(np.dot(self.fit.vector, self.fit.vector))
+        return float(np.dot(self.linearised.vector, self.linearised.vector))
 
 
 def evaluate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None = None
 ) -> State:
-    """Closure and readings at (p, z), condensed to p."""
+    """Evaluate closure and readings at (p, z), condensed to p."""
     if problem.is_large:
         return _evaluate_parts(problem, p, z, form, covariance)
     e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
     pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
-    readings, reading_slopes_at, leftover = _condensed(e, pending)
-    fit = linearise(form, problem.readings, readings, reading_slopes_at, covariance)
+    readings, slopes, leftover = e.condensed(pending)
+    fit = linearise(form, problem.readings, readings, slopes, covariance)
     if problem.prior is not None:
         fit = replace(fit, prior=problem.prior_rows(p))
-    return State(p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
-
-
-def _condensed(e: Evaluation, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
-    """Readings corrected for the closure (n, K), their derivative (n, K, P), and what an overconstrained closure leaves."""
-    if e.rows_z.shape[1] == e.rows_z.shape[2]:
-        weights = solve_systems(e.rows_z.transpose(0, 2, 1), e.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
-        return e.readings - (weights @ e.rows[:, :, None])[:, :, 0], e.readings_p - weights @ e.rows_p, None
-    follow = solve_systems(e.rows_z, e.rows_p)
-    left = e.rows - (e.rows_z @ pending[:, :, None])[:, :, 0], e.rows_p - e.rows_z @ follow
-    return e.readings - (e.readings_z @ pending[:, :, None])[:, :, 0], e.readings_p - e.readings_z @ follow, left
+    return State(
+        p=p, z=z, linearised=fit, values=e, pending=pending, leftover=leftover, determinant_signs=determinant_signs(e.rows_z)
+    )
 
 
 def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
-    """Closure and readings of a state, without the condensation."""
+    """Evaluate closure and readings of a state, without the condensation."""
     return evaluate_at(problem, state.p, state.z)
 
 
 def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
-    """Closure and readings at (p, z), without the condensation; of a large problem only part by part."""
+    """Evaluate closure and readings at (p, z), without the condensation; of a large problem only part by part."""
     return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
 
 
 def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readings (n, K) at (p, z), part by part."""
+    """Evaluate the readings (n, K) at (p, z), part by part."""
     made = np.zeros(problem.readings.values.shape)
     for rows, part in problem.parts:
         made[rows] = evaluate_at(part, p, z[rows]).readings
     return made
 
 
-def reading_slopes_at(e: Evaluation) -> np.ndarray:
-    """dh/dp (n, K, P) with the postures following."""
-    return _condensed(e, np.zeros((len(e.rows), e.rows_z.shape[2])))[1]
-
-
 def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
+    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
     width = len(problem.model.columns)
     made = np.zeros((len(state.z), width, width))
     for rows, part in problem.parts:
@@ -116,17 +104,17 @@ def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
 
 
 def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The same at (p, z); of a large problem only part by part."""
+    """Return the same at (p, z); of a large problem only part by part."""
     sigma, model, joints = problem.measurements.sigma("joint"), problem.model, problem.measurements.joints
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
     e = evaluate_at(problem, p, z)
-    by_joint = e.readings_z @ solve_systems(e.rows_z, model.rows_by_joint(z, joints, p)) * sigma[:, None, :]
+    by_joint = model.joint_slopes(e, z, joints, p) * sigma[:, None, :]
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
 def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None) -> State:
-    """The state with the closure met to rounding."""
+    """Evaluate the state with the closure met to rounding."""
     state = evaluate(problem, p, z, form, covariance)
     for _ in range(2):
         largest = np.max(np.abs(state.pending), initial=0.0)
@@ -142,7 +130,7 @@ def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form
 def state_after(
     problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
 ) -> State | None:
-    """The state after a step in p, postures moved along; None where a direct problem has no solution there."""
+    """Take a step in p, configurations moved along; None where a direct problem has no solution there."""
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
@@ -160,7 +148,7 @@ def state_after(
 def restored_after(
     move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray, null_space: np.ndarray
 ) -> State | None:
-    """The state after a step that `move` makes, with the rows left over met again; None where a posture has no solution."""
+    """Take a step by `move`, and meet the rows left over again; None where a configuration has no solution."""
     trial = move(state, step)
     for _ in range(_RESTORATION_STEPS):
         if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
@@ -170,29 +158,31 @@ def restored_after(
 
 
 def merit(state: State) -> float:
-    """The cost, with an exact penalty for rows left over."""
+    """Return the cost, with an exact penalty for rows left over."""
     if state.leftover is None:
         return state.cost
-    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.fit.jacobian), initial=1e-300))
+    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.linearised.jacobian), initial=1e-300))
     return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
 
 
 def error_free_design(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """The design where the readings of each group agree (see `without_errors`): its null space is what no reading tells."""
+    """Return the design matrix where the readings of each group agree (see `without_errors`): its null space is what no
+    reading determines."""
     return design(error_free_state(problem, state))
 
 
 def error_free_state(problem: CalibrationProblem, state: State) -> State:
+    """Evaluate the state where the readings of each group agree."""
     other, z = without_errors(problem, state.p, state.z)
     return evaluate(other, state.p, z, "means")
 
 
-# --- many postures -------------------------------------------------------------------------------------------------
+# --- many configurations -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class LargeState(State):
-    """A state of a large problem, without the derivatives of single postures: `values` is empty, and `fit` condensed."""
+    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `linearised` condensed."""
 
     problem: CalibrationProblem
 
@@ -214,18 +204,20 @@ def _evaluate_parts(
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
-        residuals[rows], pending[rows], side[rows] = state.fit.residuals, state.pending, state.determinant_signs
-        below = np.column_stack([state.fit.matrix, state.fit.vector])
+        residuals[rows], pending[rows], side[rows] = state.linearised.residuals, state.pending, state.determinant_signs
+        below = np.column_stack([state.linearised.matrix, state.linearised.vector])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
     fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
     nothing = np.zeros(0)
-    values = Evaluation(nothing, nothing, nothing, nothing, nothing, nothing)
-    return LargeState(p, z, fit, values, pending, None, side, problem)
+    values = Evaluation(rows=nothing, rows_z=nothing, rows_p=nothing, readings=nothing, readings_z=nothing, readings_p=nothing)
+    return LargeState(
+        p=p, z=z, linearised=fit, values=values, pending=pending, leftover=None, determinant_signs=side, problem=problem
+    )
 
 
 def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
-    """The problem with joint readings moved least (with the unknown coordinates, angles times the size) so that at p the
-    postures close and every group has one inclination; and the unknown coordinates there."""
+    """Move the joint readings least (with the unknown coordinates, angles times the size) so that at p the configurations
+    close and every group has one inclination; return the problem with these, and the unknown coordinates there."""
     readings, model = problem.readings, problem.model
     if not readings.groups:
         return problem, z
@@ -237,7 +229,7 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
         rows, rows_z, rows_q, h, h_z = model.tangent(z, joints, p)
         gap, grouped = np.zeros((len(z), 2)), size * h_z[:, columns]
         gap[inside] = h[inside][:, columns] - h[first][:, columns]
-        gap, grouped[apart] = size * (np.remainder(gap + np.pi, 2 * np.pi) - np.pi), 0.0
+        gap, grouped[apart] = size * wrapped(gap), 0.0
         if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < CLOSURE_TOLERANCE * size:
             break
         free = rows_z.shape[2]
@@ -249,7 +241,7 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
 
 
 def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Shortest solutions of n underdetermined systems: A^T (A A^T)^-1 b."""
+    """Return the shortest solutions of n underdetermined systems: A^T (A A^T)^-1 b."""
     transposed = matrix.transpose(0, 2, 1)
     try:
         return np.asarray(transposed @ np.linalg.solve(matrix @ transposed, right[:, :, None]))[:, :, 0]
@@ -260,7 +252,7 @@ def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:
     """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null space and the leftover
     rows met. With `curved`, second derivatives of the residuals along a step, its acceleration: |curved + J d|^2 instead."""
-    matrix, right = state.fit.matrix, -(state.fit.vector if curved is None else curved)
+    matrix, right = state.linearised.matrix, -(state.linearised.vector if curved is None else curved)
     basis, particular = admissible_steps(state, null_space)
     particular = particular if curved is None else np.zeros(matrix.shape[1])
     if basis is not None:
@@ -269,7 +261,7 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
     triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
     r, b = triangle[:width, :width], triangle[:width, width]
     if not np.all(np.isfinite(triangle)):
-        return np.full(state.fit.matrix.shape[1], np.inf)
+        return np.full(state.linearised.matrix.shape[1], np.inf)
     if damping > 0.0:
         norms = np.linalg.norm(r, axis=0)
         lengths = np.maximum(norms, 1e-6 * np.max(norms, initial=0.0))
@@ -283,8 +275,8 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
 
 
 def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Basis of the steps that are allowed and one step that meets the leftover rows: all steps where it is None."""
-    count = state.fit.matrix.shape[1]
+    """Return a basis of the steps that are allowed, None for all, and one step that meets the leftover rows."""
+    count = state.linearised.matrix.shape[1]
     zero = np.zeros(count)
     if state.leftover is None and null_space.shape[1] == 0:
         return None, zero
@@ -299,41 +291,41 @@ def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray |
 
 
 def design(state: State) -> np.ndarray:
-    """dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
+    """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
     if state.leftover is None:
-        return state.fit.matrix
-    rows = state.leftover[1].reshape(-1, state.fit.matrix.shape[1])
-    return np.vstack([constraint_rows(rows, state), state.fit.matrix])
+        return state.linearised.matrix
+    rows = state.leftover[1].reshape(-1, state.linearised.matrix.shape[1])
+    return np.vstack([constraint_rows(rows, state), state.linearised.matrix])
 
 
 def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
-    """Orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
+    """Return orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
     _, singular, right = np.linalg.svd(rows, full_matrices=False)
     kept = (
         right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)] if len(singular) and singular[0] > 1e-9 else right[:0]
     )
-    return np.asarray(np.max(np.linalg.norm(state.fit.matrix, axis=0), initial=0.0) * kept)
+    return np.asarray(np.max(np.linalg.norm(state.linearised.matrix, axis=0), initial=0.0) * kept)
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and told directions (P, P - k), judged with
-    very long columns made shorter: what is small beside an angle at a lever of kilometres is not rounding. `gap` is the
-    ratio of the singular values so judged on both sides of the rank, infinite where nothing is dropped."""
+    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and determined directions (P, P - k),
+    judged with very long columns made shorter: what is small beside an angle at a lever of kilometres is not rounding. `gap`
+    is the ratio of the singular values so judged on both sides of the rank, infinite where nothing is dropped."""
 
     values: np.ndarray
     null_space: np.ndarray
-    told: np.ndarray
+    determined: np.ndarray
     gap: float
 
     @property
     def rank(self) -> int:
-        return int(self.told.shape[1])
+        return int(self.determined.shape[1])
 
 
 def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
-    """Rank and null space of a matrix. The null space has orthonormal columns; those of `told` are orthogonal to it and map to
-    orthogonal ones."""
+    """Find rank and null space of a matrix. The null space has orthonormal columns; those of `determined` are orthogonal to
+    it and map to orthogonal ones."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     width = matrix.shape[1]
@@ -343,8 +335,8 @@ def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
     dropped = float(even[rank]) if rank < width else 0.0
     directions = across.T / lengths[:, None]
     null_space = right[rank:].T if _rank(values, tolerance) == rank else np.linalg.qr(directions[:, rank:])[0]
-    told = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
-    return Spectrum(values, null_space, told, float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"))
+    determined = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
+    return Spectrum(values, null_space, determined, float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"))
 
 
 def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -358,11 +350,11 @@ def _rank(values: np.ndarray, tolerance: float) -> int:
 
 
 def _usual_lengths(norms: np.ndarray) -> np.ndarray:
-    """Lengths of columns, those that are not much longer than the median as that; 1 where all are zero."""
+    """Return lengths of columns, those that are not much longer than the median as that; 1 where all are zero."""
     usual = _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
     return np.asarray(np.maximum(norms, usual))
 
 
 def null_directions(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """Orthonormal columns (P, k) along which no residual changes, to first order."""
+    """Return orthonormal columns (P, k) along which no residual changes, to first order."""
     return spectrum(matrix, tolerance).null_space

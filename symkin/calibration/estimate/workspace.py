@@ -23,10 +23,9 @@ from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     JointsOfPose,
     determinant_signs,
-    solve_systems,
     with_pose,
 )
-from symkin.calibration.estimate.model import ConfigurationModel, build_model
+from symkin.calibration.estimate.model import ConfigurationModel, build_model, solve_systems
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
@@ -37,18 +36,18 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
 
 DEFAULT_REACH = 0.15
-"""Half width of the default workspace, over the size."""
+"""Half width of the default workspace, of the size."""
 DEFAULT_TILT = math.radians(20)
-"""Default range of each inclination and of the turn about z."""
+"""Default range (radians) of each inclination and of the turn about z."""
 _ARM_SWING = math.radians(60)
-"""Half range of an arm's angle that has no limits."""
+"""Half range (radians) of an arm's angle that has no limits."""
 _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
-"""Least number of postures drawn at once, and the draws without a new posture after which no more are made."""
+"""Least number of configurations drawn at once, and draws without a new configuration after which the drawing is given up."""
 
 _POORER_CONDITION = 3.0
-"""The example is home where the reference is conditioned worse by this factor."""
+"""The example's pose is home where the reference's condition is worse by this factor."""
 _SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
-"""Condition of the direct problem above which home counts as singular, and how many times home's that of a posture may be."""
+"""Condition of the direct problem above which home counts as singular, and how many times home's that of a configuration may be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,16 +72,16 @@ class Workspace:
 
     @staticmethod
     def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
-        """The default workspace: 0.15 of the size and 20 deg about home."""
+        """Make the default workspace: 0.15 of the size and 20 deg about home."""
         return Workspace(mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.size] * 3), **options)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle the description alone: what closes postures holds functions, and is made again where it is needed."""
+        """Pickle the description alone: what closes configurations holds functions, and is made again where it is needed."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @cached_property
     def centre(self) -> np.ndarray:
-        """Middle of the platform's joint points, in the platform frame."""
+        """Middle (3,) of the platform's joint points, in the platform frame."""
         return np.asarray(np.mean(platform_points(self.mechanism), axis=0))
 
     @cached_property
@@ -90,27 +89,28 @@ class Workspace:
         return home_pose(self.mechanism) if self.start is None else self.start
 
     @cached_property
-    def closing(self) -> ClosureSolver:
+    def solver(self) -> ClosureSolver:
         return ClosureSolver(self.mechanism, self.home, self.margin)
 
     def inclinations(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Random (alpha, beta), (count, 2)."""
+        """Draw random (alpha, beta), (count, 2)."""
         return rng.uniform(-self.tilt, self.tilt, (count, 2))
 
     def draw(
         self, inclinations: np.ndarray, rng: np.random.Generator, *, held: bool = True, edge: float = 1.0
     ) -> ClosedConfigurations:
-        """One posture for each (alpha, beta); with `held` every posture has exactly its inclination. With `edge` above 1
-        positions and turns are drawn from so many times the workspace and brought back to its border.
+        """Draw one configuration for each (alpha, beta); with `held` every configuration has exactly its inclination. With `edge`
+        above 1 positions and turns are drawn from so many times the workspace and brought back to its border.
 
-        Raises InputError where too few draws close within the limits."""
+        Raises InputError where too few draws close within the limits.
+        """
         found: list[ClosedConfigurations | None] = [None] * len(inclinations)
         drawn, idle = 0, 0
         while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _MAX_IDLE_DRAWS:
             chosen = np.array((missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))])
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
-            made, good = self.closing.close(self._starts(wanted, rng, edge), wanted if held else None)
+            made, good = self.solver.close(self._starts(wanted, rng, edge), wanted if held else None)
             for row in np.flatnonzero(good):
                 if found[chosen[row]] is None:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
@@ -126,8 +126,8 @@ class Workspace:
     def near(
         self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
     ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Closed configurations near given ones, moved by `scale` of the workspace, and the numbers of those they are near
-        to; moves end at the workspace's borders."""
+        """Draw closed configurations near given ones, moved by `scale` of the workspace, no further than its borders; and the
+        numbers of those they are near to."""
         at_home, moved = self.home.apply(self.centre), np.array(around.values)
         for k, row in enumerate(around.poses):
             pose = Pose(row[:3], row[3:])
@@ -137,19 +137,20 @@ class Workspace:
             away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
             middle = at_home + np.clip(away, -self.half, self.half)
             moved[k] = with_pose(self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
-        made, good = self.closing.close(moved, inclinations)
+        made, good = self.solver.close(moved, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
     def at(self, poses: np.ndarray, inclinations: np.ndarray | None) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Closed configurations at poses (n, 7), turned to inclinations where they are given, and which of them are good;
-        limits do not count."""
+        """Close the configurations at poses (n, 7), turned to inclinations where they are given, and tell which of them are
+        good; limits do not count."""
         reference = build_closure(self.mechanism).reference
         starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
-        return self.closing.close(starts, inclinations, limits=False)
+        return self.solver.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Which postures of a platform have their middle within the box (n,); an arm's workspace is its joints' range."""
+        """Tell which configurations of a platform have their middle within the box (n,); an arm's workspace is its joints'
+        range."""
         if self.mechanism.serial:
             return np.ones(len(made), dtype=bool)
         at_home = self.home.apply(self.centre)
@@ -163,7 +164,7 @@ class Workspace:
             for c in closure.role("actuated"):
                 low, high = c.limits or _default_range(c, self.mechanism.size)
                 starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
-            return self.closing.with_tool(starts)
+            return self.solver.with_tool(starts)
         at_home = self.home
         for k, (alpha, beta) in enumerate(inclinations):
             share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)
@@ -180,7 +181,7 @@ def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
-    """Joint points of the platform in its frame (n, 3): ends of rods, and the last joint of each other limb."""
+    """List the joint points of the platform in its frame (n, 3): ends of rods, and the last joint of each other limb."""
     points = [np.array(limb.platform) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
     inverse = mechanism.reference_pose.inverse()  # points of joints are given at the reference
     for limb in mechanism.limbs:
@@ -190,7 +191,7 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 
 class ClosureSolver:
-    """Newton on the closure for many postures at once: first the joints for the pose, then all coordinates together."""
+    """Closes many configurations at once by Newton: first the joints for the pose, then all coordinates together."""
 
     def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
         self.mechanism, self.closure, self.home, self.margin = mechanism, build_closure(mechanism), home, margin
@@ -202,8 +203,8 @@ class ClosureSolver:
     def close(
         self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
     ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Closed configurations near the starts and which of them are good: closed, with the inclination where one is
-        given, within limits, regular, and on the reference's side."""
+        """Close configurations near the starts, and tell which of them are good: closed, with the inclination where one is
+        given, within limits, regular, and on home's side of singularities."""
         nothing = np.zeros((len(starts), 0))
         with np.errstate(all="ignore"):
             values = self._joints.solve(starts)
@@ -218,12 +219,12 @@ class ClosureSolver:
         return made, good
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unknown coordinates of the direct problem, and actuated joints."""
+        """Split the closure's variables into the unknown coordinates of the direct problem, and the actuated joints."""
         count = len(self.mechanism.actuated)
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
-        """The tool of an arm at its joints."""
+        """Put the pose of an arm's tool at its joints into the variables."""
         z, joints = self.split(values)
         system = self._model.system
         for _ in range(30):
@@ -259,8 +260,8 @@ class ClosureSolver:
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
-    """The reference pose; the pose of the worked example where the file says no reference, or where the direct problem is conditioned
-    much better there."""
+    """Return the reference pose; the pose of the worked example where the file states no reference, or where the direct
+    problem is conditioned much better there."""
     example, reference = mechanism.example, mechanism.reference_pose
     given = None if example is None else example.pose or (example.start if example.joints is not None else None)
     if mechanism.serial or given is None or len(given) != 7:
@@ -276,7 +277,8 @@ def home_pose(mechanism: Mechanism) -> Pose:
 
 
 def states_reference(mechanism: Mechanism) -> bool:
-    """Whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the origin."""
+    """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
+    origin."""
     return any(mechanism.platform_position) or not all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
 
 
@@ -287,8 +289,8 @@ def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.nda
 
 
 def lever(mechanism: Mechanism) -> float:
-    """Length by which angles are compared with positions: root mean square distance of the platform's joint points from
-    their middle; where they coincide, a quarter of the size."""
+    """Return the length by which angles are compared with positions: root mean square distance of the platform's joint points
+    from their middle; where they coincide, a quarter of the size."""
     points = platform_points(mechanism)
     spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
     return spread if spread > 1e-9 * mechanism.size else 0.25 * mechanism.size

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,41 +29,33 @@ from symkin.calibration.judge.statistics import (
     curvature,
     linear_model,
 )
-from symkin.model.mechanism import Mechanism
 from symkin.text import first_of
 
-if TYPE_CHECKING:
-    from symkin.calibration.judge.result import Calibration
-
+_MAX_NAMED_TOLERANCES = 5
+"""Parameters beyond their tolerances that are named at most."""
 _MAX_CONDITION = 1e6
 """Condition of the identification Jacobian above which digits of the parameters are lost."""
-_MAX_LISTED = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """An estimate over the postures `used`, those `unsolved`, the sign of det F_z of each used one where the estimation
-    began, and postures without a reading, `silent`."""
+    """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each used one where the estimation
+    began, and configurations without a reading, `silent`."""
 
     problem: CalibrationProblem
     result: Estimate
     used: np.ndarray
     unsolved: np.ndarray
-    begin: np.ndarray
+    start_signs: np.ndarray
     notes: tuple[str, ...] = ()
     silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     loss: str = "squared"
 
 
-def build_result(
-    mechanism: Mechanism,
-    measurements: Measurements,
-    found: Fit,
-    screening: Screening,
-    method: str,
-    elapsed: float,
-    removed: bool,
-) -> Calibration:
+def build_result(measurements: Measurements, found: Fit, screening: Screening, *, removed: bool) -> Calibration:
+    """Build the result of a fit at the geometry that the corrected file holds; `removed` says whether the outliers were left
+    out."""
+    mechanism = found.problem.mechanism
     problem, written = found.problem, read_back(found.problem, found.result.state)
     state = written.state
     model = linear_model(problem, state)
@@ -73,15 +64,16 @@ def build_result(
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
     free = spread * covariance(problem, state) / (1.0 if found.loss == "squared" else EFFICIENCY)
     identified = identifiability_at(problem, state)
-    crossed = found.used[state.determinant_signs * found.begin < 0]
+    crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
-        mechanism, measurements, problem, state, _parameters(problem, state, free, known or model.degrees > 0),
-        _full_covariance(problem, free), _residuals(problem, state, model, spread, found.used), chi_square, model.degrees,
-        chi_square_tail(_tested_chi_square(problem, model), model.degrees) if known and model.degrees > 0 else None, identified,
-        screening.outliers, screening.unchecked, tuple(found.used.tolist()), tuple(found.unsolved.tolist()),
-        tuple(crossed.tolist()), problem.model.poses(state.z, state.p), method, found.result.status,
-        found.result.iterations, elapsed, given_up=screening.given_up,
-        silent=tuple(found.silent.tolist()), refused=written.reason,
+        mechanism=mechanism, measurements=measurements, problem=problem, state=state,
+        parameters=_parameters(problem, state, free, known or model.degrees > 0), covariance=_full_covariance(problem, free),
+        residuals=_residuals(problem, state, model, spread, found.used), chi_square=chi_square, degrees=model.degrees,
+        p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees) if known and model.degrees > 0 else None,
+        identifiability=identified, outliers=screening.outliers, unchecked=screening.unchecked,
+        used=tuple(found.used.tolist()), unsolved=tuple(found.unsolved.tolist()), changed_mode=tuple(crossed.tolist()),
+        poses=problem.model.poses(state.z, state.p), status=found.result.status, iterations=found.result.iterations,
+        given_up=screening.given_up, silent=tuple(found.silent.tolist()), refused=written.reason,
     )  # fmt: skip
     left_out = [n for n in problem.names if not is_writable(mechanism, n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
@@ -99,8 +91,8 @@ def build_result(
 
 
 def _tested_chi_square(problem: CalibrationProblem, model: LinearModel) -> float:
-    """The statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or correlation out of
-    account, what the parameters could still take away of it is no misfit."""
+    """Return the statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or
+    correlation out of account, what the parameters could still take away of it is no misfit."""
     efficient = problem.form == "maximum likelihood" or (problem.form == "means" and problem.measurements.joint_sigma is None)
     return model.chi_square_as_is if efficient else model.chi_square
 
@@ -109,11 +101,17 @@ def _parameters(problem: CalibrationProblem, state: State, free: np.ndarray, has
     model = problem.model
     sigmas = np.sqrt(np.maximum(np.diag(free), 0.0))
     found = [
-        Parameter(name, kind, float(nominal), float(value), float(sigma) if has_sigma else None)
+        Parameter(name=name, kind=kind, nominal=float(nominal), value=float(value), sigma=float(sigma) if has_sigma else None)
         for name, kind, nominal, value, sigma in zip(model.names, model.kinds, model.nominal, state.p, sigmas, strict=True)
     ]
     table = nominal_parameters(problem.mechanism)
-    return (*found, *(Parameter(n, table[n][1], table[n][0], table[n][0], 0.0, held=True) for n in problem.fixed))
+    return (
+        *found,
+        *(
+            Parameter(name=n, kind=table[n][1], nominal=table[n][0], value=table[n][0], sigma=0.0, held=True)
+            for n in problem.fixed
+        ),
+    )
 
 
 def _full_covariance(problem: CalibrationProblem, free: np.ndarray) -> np.ndarray:
@@ -135,18 +133,27 @@ def _residuals(
     for i, k in np.argwhere(readings.taken):
         kind, component = problem.model.columns[k]
         normal = float(whitened[i, k] / left[i, k] / np.sqrt(spread)) if left[i, k] > 1e-6 and spread > 0 else None
-        rows.append(Residual(int(used[i]), kind, component, float(raw[i, k]), float(readings.sigma[i, k]), normal))
+        rows.append(
+            Residual(
+                configuration=int(used[i]),
+                kind=kind,
+                component=component,
+                value=float(raw[i, k]),
+                sigma=float(readings.sigma[i, k]),
+                normalised=normal,
+            )
+        )
     return tuple(rows)
 
 
 def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
-    means = evaluate(problem, state.p, state.z, "means").fit.residuals
+    """Return the readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
+    means = evaluate(problem, state.p, state.z, "means").linearised.residuals
     return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
 
 
 def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
-    """Doubts and facts about a fit that its reader must know."""
+    """Yield doubts and facts about a fit that its reader must know, each a sentence with its figure."""
     yield from _configuration_notes(fit)
     yield from _residual_notes(fit)
     yield from _rank_notes(fit)
@@ -168,7 +175,7 @@ def _configuration_notes(fit: Calibration) -> Iterator[str]:
             f"not used: the direct problem of posture {first_of([labels[k] for k in fit.unsolved])} was not solved, neither at "
             "the nominal nor at the identified geometry; check the joint readings or give starts"
         )
-    judged = {o.posture for o in (*fit.outliers, *fit.given_up)}
+    judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
     silent = [labels[k] for k in fit.silent if k not in judged]
     if silent:
         yield f"not used: posture {first_of(silent)} holds no reading beside the joints (a group of two postures or more, or a sensor's)"
@@ -201,14 +208,16 @@ def _residual_notes(fit: Calibration) -> Iterator[str]:
         )
     if is_exact(fit):
         yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
-    yield from (f"{name} moved by {times:.3g} times its tolerance" for name, times in beyond_tolerances(fit)[:_MAX_LISTED])
+    yield from (
+        f"{name} moved by {times:.3g} times its tolerance" for name, times in beyond_tolerances(fit)[:_MAX_NAMED_TOLERANCES]
+    )
     far = [p.name for p in large_changes(fit)]
     if far:
         yield f"{first_of(far)} moved by more than {100 * LARGE_CHANGE:.0f} % of the size (angles: {LARGE_CHANGE} rad); check units and nominal values"
 
 
 def is_exact(fit: Calibration) -> bool:
-    """Whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
+    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
     size = fit.mechanism.size
     return fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.kind, r.value, size) for r in fit.residuals)
 
@@ -225,7 +234,7 @@ def _rank_notes(fit: Calibration) -> Iterator[str]:
 
 
 def _parallel_axes_note(fit: Calibration) -> str:
-    """What nearly parallel axes have to do with a rank that is not clear."""
+    """Say what nearly parallel axes have to do with a rank that is not clear."""
     pairs = nearly_parallel(fit.mechanism, all_values(fit.problem.model, fit.state.p))
     free = {n for n in fit.problem.names if n.endswith(".d")}
     if not pairs or len(free) < 2:

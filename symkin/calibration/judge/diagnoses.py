@@ -1,149 +1,141 @@
-"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs.
+"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels, another Euler sequence.
 
-For each mistake the readings are put right and the direct problems solved again at the nominal geometry. A mistake is named when the
-readings then agree with it many times better.
+`RULES` is the table of the mistakes that are looked for. The readings alone show some; for the others the readings are put right and the
+direct problems solved again at the nominal geometry, and a mistake is named when the readings then agree with it many times better.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
-from functools import partial
-from itertools import combinations, permutations
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+from itertools import permutations
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configurations import joints_at_poses, known_poses, newton_configurations, start_points
+from symkin.calibration.data.measurements import Measurements, spread_rows
+from symkin.calibration.estimate.configurations import newton_configurations, start_points
 from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import has_home, with_starts
+from symkin.calibration.judge.column_order import best_column_order, is_possible, like_pairs, sign_change, swapped
+from symkin.calibration.judge.group_labels import diagnose_groups
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.errors import SymkinError
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
 _EXAMINED_CONFIGURATIONS = 40
-"""Postures that are looked at, spread evenly over the file."""
+"""Configurations that are looked at, spread evenly over the file: enough to see a mistake of all rows."""
+_MAX_SENTENCES = 3
+"""Mistakes that are named at most: further ones are likely to follow from these."""
 _MIN_IMPROVEMENT = 3.0
-"""A slip is worth a sentence when it makes the misfit smaller by this factor."""
+"""A mistake is named when putting it right makes the misfit smaller by this factor."""
 _REST_SPREAD = 1e-4
 """Joints that spread by less than this share of the size (angles: radians), and of ten times their value, are at rest."""
 _MIN_LIKE_JOINTS, _MIN_DECADES = 3, 2.0
 """Joints of a kind from which one can be told from the others, and decades by which another unit must bring it nearer to them."""
 _LENGTH_UNITS = {1000.0: "a factor of 1000 too small (m taken for mm?)", 0.001: "a factor of 1000 too large (mm taken for m?)"}
 _ANGLE_UNITS = {180 / math.pi: "radians taken for degrees", math.pi / 180: "degrees taken for radians"}
+"""Factors that put lengths and angles in another unit right, with what is said of them."""
 _USUAL_SPREAD = (3e-3, 1.0)
 """Usual standard deviation of a joint's readings over the size (angles: radians), and the most that its mean may be: 5 times
 the upper one."""
 
-_MAX_ASSIGNED_JOINTS = 7
-"""Joints whose orders are all tried (5040); with more only single exchanges are."""
-_MIN_WHOLE_POSES = 4
-"""Whole poses from which columns are assigned."""
-_EXCHANGE_CONFIGURATIONS = 16
-"""Postures by which exchanges one after the other are judged."""
-_EXCHANGE_GAIN = 0.9
-"""An exchange is taken where the misfit falls below this share."""
 
-Misfit = Callable[[Mechanism, Measurements], float]
+# --- the table -----------------------------------------------------------------------------------------------------
+
+
+class Stage(Enum):
+    """What shows a mistake. Rules of a stage are looked at where those before it found nothing; positions besides the corrections."""
+
+    READINGS = auto()
+    CORRECTION = auto()
+    ORDER = auto()
+    POSITION = auto()
+    LABELS = auto()
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What the rules look at: some readings of a mechanism without standard deviations, and parameters that are unknown frames."""
+
+    mechanism: Mechanism
+    measurements: Measurements
+    frames: tuple[str, ...] = ()
+
+    def misfit(self, measurements: Measurements) -> float:
+        """The misfit of other readings in place of these."""
+        return nominal_misfit(self.mechanism, measurements, self.frames)
+
+
+Finding = tuple[str, Measurements | None]
+"""A sentence on a mistake, and the readings put right by which it is judged; None where the readings alone show it."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A mistake that is looked for: `find` yields its possible forms in a case."""
+
+    mistake: str
+    stage: Stage
+    find: Callable[[Case], Iterable[Finding]]
 
 
 def diagnose(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> tuple[str, ...]:
-    """Sentences, at most three; none where nothing explains the readings better than they are. `frames` are unknown ones, which are
-    sought anew for each slip."""
-    rows = np.unique(np.linspace(0, len(measurements) - 1, _EXAMINED_CONFIGURATIONS).astype(int))
-    groups = measurements.groups
-    if groups is not None and len(measurements) > _EXAMINED_CONFIGURATIONS:
-        rows = np.flatnonzero(np.isin(groups, np.unique(groups[rows])))[: 4 * _EXAMINED_CONFIGURATIONS]
-    bare = _without_sigmas(measurements.subset(rows))
-    if len(rows) > 1 and _never_moves(mechanism, bare):
-        return (_never_moved(mechanism, bare),)
-    found = [*_units(mechanism, bare)] or [*_one_unit(mechanism, bare)]
+    """Sentences on mistakes in the columns, at most three; none where nothing explains the readings better than they are. `frames`
+    are unknown ones, which are sought anew for each mistake."""
+    examined = _without_sigmas(measurements.subset(_examined_rows(measurements)))
+    case = Case(mechanism, examined, tuple(frames))
+    found = _sentences(case, Stage.READINGS)
     if not found:
-        found = [*_better(mechanism, bare, _slips(mechanism, bare), frames)]
-        if not found:
-            found = [*_better(mechanism, bare, column_orders(mechanism, bare, partial(nominal_misfit, frames=frames)), frames)]
-        if bare.position is not None:
-            alone = replace(bare, orientation=None)
-            found += _better(mechanism, alone, _position_slips(alone, bare.position), frames)
-    return tuple(found[:3])
+        found = _sentences(case, Stage.CORRECTION) or _sentences(case, Stage.ORDER)
+        found += _sentences(replace(case, measurements=replace(examined, orientation=None)), Stage.POSITION)
+    return tuple(found[:_MAX_SENTENCES])
 
 
-def _never_moves(mechanism: Mechanism, m: Measurements) -> bool:
-    """Whether every joint stays where it is but for noise: its spread is nothing beside the size and, of a length, which may be
-    in another unit, beside its value."""
-    mean = np.abs(np.mean(m.joints, axis=0))
-    most = [1.0 if c.is_angular else min(mechanism.size, 10.0 * mean[k]) for k, c in enumerate(mechanism.actuated)]
-    return bool(np.all(np.std(m.joints, axis=0) <= _REST_SPREAD * np.array(most)))
+def diagnose_labels(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
+    """Sentences on labels of groups that look wrong."""
+    return tuple(_sentences(Case(mechanism, measurements), Stage.LABELS))
 
 
-def _never_moved(mechanism: Mechanism, m: Measurements) -> str:
-    spread = []
-    for angular, unit, out in ((False, mechanism.length_unit, float), (True, mechanism.angle_unit, mechanism.angle_out)):
-        columns = [k for k, c in enumerate(mechanism.actuated) if c.is_angular == angular]
-        if columns:
-            spread.append(f"{out(float(np.max(np.std(m.joints[:, columns], axis=0)))):.2g} {unit}")
-    return (
-        f"the posture never changes: the joint readings spread by {' and '.join(spread)} only; one posture determines no geometry, "
-        "measure many that differ"
-    )
+def _examined_rows(m: Measurements) -> np.ndarray:
+    """Numbers of some rows, spread over the file, whole groups where there are any."""
+    rows = spread_rows(len(m), _EXAMINED_CONFIGURATIONS)
+    if m.groups is None or len(m) <= _EXAMINED_CONFIGURATIONS:
+        return rows
+    return np.flatnonzero(np.isin(m.groups, np.unique(m.groups[rows])))[: 4 * _EXAMINED_CONFIGURATIONS]
 
 
-def _better(mechanism: Mechanism, m: Measurements, slips: Iterable[tuple[str, Measurements]], frames: Sequence[str]) -> list[str]:
-    """Sentences for the slips that would make the misfit much smaller, best first."""
-    as_read, unit = nominal_misfit(mechanism, m, frames), mechanism.length_unit
+def _sentences(case: Case, stage: Stage) -> list[str]:
+    """What a stage finds: the sentences of the first rule that the readings alone show, else of all mistakes that would make the
+    misfit much smaller if they were put right, best first."""
+    judged: list[tuple[str, Measurements]] = []
+    for rule in (rule for rule in RULES if rule.stage is stage):
+        findings = [*rule.find(case)]
+        shown = [text for text, changed in findings if changed is None]
+        if shown:
+            return shown
+        judged += [(text, changed) for text, changed in findings if changed is not None]
+    return _improvements(case, judged) if judged else []
+
+
+def _improvements(case: Case, judged: Iterable[tuple[str, Measurements]]) -> list[str]:
+    as_read, unit = case.misfit(case.measurements), case.mechanism.length_unit
     return [
         f"{text}: the misfit at the nominal geometry would fall from {as_read:.3g} to {value:.3g} {unit} (angles times the size)"
-        for value, text in sorted((nominal_misfit(mechanism, changed, frames), text) for text, changed in slips)
+        for value, text in sorted((case.misfit(changed), text) for text, changed in judged)
         if value * _MIN_IMPROVEMENT < as_read
     ]
 
 
-def _units(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
-    """Joint readings whose spread or mean is out of all proportion, by a decade or more, and would not be in other units."""
-    for angular, factors in ((False, _LENGTH_UNITS), (True, _ANGLE_UNITS)):
-        columns = [k for k, c in enumerate(mechanism.actuated) if c.is_angular == angular]
-        if not columns or np.any(np.ptp(m.joints[:, columns], axis=0) == 0.0):
-            continue
-        values = m.joints[:, columns] / (1.0 if angular else mechanism.size)
-        for factor, text in factors.items():
-            if _out_of_proportion(values) - _out_of_proportion(values * factor) >= 1.0:
-                spread = float(np.median(np.std(values, axis=0)))
-                of = "rad" if angular else "of the mechanism's size"
-                yield f"the readings of {', '.join(mechanism.actuated[k].name for k in columns)} look {text}: they spread by {spread:.2g} {of}"
-
-
-def _one_unit(mechanism: Mechanism, m: Measurements) -> Iterator[str]:
-    """Single joints whose readings spread, and are, about 1000 times more or less than those of the other joints of their kind."""
-    columns = [k for k, c in enumerate(mechanism.actuated) if not c.is_angular]
-    if len(columns) < _MIN_LIKE_JOINTS:
-        return
-    spread, large = np.std(m.joints[:, columns], axis=0), np.sqrt(np.mean(m.joints[:, columns] ** 2, axis=0))
-    if not np.all(spread > 0.0):
-        return
-    for k, column in enumerate(columns):
-        ratios = [float(sizes[k] / np.median(np.delete(sizes, k))) for sizes in (spread, large)]
-        for factor, text in _LENGTH_UNITS.items():
-            if all(abs(math.log10(r)) - abs(math.log10(r * factor)) >= _MIN_DECADES for r in ratios):
-                yield (
-                    f"the readings of {mechanism.actuated[column].name} look {text}: they spread {ratios[0]:.2g} times as much as those "
-                    "of the other joints"
-                )
-
-
-def _out_of_proportion(values: np.ndarray) -> float:
-    """Decades by which the spread lies outside its usual range, or the mean above it."""
-    spread, mean = float(np.median(np.std(values, axis=0))), float(np.median(np.abs(np.mean(values, axis=0))))
-    low, high = _USUAL_SPREAD
-    return max(0.0, math.log10(low / spread), math.log10(spread / high), math.log10(max(mean, 1e-300) / (5 * high)))
+# --- misfit ----------------------------------------------------------------------------------------------------------
 
 
 def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> float:
     """Root mean square of readings less those of the nominal geometry, angles times the size (length unit), over the better
-    four fifths of the postures, so that single bad rows do not count; a posture that does not close counts as one size. `frames`
+    four fifths of the configurations, so that single bad rows do not count; a configuration that does not close counts as one size. `frames`
     that are unknown are where they fit best."""
     try:
         ready = with_starts(mechanism, _without_sigmas(measurements), posed=not frames, completed=not has_home(mechanism))
@@ -170,132 +162,171 @@ def _without_sigmas(m: Measurements) -> Measurements:
     return replace(m, distances=distances, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
 
 
-def _slips(mechanism: Mechanism, m: Measurements) -> Iterator[tuple[str, Measurements]]:
-    actuated = mechanism.actuated
-    for a, b in combinations(range(len(actuated)), 2):
-        if actuated[a].is_angular == actuated[b].is_angular:
-            joints = np.array(m.joints)
-            joints[:, [a, b]] = joints[:, [b, a]]
-            if is_possible(actuated, joints):
-                yield f"the columns {actuated[a].name} and {actuated[b].name} look exchanged", replace(m, joints=joints)
-    for k, c in enumerate(actuated):
-        joints = np.array(m.joints)
-        joints[:, k] *= -1
-        if is_possible(actuated, joints):
-            yield f"the sign of {c.name} looks reversed", replace(m, joints=joints)
-    if m.position is not None:
-        for factor, text in _LENGTH_UNITS.items():
-            yield f"the positions look {text}", replace(m, position=m.position * factor)
-    if m.orientation is not None:
-        inverse = m.orientation * (1.0, -1.0, -1.0, -1.0)
-        yield "the orientations look inverted (base seen from the platform)", replace(m, orientation=inverse)
-        yield "qw looks to stand last, not first", replace(m, orientation=np.roll(m.orientation, 1, axis=1))
-    if m.distances:
-        for factor, text in _LENGTH_UNITS.items():
-            yield f"the distances look {text}", replace(m, distances=[replace(d, values=factor * d.values) for d in m.distances])
-    if m.inclination is not None:
-        yield "the columns alpha and beta look exchanged", replace(m, inclination=m.inclination[:, ::-1])
+# --- what the readings alone show ------------------------------------------------------------------------------------
 
 
-def _position_slips(m: Measurements, position: np.ndarray) -> Iterator[tuple[str, Measurements]]:
-    """Columns x, y, z in another order, or one of them with its sign turned; judged without orientations, which may be read in the
-    wrong sequence besides."""
-    read = [k for k in range(3) if np.any(np.isfinite(position[:, k]))]
-    for order in permutations(read):
+def _joints_at_rest(case: Case) -> Iterator[Finding]:
+    """Every joint stays where it is but for noise: its spread is nothing beside the size and, of a length, which may be in another
+    unit, beside its value."""
+    m, joints = case.mechanism, case.measurements.joints
+    mean, spread = np.abs(np.mean(joints, axis=0)), np.std(joints, axis=0)
+    most = np.array([1.0 if c.is_angular else min(m.size, 10.0 * mean[k]) for k, c in enumerate(m.actuated)])
+    if len(joints) < 2 or not np.all(spread <= _REST_SPREAD * most):
+        return
+    said = []
+    for angular, unit, out in ((False, m.length_unit, float), (True, m.angle_unit, m.angle_out)):
+        if columns := _columns_of_kind(m, angular=angular):
+            said.append(f"{out(float(np.max(spread[columns]))):.2g} {unit}")
+    yield (
+        f"the posture never changes: the joint readings spread by {' and '.join(said)} only; one posture determines no geometry, "
+        "measure many that differ",
+        None,
+    )
+
+
+def _units_of_all_joints(case: Case) -> Iterator[Finding]:
+    """Joint readings whose spread or mean is out of all proportion, by a decade or more, and would not be in other units."""
+    m, joints = case.mechanism, case.measurements.joints
+    for angular, factors in ((False, _LENGTH_UNITS), (True, _ANGLE_UNITS)):
+        columns = _columns_of_kind(m, angular=angular)
+        if not columns or np.any(np.ptp(joints[:, columns], axis=0) == 0.0):
+            continue
+        values = joints[:, columns] / (1.0 if angular else m.size)
+        names, of = ", ".join(m.actuated[k].name for k in columns), "rad" if angular else "of the mechanism's size"
+        for factor, text in factors.items():
+            if _decades_out_of_proportion(values) - _decades_out_of_proportion(values * factor) >= 1.0:
+                spread = float(np.median(np.std(values, axis=0)))
+                yield f"the readings of {names} look {text}: they spread by {spread:.2g} {of}", None
+
+
+def _unit_of_one_joint(case: Case) -> Iterator[Finding]:
+    """Single joints whose readings spread, and are, about 1000 times more or less than those of the other joints of their kind."""
+    m, joints = case.mechanism, case.measurements.joints
+    columns = _columns_of_kind(m, angular=False)
+    spread, large = np.std(joints[:, columns], axis=0), np.sqrt(np.mean(joints[:, columns] ** 2, axis=0))
+    if len(columns) < _MIN_LIKE_JOINTS or not np.all(spread > 0.0):
+        return
+    for k, column in enumerate(columns):
+        ratios = [float(sizes[k] / np.median(np.delete(sizes, k))) for sizes in (spread, large)]
+        for factor, text in _LENGTH_UNITS.items():
+            if all(abs(math.log10(r)) - abs(math.log10(r * factor)) >= _MIN_DECADES for r in ratios):
+                yield (
+                    f"the readings of {m.actuated[column].name} look {text}: they spread {ratios[0]:.2g} times as much as those "
+                    "of the other joints",
+                    None,
+                )
+
+
+def _columns_of_kind(mechanism: Mechanism, *, angular: bool) -> list[int]:
+    """Columns of the joints that are angles, or of those that are lengths."""
+    return [k for k, c in enumerate(mechanism.actuated) if c.is_angular == angular]
+
+
+def _decades_out_of_proportion(values: np.ndarray) -> float:
+    """Decades by which the spread lies outside its usual range, or the mean above it."""
+    spread, mean = float(np.median(np.std(values, axis=0))), float(np.median(np.abs(np.mean(values, axis=0))))
+    low, high = _USUAL_SPREAD
+    return max(0.0, math.log10(low / spread), math.log10(spread / high), math.log10(max(mean, 1e-300) / (5 * high)))
+
+
+# --- what a correction shows -----------------------------------------------------------------------------------------
+
+
+def _exchanged_joints(case: Case) -> Iterator[Finding]:
+    for a, b in like_pairs(case.mechanism):
+        order = swapped(len(case.mechanism.actuated), a, b)
+        joints = case.measurements.joints[:, order]
+        if is_possible(case.mechanism.actuated, joints):
+            names = (case.mechanism.actuated[k].name for k in (a, b))
+            yield f"the columns {' and '.join(names)} look exchanged", replace(case.measurements, joints=joints)
+
+
+def _reversed_joints(case: Case) -> Iterator[Finding]:
+    for k, c in enumerate(case.mechanism.actuated):
+        joints = case.measurements.joints * sign_change(len(case.mechanism.actuated), k)
+        if is_possible(case.mechanism.actuated, joints):
+            yield f"the sign of {c.name} looks reversed", replace(case.measurements, joints=joints)
+
+
+def _reordered_joints(case: Case) -> Iterator[Finding]:
+    found = best_column_order(case.mechanism, case.measurements, case.misfit)
+    if found is not None:
+        yield found
+
+
+def _unit_of_positions(case: Case) -> Iterator[Finding]:
+    m = case.measurements
+    for factor, text in _LENGTH_UNITS.items() if m.position is not None else ():
+        yield f"the positions look {text}", replace(m, position=np.asarray(m.position) * factor)
+
+
+def _inverted_orientations(case: Case) -> Iterator[Finding]:
+    if (q := case.measurements.orientation) is not None:
+        inverse = replace(case.measurements, orientation=q * (1.0, -1.0, -1.0, -1.0))
+        yield "the orientations look inverted (base seen from the platform)", inverse
+
+
+def _scalar_last(case: Case) -> Iterator[Finding]:
+    if (q := case.measurements.orientation) is not None:
+        yield "qw looks to stand last, not first", replace(case.measurements, orientation=np.roll(q, 1, axis=1))
+
+
+def _unit_of_distances(case: Case) -> Iterator[Finding]:
+    m = case.measurements
+    for factor, text in _LENGTH_UNITS.items() if m.distances else ():
+        yield f"the distances look {text}", replace(m, distances=[replace(d, values=factor * d.values) for d in m.distances])
+
+
+def _exchanged_inclinations(case: Case) -> Iterator[Finding]:
+    if (inclination := case.measurements.inclination) is not None:
+        yield "the columns alpha and beta look exchanged", replace(case.measurements, inclination=inclination[:, ::-1])
+
+
+def _exchanged_positions(case: Case) -> Iterator[Finding]:
+    """Columns x, y, z in another order. Orientations are left out, as they may be read in the wrong sequence besides."""
+    position, read = case.measurements.position, _position_columns(case)
+    for order in permutations(read) if read else ():
         moved = [k for k, other in zip(read, order, strict=True) if k != other]
         changed = np.array(position)
-        changed[:, read] = position[:, order]
+        changed[:, read] = changed[:, order]
         names, others = (", ".join("xyz"[k] for k in columns) for columns in (read, order))
+        text = f"the columns {names} look exchanged: {names} seem to stand in {others}"
         if len(moved) == 2:
-            yield f"the columns {'xyz'[moved[0]]} and {'xyz'[moved[1]]} look exchanged", replace(m, position=changed)
-        elif moved:
-            yield f"the columns {names} look exchanged: {names} seem to stand in {others}", replace(m, position=changed)
-    for k in read:
-        yield f"the sign of {'xyz'[k]} looks reversed", replace(m, position=position * np.where(np.arange(3) == k, -1.0, 1.0))
+            text = f"the columns {'xyz'[moved[0]]} and {'xyz'[moved[1]]} look exchanged"
+        if moved:
+            yield text, replace(case.measurements, position=changed)
 
 
-def column_orders(mechanism: Mechanism, m: Measurements, misfit: Misfit) -> Iterator[tuple[str, Measurements]]:
-    """Orders and signs of the joint columns that may explain the readings, with the readings put right."""
-    whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
-    if not mechanism.serial and np.sum(whole) >= _MIN_WHOLE_POSES and len(mechanism.actuated) <= _MAX_ASSIGNED_JOINTS:
-        found = _assign_columns(mechanism, m.subset(whole))
-    else:
-        found = _exchange_one_by_one(mechanism, m, misfit)
-    if found is not None:
-        order, signs = found
-        yield _describe_order(mechanism.actuated, order, signs), replace(m, joints=signs * m.joints[:, order])
+def _reversed_positions(case: Case) -> Iterator[Finding]:
+    for k in _position_columns(case):
+        changed = np.asarray(case.measurements.position) * sign_change(3, k)
+        yield f"the sign of {'xyz'[k]} looks reversed", replace(case.measurements, position=changed)
 
 
-def is_possible(actuated: Sequence[Coordinate], joints: np.ndarray) -> bool:
-    """Whether no reading is below the least value of its joint (rods of negative length)."""
-    return all(c.least is None or bool(np.all(joints[:, k] > c.least)) for k, c in enumerate(actuated))
+def _position_columns(case: Case) -> list[int]:
+    """Components of the position that were read."""
+    position = case.measurements.position
+    return [] if position is None else [k for k in range(3) if np.any(np.isfinite(position[:, k]))]
 
 
-def _assign_columns(mechanism: Mechanism, m: Measurements) -> tuple[np.ndarray, np.ndarray] | None:
-    """For each joint the column that fits its values at the measured poses best, each column once, and its sign."""
-    actuated = mechanism.actuated
-    poses = np.array([pose for pose in known_poses(m, measured=True) if pose is not None])
-    values = joints_at_poses(mechanism, poses)
-    reached = np.all(np.isfinite(values), axis=1)
-    if np.sum(reached) < _MIN_WHOLE_POSES:
-        return None
-    values, read, count = values[reached], m.joints[reached], len(actuated)
-    cost, sign = np.full((count, count), np.inf), np.ones((count, count))
-    for j, c in enumerate(actuated):
-        for k, other in enumerate(actuated):
-            if c.is_angular != other.is_angular:
-                continue
-            for s in (1.0, -1.0):
-                found = rms_of_better_part(_joint_gap(s * read[:, k] - values[:, j], c) ** 2) ** 2
-                if found < cost[j, k]:
-                    cost[j, k], sign[j, k] = found, s
-    orders = np.array(list(permutations(range(count))))
-    best = orders[int(np.argmin(np.sum(cost[np.arange(count), orders], axis=1)))]
-    signs = sign[np.arange(count), best]
-    unchanged = np.array_equal(best, np.arange(count)) and np.all(signs > 0)
-    return None if unchanged or not is_possible(actuated, signs * m.joints[:, best]) else (best, signs)
-
-
-def _joint_gap(values: np.ndarray, c: Coordinate) -> np.ndarray:
-    return np.asarray(np.remainder(values + np.pi, 2 * np.pi) - np.pi if c.is_angular else values)
-
-
-def _exchange_one_by_one(mechanism: Mechanism, m: Measurements, misfit: Misfit) -> tuple[np.ndarray, np.ndarray] | None:
-    """Exchanges of two columns and changes of one sign, the best first, while the misfit falls."""
-    actuated, count = mechanism.actuated, len(mechanism.actuated)
-    m = m.subset(np.unique(np.linspace(0, len(m) - 1, _EXCHANGE_CONFIGURATIONS).astype(int)))
-    order, signs, least = np.arange(count), np.ones(count), misfit(mechanism, m)
-    for step in range(count):
-        trials = []
-        for a, b in combinations(range(count), 2):
-            if actuated[a].is_angular == actuated[b].is_angular:
-                swap = np.arange(count)
-                swap[[a, b]] = b, a
-                trials.append((order[swap], signs[swap]))
-        trials += [(order, signs * np.where(np.arange(count) == k, -1.0, 1.0)) for k in range(count)]
-        judged = [
-            (misfit(mechanism, replace(m, joints=s * m.joints[:, o])), o, s)
-            for o, s in trials
-            if is_possible(actuated, s * m.joints[:, o])
-        ]
-        value, o, s = min(judged, key=lambda trial: trial[0], default=(np.inf, order, signs))
-        if not value < _EXCHANGE_GAIN * least:
-            return None if step < 1 else (order, signs)
-        order, signs, least = o, s, value
-    return order, signs
-
-
-def _describe_order(actuated: Sequence[Coordinate], order: np.ndarray, signs: np.ndarray) -> str:
-    """'the columns a, b, c look exchanged: they seem to hold b, c, a; the sign of d looks reversed'."""
-    names = [c.name for c in actuated]
-    holds = np.argsort(order)  # column order[j] holds joint j
-    moved = [k for k in range(len(names)) if holds[k] != k]
-    parts = []
-    if moved:
-        parts.append(
-            f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold {', '.join(names[holds[k]] for k in moved)}"
-        )
-    turned = [names[order[j]] for j in range(len(names)) if signs[j] < 0]
-    if turned:
-        parts.append(f"the sign{'s' * (len(turned) > 1)} of {', '.join(turned)} look{'s' * (len(turned) == 1)} reversed")
-    return "; ".join(parts)
+RULES = (
+    Rule("the joints never move", Stage.READINGS, _joints_at_rest),
+    Rule("all joints of a kind in another unit", Stage.READINGS, _units_of_all_joints),
+    Rule("one joint in another unit than the others", Stage.READINGS, _unit_of_one_joint),
+    Rule("two joint columns exchanged", Stage.CORRECTION, _exchanged_joints),
+    Rule("the sign of a joint reversed", Stage.CORRECTION, _reversed_joints),
+    Rule("positions in another unit", Stage.CORRECTION, _unit_of_positions),
+    Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
+    Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
+    Rule("distances in another unit", Stage.CORRECTION, _unit_of_distances),
+    Rule("alpha and beta exchanged", Stage.CORRECTION, _exchanged_inclinations),
+    Rule("joint columns in another order, with other signs", Stage.ORDER, _reordered_joints),
+    Rule("position columns in another order", Stage.POSITION, _exchanged_positions),
+    Rule("the sign of a position column reversed", Stage.POSITION, _reversed_positions),
+    Rule(
+        "groups wrongly labelled",
+        Stage.LABELS,
+        lambda case: ((s, None) for s in diagnose_groups(case.mechanism, case.measurements)),
+    ),
+)
+"""The mistakes that are looked for, in the order in which those that the readings alone show are."""

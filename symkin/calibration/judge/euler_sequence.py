@@ -8,18 +8,17 @@ twenty-four remain for columns in a given order; those that give the same rotati
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from symkin.calibration.data.columns import SEQUENCES
 from symkin.calibration.data.files import DataFile, euler_quaternions
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import newton_configurations, start_points
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.residuals import ANGULAR
 from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.estimate.state import design, spectrum
@@ -29,19 +28,19 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
 _TRIAL_ROWS = 60
-"""Postures that the trial fits use, spread evenly over the file."""
+"""Configurations that the trial fits use, spread evenly over the file."""
 _FITTED_SEQUENCES = 4
 """Sequences, the best by their residuals before the fit, that are fitted."""
 _CLEAR_RATIO = 4.0
 """The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
 _UNCLOSED_MISFIT = 0.1
-"""A posture that does not close counts as one whose readings are off by this share of the size (angles: radians), and no posture
-counts as more: the sequence that explains most of the postures is wanted, and not the one that leaves out what it does not."""
+"""A configuration that does not close counts as one whose readings are off by this share of the size (angles: radians), and no configuration
+counts as more: the sequence that explains most of the configurations is wanted, and not the one that leaves out what it does not."""
 
 
 @dataclass(frozen=True)
 class SequenceTrial:
-    """A trial fit: chi-square over all postures, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
+    """A trial fit: chi-square over all configurations, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
     whether standard deviations are known."""
 
     chi_square: float
@@ -54,7 +53,8 @@ class SequenceTrial:
         return self.chi_square / self.degrees
 
     def better_than(self, other: SequenceTrial) -> bool:
-        """Whether the data tell the two apart: far more than noise can make of equal fits, and the other is worse than noise."""
+        """Tell whether the data separate the two: the other is worse by far more than noise can make of equal fits, and worse
+        than noise."""
         ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
         if self.known:
             return ratio > _CLEAR_RATIO and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
@@ -64,14 +64,14 @@ class SequenceTrial:
 @dataclass(frozen=True)
 class SequenceChoice:
     """The sequence that fits and those that read the same from these data; the trial fits of it and of the runner-up (None where
-    no other could be fitted), over the same `postures`."""
+    no other could be fitted), over the same `configurations`."""
 
     sequence: str
     same: tuple[str, ...]
     best: SequenceTrial
     runner_up: str | None
     second: SequenceTrial | None
-    postures: int
+    configurations: int
 
     @property
     def chi_square(self) -> float:
@@ -92,7 +92,7 @@ class SequenceChoice:
 
     @property
     def none_fits(self) -> str:
-        """What is said where the fit in this sequence is not to be used."""
+        """The sentence where the fit in this sequence is not to be used."""
         return (
             f"no Euler sequence led to a fit that can be used; the nearest was {describe_sequence(self.sequence)}, chi-square per degree of "
             f"freedom {self.best.score:.3g}"
@@ -110,12 +110,12 @@ class SequenceChoice:
         )
         return (
             f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: chi-square {self.chi_square:.4g} with "
-            f"{self.best.degrees} degrees of freedom over {self.postures} postures, {other}{doubt}"
+            f"{self.best.degrees} degrees of freedom over {self.configurations} postures, {other}{doubt}"
         )
 
 
 def describe_sequence(sequence: str) -> str:
-    """'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
+    """Write 'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
     other = sequence[::-1].swapcase()
     here, there = ("moving", "fixed") if sequence.isupper() else ("fixed", "moving")
     return f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed order)"
@@ -124,12 +124,13 @@ def describe_sequence(sequence: str) -> str:
 def find_sequence(
     mechanism: Mechanism, data: DataFile, progress: Callable[[int, int], None] | None = None, **options: Any
 ) -> SequenceChoice:
-    """The sequence of the file's open Euler angles; `options` are those of `calibrate`.
+    """Find the sequence of the file's open Euler angles; `options` are those of `calibrate`.
 
-    Raises InputError where no sequence leads to a fit."""
+    Raises InputError where no sequence leads to a fit.
+    """
     if data.open_euler is None:
         raise InputError(f"{data.path}: the file has no Euler angles of unknown sequence")
-    rows = np.unique(np.linspace(0, len(data.measurements) - 1, _TRIAL_ROWS).astype(int))
+    rows = spread_rows(len(data.measurements), _TRIAL_ROWS)
     families = _equal_sequences(data.open_euler)
     trials = {family[0]: data.with_sequence(family[0]).subset(rows) for family in families}
     starts = {s: _trial_start(mechanism, trials[s], options) for s in trials}
@@ -137,17 +138,17 @@ def find_sequence(
     if not ranked:
         raise InputError(f"{data.path}: no Euler sequence leads to a fit; check units and the order of the columns")
     fitted: dict[str, SequenceTrial] = {}
-    untold = False
+    undetermined = False
     for sequence in ranked:
         if progress is not None:
             progress(len(fitted), _FITTED_SEQUENCES)
         trial = starts[sequence].fitted(mechanism, options)
         if trial is not None:
             fitted[sequence] = trial
-        untold |= trial is None and bool(starts[sequence].solved.all())
+        undetermined |= trial is None and bool(starts[sequence].solved.all())
         if len(fitted) == _FITTED_SEQUENCES:
             break
-    if untold or not fitted:
+    if undetermined or not fitted:
         raise InputError(
             f"{data.path}: {len(data.measurements)} postures have no more readings than there are parameters, so that every Euler "
             "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold parameters, or add postures"
@@ -155,11 +156,31 @@ def find_sequence(
     best, *others = sorted(fitted, key=lambda s: fitted[s].score)
     same = next(family for family in families if family[0] == best)[1:]
     second = others[0] if others else None
-    return SequenceChoice(best, same, fitted[best], second, None if second is None else fitted[second], len(rows))
+    return SequenceChoice(
+        sequence=best, same=same, best=fitted[best], runner_up=second, second=None if second is None else fitted[second],
+        configurations=len(rows),
+    )  # fmt: skip
+
+
+def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
+    """A sentence where the Euler angles fit another sequence than the one that the header names, or none; `options` are those of
+    `calibrate`."""
+    if data.sequence is None or data.euler is None:
+        return ()
+    try:
+        choice = find_sequence(mechanism, replace(data, open_euler=data.euler), **options)
+    except InputError:
+        return ()
+    if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
+        return ()
+    return (
+        f"the Euler angles look to be of another sequence than {data.sequence}, which the header names: {describe_sequence(choice.sequence)} fits, with "
+        f"chi-square {choice.chi_square:.4g} at {choice.best.degrees} degrees of freedom",
+    )
 
 
 def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
-    """Sequences that read the same rotations from all rows, together."""
+    """Gather sequences that read the same rotations from all rows."""
     found: list[tuple[np.ndarray, list[str]]] = []
     given = angles[np.all(np.isfinite(angles), axis=1)]
     for sequence in SEQUENCES:
@@ -175,8 +196,8 @@ def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class _TrialStart:
-    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, postures z there, which of
-    them close, and how badly the readings fit (angles times the size; a posture that does not close counts as one size)."""
+    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, configurations z there, which of
+    them close, and how badly the readings fit (angles times the size; a configuration that does not close counts as one size)."""
 
     measurements: Measurements
     p: np.ndarray
@@ -185,24 +206,25 @@ class _TrialStart:
     misfit: float
 
     def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> SequenceTrial | None:
-        """A fit over the postures that close, the others counted as misfit; None where all readings leave no degree of freedom."""
+        """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of freedom."""
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
-        if not np.all(np.isfinite(state.fit.vector)):
+        if not np.all(np.isfinite(state.linearised.vector)):
             return None
         rank, whole = spectrum(design(state)).rank, _problem(mechanism, self.measurements, options)
         if whole.readings.count <= rank:
             return None
         most = _largest_squares(whole)
-        squares = np.minimum(np.sum(state.fit.residuals**2, axis=1), most[self.solved])
+        squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[self.solved])
         chi_square = float(np.sum(squares) + np.sum(most[~self.solved]))
         return SequenceTrial(chi_square, whole.readings.count - rank, whole.readings.known)
 
 
 def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
-    """What each posture counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their standard deviations."""
-    weights = [1.0 if kind in ANGULAR else problem.model.closure.size for kind, _ in problem.model.columns]
-    return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * np.array(weights)) ** 2, axis=1))
+    """Return what each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their
+    standard deviations."""
+    units = np.where(problem.model.angular, 1.0, problem.model.closure.size)
+    return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1))
 
 
 def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> CalibrationProblem:
@@ -220,6 +242,8 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
         z, solved = newton_configurations(model, start_points(model, measurements), measurements.joints, p)
         p = fit_measuring_frames(problem, z, p, solved)
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
-    weight = np.array([model.closure.size if kind in ANGULAR else 1.0 for kind, _ in model.columns])
-    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * weight, 0.0)
-    return _TrialStart(measurements, p, z, solved, float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)))
+    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)
+    return _TrialStart(
+        measurements=measurements, p=p, z=z, solved=solved,
+        misfit=float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)),
+    )  # fmt: skip

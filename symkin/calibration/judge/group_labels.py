@@ -10,23 +10,24 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configurations import newton_configurations, start_points
 from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.residuals import wrapped
 from symkin.calibration.estimate.starting import with_starts
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of
 
 _OUTSTANDING_RATIO = 10.0
-"""A posture or a part of a group stands out when it is so many times further away than the others usually are."""
+"""A configuration or a part of a group stands out when it is so many times further away than the others usually are."""
 _USUAL_QUANTILE = 0.75
-"""Share of the postures that tells what is usual: errors of the nominal geometry spread them too."""
+"""Share of the configurations that tells what is usual: errors of the nominal geometry spread them too."""
 _MIN_GROUP_SIZE = 3
-"""Postures of a group from which one can be told from the others."""
+"""Configurations of a group from which one can be told from the others."""
 _COMPARED_NEIGHBOURS, _SCATTER_RATIO = 3, 5.0
-"""Labels mean nothing when a posture is so many times further from its group than from this many others of any label."""
+"""Labels mean nothing when a configuration is so many times further from its group than from this many others of any label."""
 
 
 def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
-    """A sentence on groups that look wrongly labelled, or none."""
+    """Write a sentence on groups that look wrongly labelled, or none."""
     if measurements.groups is None:
         return ()
     try:
@@ -44,7 +45,7 @@ def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[s
 
 
 class _GroupedInclinations:
-    """Postures `members` (numbers in the measurements) with the places (m,) of their groups and inclinations (m, 2), radians."""
+    """Configurations `members` (numbers in the measurements) with the places (m,) of their groups and inclinations (m, 2), radians."""
 
     def __init__(
         self, mechanism: Mechanism, measurements: Measurements, members: np.ndarray, places: np.ndarray, inclination: np.ndarray
@@ -57,7 +58,7 @@ class _GroupedInclinations:
         return np.asarray(np.median(self.inclination[self.places == place], axis=0))
 
     def misplaced(self) -> tuple[str, ...]:
-        """Postures whose inclination is far from the median of their group."""
+        """Find configurations whose inclination is far from the median of their group."""
         usual = float(np.quantile(self.away, _USUAL_QUANTILE))
         out = np.flatnonzero(self.away > _OUTSTANDING_RATIO * usual)
         if not len(out):
@@ -71,7 +72,7 @@ class _GroupedInclinations:
         )
 
     def merged(self) -> tuple[str, ...]:
-        """A group that falls into two tight parts far from each other."""
+        """Find a group that falls into two tight parts far from each other."""
         for place in range(int(self.places.max()) + 1):
             inside = np.flatnonzero(self.places == place)
             parts = _split_at_gap(self.inclination[inside])
@@ -91,7 +92,7 @@ class _GroupedInclinations:
         return ()
 
     def scattered(self) -> tuple[str, ...]:
-        """Labels that do not go with the inclinations, although the inclinations come in groups."""
+        """Find labels that do not go with the inclinations, although the inclinations come in groups."""
         count = len(self.members)
         if count <= _COMPARED_NEIGHBOURS:
             return ()
@@ -112,11 +113,11 @@ class _GroupedInclinations:
 
 
 def _split_at_gap(inclination: np.ndarray) -> np.ndarray | None:
-    """Which postures (m,) of a group lie on one side of the largest gap along the direction of largest spread, two or more on
-    each side; None where there is none."""
+    """Tell which configurations (m,) of a group lie on one side of the largest gap along the direction of largest spread, two
+    or more on each side; None where there is none."""
     if len(inclination) < 4:
         return None
-    around = _wrapped(inclination - np.median(inclination, axis=0))
+    around = wrapped(inclination - np.median(inclination, axis=0))
     along = around @ np.linalg.svd(around - around.mean(axis=0), full_matrices=False)[2][0]
     order = np.sort(along)
     cut = 1 + int(np.argmax(np.diff(order)[1:-1]))
@@ -124,19 +125,14 @@ def _split_at_gap(inclination: np.ndarray) -> np.ndarray | None:
 
 
 def _distances(inclination: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    return np.asarray(np.linalg.norm(_wrapped(inclination - middle), axis=1))
+    return np.asarray(np.linalg.norm(wrapped(inclination - middle), axis=1))
 
 
 def _nominal_inclinations(mechanism: Mechanism, measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Inclinations (n, 2) at the nominal geometry and groups (n,), -1 for postures that do not close."""
+    """Return inclinations (n, 2) at the nominal geometry and groups (n,), -1 for configurations that do not close."""
     problem = build_calibration(mechanism, with_starts(mechanism, measurements))
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
         z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
         e = model.evaluate(np.nan_to_num(z), m.joints, model.nominal, problem.quaternions)
     return np.nan_to_num(e.readings)[:, problem.readings.columns], np.where(solved, problem.readings.group, -1)
-
-
-def _wrapped(angles: np.ndarray) -> np.ndarray:
-    """Angles by the shorter way."""
-    return np.asarray(np.remainder(angles + np.pi, 2 * np.pi) - np.pi)

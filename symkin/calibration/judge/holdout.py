@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Measurements
+from symkin.calibration.data.measurements import NO_GROUP, Measurements, spread_rows
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings
-from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance, reading_slopes_at
+from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance
 from symkin.calibration.judge.assessment import state_residuals
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail, whitened_residuals
@@ -26,17 +26,17 @@ from symkin.errors import InputError
 
 _COUNT_PATTERN = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(%?)\s*")
 _MAX_OUTLIER_SHARE = 0.2
-"""Share of the held-out postures that may be outliers, one by one; where more are off, the prediction is."""
+"""Share of the held-out configurations that may be outliers, one by one; where more are off, the prediction is."""
 _MAX_NEIGHBOURS = 2000
-"""Fitted postures, spread evenly, among which neighbours are sought."""
+"""Fitted configurations, spread evenly, among which neighbours are sought."""
 _OUTLIER_LEVEL = 0.02
-"""Share of right predictions of which a posture is called an outlier."""
+"""Share of right predictions of which a configuration is called an outlier."""
 
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Predictions at postures that were held out, by their labels: root mean square of the errors and what was expected of it, by
-    kind (radians, length unit); chi-square without the `outliers`, its degrees of freedom and probability; postures `unsolved`."""
+    """Predictions at configurations that were held out, by their labels: root mean square of the errors and what was expected of it, by
+    kind (radians, length unit); chi-square without the `outliers`, its degrees of freedom and probability; configurations `unsolved`."""
 
     labels: tuple[str, ...]
     rms: dict[str, float]
@@ -50,12 +50,12 @@ class HeldOut:
 
     @property
     def believable(self) -> bool:
-        """Predicted as well as noise and the parameters' standard deviations let expect."""
+        """Whether they are predicted as well as noise and the parameters' standard deviations let expect."""
         return not self.unsolved and (self.p_value is None or self.p_value > SIGNIFICANCE)
 
     @property
     def doubt(self) -> str:
-        """Why they are not."""
+        """Why the prediction is not believable."""
         if self.unsolved:
             return f"the direct problem of {len(self.unsolved)} of {len(self.labels)} held-out postures has no solution"
         times = math.sqrt(self.chi_square / max(self.degrees, 1))
@@ -65,24 +65,24 @@ class HeldOut:
         )
 
 
-def held_out_count(asked: str, postures: int) -> int:
-    """How many postures `20` or `20%` are. Raises InputError where none or all of them would be held out."""
+def held_out_count(asked: str, configurations: int) -> int:
+    """Read how many configurations `20` or `20%` are. Raises InputError where none or all of them would be held out."""
     match = _COUNT_PATTERN.fullmatch(asked)
     if match is None or (not match[2] and "." in match[1]):
         raise InputError(f"--hold-out {asked!r}: a number of postures, or a share such as 20%, is needed")
-    count = max(1, round(float(match[1]) / 100.0 * postures)) if match[2] else int(match[1])
-    if not 1 <= count < postures:
+    count = max(1, round(float(match[1]) / 100.0 * configurations)) if match[2] else int(match[1])
+    if not 1 <= count < configurations:
         raise InputError(
-            f"--hold-out {asked.strip()}: {count} of {postures} postures would be held out; allowed: 1 to {postures - 1}"
+            f"--hold-out {asked.strip()}: {count} of {configurations} postures would be held out; allowed: 1 to {configurations - 1}"
         )
     return count
 
 
 def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarray:
-    """Which postures (n,) are held out: at random, and whole groups, until there are `count` of them or just more; none without a
-    reading beside the joints. Raises InputError where nothing is left."""
+    """Draw the configurations (n,) to be held out: at random, and whole groups, until there are `count` of them or just more;
+    none without a reading beside the joints. Raises InputError where nothing is left."""
     groups = np.full(len(measurements), NO_GROUP) if measurements.groups is None else measurements.groups
-    left, held = measurements.read, np.zeros(len(measurements), dtype=bool)
+    left, held = measurements.is_read, np.zeros(len(measurements), dtype=bool)
     for k in np.random.default_rng([seed, len(measurements)]).permutation(len(measurements)):
         if left[k] and not held[k] and int(held.sum()) < count:
             held |= (groups == groups[k]) if groups[k] != NO_GROUP else np.arange(len(held)) == k
@@ -92,17 +92,23 @@ def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarr
 
 
 def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) -> HeldOut:
-    """What a fit says of held-out postures, whose direct problems begin at their neighbours' solutions."""
+    """Predict held-out configurations by a fit; their direct problems begin at their neighbours' solutions."""
     model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
-    fitted = np.unique(np.linspace(0, len(fit.state.z) - 1, _MAX_NEIGHBOURS).astype(int))
+    fitted = spread_rows(len(fit.state.z), _MAX_NEIGHBOURS)
     known = fit.problem.measurements.joints[fitted]
     near = fitted[[int(np.argmin(np.sum((known - row) ** 2, axis=1))) for row in measurements.joints]]
-    postures = solve_configurations(model, measurements, p, z=fit.state.z[near], seed=seed)
-    unsolved = tuple(measurements.labels[int(k)] for k in np.flatnonzero(~postures.solved))
-    some, z = measurements.subset(postures.solved), postures.z[postures.solved]
+    configurations = solve_configurations(model, measurements, p, z=fit.state.z[near], seed=seed)
+    unsolved = tuple(measurements.labels[int(k)] for k in np.flatnonzero(~configurations.solved))
+    some, z = measurements.subset(configurations.solved), configurations.z[configurations.solved]
     if not len(z):
-        return HeldOut(tuple(measurements.labels), {}, {}, 0.0, 0, None, (), unsolved, seed)
-    problem = CalibrationProblem(fit.mechanism, some, model, build_readings(model, some), fit.problem.fixed, fit.problem.form)
+        return HeldOut(
+            labels=tuple(measurements.labels), rms={}, expected={}, chi_square=0.0, degrees=0, p_value=None, outliers=(),
+            unsolved=unsolved, seed=seed,
+        )  # fmt: skip
+    problem = CalibrationProblem(
+        mechanism=fit.mechanism, measurements=some, model=model, readings=build_readings(model, some), fixed=fit.problem.fixed,
+        form=fit.problem.form,
+    )  # fmt: skip
     off = _outliers(fit, problem, z)
     clean = problem
     if 0 < len(off) <= _MAX_OUTLIER_SHARE * len(z):
@@ -112,7 +118,8 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     rms, expected = _error_sizes(fit, problem, z)
     named = tuple(some.labels[k] for k in off) if clean is not problem else ()
     return HeldOut(
-        tuple(measurements.labels), rms, expected, chi_square, degrees, _probability(fit, chi_square, degrees), named, unsolved, seed
+        labels=tuple(measurements.labels), rms=rms, expected=expected, chi_square=chi_square, degrees=degrees,
+        p_value=_probability(fit, chi_square, degrees), outliers=named, unsolved=unsolved, seed=seed,
     )  # fmt: skip
 
 
@@ -156,7 +163,8 @@ def _chi_square(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) ->
 
 
 def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> np.ndarray:
-    """Postures (by number) that are off by themselves, beyond what the share `_OUTLIER_LEVEL` of right predictions has anywhere."""
+    """Find configurations (by number) that are off by themselves, beyond what the share `_OUTLIER_LEVEL` of right predictions
+    has anywhere."""
     errors, m = _whitened(fit, problem, z)
     taken = np.sum(problem.readings.taken, axis=1)
     level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
@@ -165,9 +173,9 @@ def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> n
 
 
 def _error_sizes(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
-    """Root mean square of the errors of each kind, and of what noise and parameters let expect."""
+    """Return the root mean square of the errors of each kind, and of what noise and parameters let expect."""
     state, readings = evaluate(problem, fit.state.p, z, "means"), problem.readings
-    errors, by_p = state_residuals(problem, state), reading_slopes_at(evaluate_readings(problem, state)) @ _covariance_root(fit)
+    errors, by_p = state_residuals(problem, state), evaluate_readings(problem, state).slopes @ _covariance_root(fit)
     noise = np.where(readings.taken, readings.sigma, 0.0) ** 2 + np.diagonal(joint_covariance(problem, state), axis1=1, axis2=2)
     variance = _variance_factor(fit) * noise + np.sum(by_p**2, axis=2)
     found: tuple[dict[str, float], dict[str, float]] = ({}, {})

@@ -19,23 +19,23 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import CLEAR_GAP
 
 _NULL_SPACE_TOLERANCE = 1e-5
-"""A unit direction belongs to the null space when less than this of it sticks out."""
+"""A unit direction belongs to the null space when its part outside is shorter than this."""
 _SAME_ANGLE = np.radians(2.0)
-"""Inclinations or yaws that spread by less count as one."""
+"""Inclinations or yaws (radians) that spread by less count as one."""
 _SPARSE_DRAWS = 60
 """Draws of parameters in the search for sparse combinations."""
 _FREE_FRAMES = ("base frame translation", "base frame yaw", "platform frame", "tool frame")
-"""Combinations that inclinations never tell."""
+"""Combinations that inclinations never determine."""
 _MAX_LISTED_PARAMETERS = 4
 """Most parameters that a combination without a name of its own lists."""
 
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """Rank of the identification Jacobian (residuals over their standard deviations, columns per length unit, angles
-    and directions times the size), its singular values and null space (P, k) over `names`; `unobservable` names k
-    independent combinations that no reading tells, `advice` says what would tell them. `gap` is the ratio of the
-    singular values on both sides of the rank (infinite where nothing is dropped to rounding)."""
+    """Rank of the identification Jacobian (residuals over their standard deviations, columns per length unit, angles and
+    directions times the size), its singular values and null space (P, k) over `names`; `unobservable` names k independent
+    combinations that no reading determines, `advice` says what to measure besides. `gap` is the ratio of the singular values
+    on both sides of the rank (infinite where nothing is dropped to rounding)."""
 
     names: tuple[str, ...]
     jacobian: np.ndarray
@@ -48,8 +48,8 @@ class Identifiability:
 
     @cached_property
     def base_set(self) -> tuple[str, ...]:
-        """As many parameters as the rank, that the readings tell when the others are held: of the null space, by elimination with
-        pivots, the parameters that span it best are left out."""
+        """As many parameters as the rank, that the readings determine when the others are held: of the null space, by
+        elimination with pivots, the parameters that span it best are left out."""
         rest, dropped = self.null_space.copy(), set[int]()
         for _ in range(self.null_space.shape[1]):
             sizes = np.linalg.norm(rest, axis=1)
@@ -76,41 +76,35 @@ class Identifiability:
 
 def identifiability(
     mechanism: Mechanism, measurements: Measurements, *, parameters: Sequence[str] | None = None, fixed: Sequence[str] = (),
-    residual: str = "means",
+    residual: str = "means"
 ) -> Identifiability:  # fmt: skip
-    """Identifiability at the nominal geometry, over the postures whose direct problem is solved there."""
+    """Determine the identifiability at the nominal geometry, over the configurations whose direct problem is solved there."""
     problem = build_calibration(mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual)
-    postures = solve_configurations(problem.model, measurements, problem.model.nominal)
-    if not postures.solved.any():
+    configurations = solve_configurations(problem.model, measurements, problem.model.nominal)
+    if not configurations.solved.any():
         raise InputError(f"{mechanism.name}: the direct problem of no posture has a solution at the nominal geometry")
-    if not postures.solved.all():
-        some = measurements.subset(postures.solved)
+    if not configurations.solved.all():
+        some = measurements.subset(configurations.solved)
         problem = build_calibration(mechanism, some, parameters=parameters, fixed=fixed, residual=residual)
-    state = estimate(problem, postures.z[postures.solved], max_iterations=0).state
+    state = estimate(problem, configurations.z[configurations.solved], max_iterations=0).state
     return identifiability_at(problem, state)
 
 
 def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiability:
-    """Identifiability at any state with closed postures: what the readings tell, without tolerances."""
+    """Determine the identifiability at a state with closed configurations: what the readings determine, without tolerances."""
     state = error_free_state(replace(problem, prior=None), state)
     matrix = design(state)
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        problem.names,
-        state.fit.matrix,
-        found.values,
-        found.rank,
-        found.gap,
-        found.null_space,
-        named,
-        _advice(problem, state, named),
-    )
+        names=problem.names, jacobian=state.linearised.matrix, singular_values=found.values, rank=found.rank, gap=found.gap,
+        null_space=found.null_space, unobservable=named, advice=_advice(problem, state, named),
+    )  # fmt: skip
 
 
 def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray) -> tuple[str, ...]:
-    """Names of independent directions that span the null space: single parameters without effect, frames and other
-    known motions, then sparse combinations of parameters."""
+    """Name independent directions that span the null space: single parameters without effect, frames and other known motions,
+    then sparse combinations of parameters."""
     names: list[str] = []
     taken = np.zeros((len(p), 0))
 
@@ -138,7 +132,7 @@ def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.n
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
-    """Unit directions of a space (P, k) with few parameters in each, fewest first: bases in which k parameters, drawn
+    """Find unit directions of a space (P, k) with few parameters in each, fewest first: bases in which k parameters, drawn
     again and again, are 1 in one direction and 0 in the others."""
     width, count = null_space.shape
     rng = np.random.default_rng(0)
@@ -162,7 +156,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
 
 
 def _combination(names: Sequence[str], direction: np.ndarray) -> str:
-    """'dh.2.d - dh.3.d': the largest components, with their weights where they are not one."""
+    """Write 'dh.2.d - dh.3.d': the largest components, with their weights where they are not one."""
     order = np.argsort(-np.abs(direction), kind="stable")
     kept = [int(k) for k in order if abs(direction[k]) > 1e-6 * abs(direction[order[0]])]
     lead = direction[kept[0]]
@@ -179,7 +173,7 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
 
 
 def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[str]) -> tuple[str, ...]:
-    """What to measure besides, from what the postures have in common."""
+    """Say what to measure besides, from what the configurations have in common."""
     advice = []
     kinds = {kind for kind, _ in problem.model.columns}
     unusual = [text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text]
@@ -205,7 +199,7 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
 
 
 def inclinations(poses: np.ndarray) -> np.ndarray:
-    """alpha, beta (n, 2) of poses (n, 7)."""
+    """Return alpha, beta (n, 2) of poses (n, 7)."""
     w, x, y, z = poses[:, 3:].T
     first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
     return np.column_stack([np.arctan2(second, third), np.arctan2(-first, np.hypot(second, third))])

@@ -25,11 +25,11 @@ from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, r
 _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
 
 NEARLY_PARALLEL = 0.01
-"""Axes whose twist from parallel is less than this (radians) are nearly parallel: their offsets are told by little."""
+"""Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly determine their offsets."""
 
 
 def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """(name, scaled direction over the model's parameters) of every known change at p, most telling first. A change
+    """Yield (name, scaled direction over the model's parameters) of every known change at p, most telling first. A change
     that would need a parameter that is held is left out."""
     values = dict(zip(model.names, p, strict=True))
     for name, velocity in _all_motions(model.mechanism, all_values(model, p)):
@@ -41,7 +41,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
 
 
 def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
-    """Values of all parameters by name: nominal, those of the model's as p has them."""
+    """Return the values of all parameters by name: nominal, those of the model's as p has them."""
     return _nominal_values(model) | dict(zip(model.names, map(float, p), strict=True))
 
 
@@ -81,8 +81,8 @@ def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple
 
 
 def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    """The frame that readings are taken in, moved against the frame of the mechanism that it is fixed to; of the target frame also
-    the position alone, which is all that positions tell."""
+    """Move the frame that readings are taken in against the frame of the mechanism that it is fixed to; of the target frame
+    also the position alone, which is all that positions determine."""
     for text, velocity, (t, w) in (*_base_twists(mechanism, values), *_platform_twists(mechanism, values)):
         if text.startswith("world"):
             yield text, velocity | _world_moved(values, t, w)
@@ -118,7 +118,7 @@ def _platform_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Itera
 
 
 def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """World frame W when W exp(t, w) stays: the base frame has moved by the twist in its own axes."""
+    """Move the world frame W so that W exp(t, w) stays: the base frame has moved by the twist in its own axes."""
     r = vector_values(values, "world.rotation")
     turned = rotate(np.asarray(quaternion_from_rotation_vector(r)), t)
     return vector_velocity("world.position", -np.asarray(turned)) | vector_velocity(
@@ -127,7 +127,7 @@ def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> V
 
 
 def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Target frame T when exp(t, w) T stays: the platform frame has moved by the twist in its own axes."""
+    """Move the target frame T so that exp(t, w) T stays: the platform frame has moved by the twist in its own axes."""
     r, p = vector_values(values, "target.rotation"), vector_values(values, "target.position")
     return vector_velocity("target.position", -(t + np.cross(w, p))) | vector_velocity(
         "target.rotation", -_rotation_vector_rate(r, w, -1.0)
@@ -146,7 +146,7 @@ def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarr
 def _elements(
     table: DHTable, values: Mapping[str, float], number: int
 ) -> Iterator[tuple[str, Pose, Pose, tuple[np.ndarray, np.ndarray]]]:
-    """The four elementary motions of a row: key, what stands before and after it in the row, and its twist."""
+    """Yield the four elementary motions of a row: key, what stands before and after it in the row, and its twist."""
     keys = ("theta", "d", "a", "alpha") if table.convention == "standard" else ("alpha", "a", "theta", "d")
     axes = {key: np.eye(3)[2 if key in ("theta", "d") else 0] for key in keys}
 
@@ -162,13 +162,13 @@ def _elements(
 
 
 def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A twist of a frame, seen from where the frame stands."""
+    """Transform a twist of a frame to the axes in which the frame stands."""
     turned = np.asarray(frame.turn(w))
     return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
 
 
 def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Everything given in the base frame moves by the twist (t, w)."""
+    """Move everything given in the base frame by the twist (t, w)."""
     velocity: Velocity = {}
 
     def point(path: str) -> None:
@@ -193,7 +193,7 @@ def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray
 
 
 def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """The platform frame moves by the twist (t, w) in its own axes; what is given in it moves the other way."""
+    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the other way."""
     velocity: Velocity = {}
     for limb in mechanism.limbs:
         paths = [f"{limb.name}.platform"] if isinstance(limb, RodLimb) else []
@@ -210,7 +210,7 @@ def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.nda
 
 
 def _stretched(mechanism: Mechanism, values: Mapping[str, float]) -> Velocity:
-    """Every length grows in proportion."""
+    """Stretch every length in proportion."""
     turning = {j.name for _, j in mechanism.joints if j.type in ("R", "H")}
 
     def is_length(name: str) -> bool:
@@ -241,8 +241,8 @@ def _put(velocity: Velocity, path: str, value: np.ndarray, letters: str = "xyz")
 def parallel_offsets(
     mechanism: Mechanism, values: Mapping[str, float], within: float = 0.0
 ) -> Iterator[tuple[str, dict[str, float]]]:
-    """(name, velocity of parameters) for neighbouring rows whose axes are parallel to rounding, or `within` an angle: the offset d of
-    one and that of the next move the tool alike."""
+    """Yield (name, rates of parameters) for neighbouring rows whose axes are parallel to rounding, or `within` an angle: the
+    offset d of one and that of the next move the tool alike."""
     if mechanism.dh is None:
         return
     rows, standard = mechanism.dh.rows, mechanism.dh.convention == "standard"
@@ -258,7 +258,7 @@ def parallel_offsets(
 
 
 def nearly_parallel(mechanism: Mechanism, values: Mapping[str, float]) -> tuple[str, ...]:
-    """Pairs of neighbouring axes that are parallel or nearly so, by name."""
+    """Name pairs of neighbouring axes that are parallel or nearly so."""
     if mechanism.dh is None:
         return ()
     return tuple(

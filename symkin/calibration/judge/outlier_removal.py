@@ -37,7 +37,7 @@ ReadingKey = tuple[int, str]
 
 @dataclass(frozen=True, eq=False)
 class StartValues:
-    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all postures, NaN where none are known."""
+    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations, NaN where none are known."""
 
     p: np.ndarray
     z: np.ndarray
@@ -65,7 +65,7 @@ class ScreenedFit:
 
 
 def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fit, level: float) -> ScreenedFit:
-    """The fit without outliers. Where there are so many that none can be told one by one, or where they spoil the first fit, the
+    """Fit without outliers. Where there are so many that none can be told one by one, or where they spoil the first fit, the
     majority of the readings decides; where that decides nothing either and errors are gross, the fit is refused."""
     plain = ScreenedFit(found, Screening((), ()))
     if found.result.status == "ok":
@@ -105,7 +105,7 @@ def _one_by_one(
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
-    """Whether a fit to fewer readings is none, or fits them worse."""
+    """Tell whether a fit to fewer readings failed, or fits them worse."""
     if again.result.status != "ok":
         return True
     return _per_reading(again) > _WORSE_RATIO * max(_per_reading(found), 1.0 if found.problem.readings.known else 0.0)
@@ -119,8 +119,8 @@ def _per_reading(found: Fit) -> float:
 
 
 def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level: float, plain: ScreenedFit) -> ScreenedFit:
-    """The fit without all that a robust fit leaves far off; the plain one where the errors are not gross, refused where they are and
-    the rest does not fit either."""
+    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not gross, refuse it where
+    they are and the rest does not fit either."""
     trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
     if not trials[0].scale < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
@@ -149,25 +149,36 @@ def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level
 
 
 def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], float]:
-    """Readings that a robust fit leaves off by more than chance allows, and the share of all that are grossly so."""
+    """Find readings that a robust fit leaves off by more than chance allows, and the share of all that are grossly so."""
     problem, state = found.problem, found.result.state
     t = normalised_residuals(problem, problem, state) / scale
     bad, gross, count = list[Outlier](), 0, 0
     kinds = reading_kinds(problem)
-    total = sum(len(postures) for _, postures, _ in kinds)
-    for kind, postures, rows in kinds:
-        columns = rows[0] - postures[0] * t.shape[1]
-        for i in postures:
+    total = sum(len(configurations) for _, configurations, _ in kinds)
+    for kind, configurations, rows in kinds:
+        columns = rows[0] - configurations[0] * t.shape[1]
+        for i in configurations:
             inside = columns[problem.readings.taken[i, columns]]
             statistic, count = float(t[i, inside] @ t[i, inside]), count + 1
             gross += statistic > _GROSS_RATIO**2 * len(inside)
             if chi_square_tail(statistic, len(inside)) < level / total:
-                bad.append(Outlier(int(found.used[i]), "", kind, (), statistic, len(inside), 0.0, ""))
+                bad.append(
+                    Outlier(
+                        configuration=int(found.used[i]),
+                        label="",
+                        kind=kind,
+                        shift=(),
+                        statistic=statistic,
+                        degrees=len(inside),
+                        probability=0.0,
+                        reason="",
+                    )
+                )
     return bad, gross / max(count, 1)
 
 
 def _is_explained(found: Fit) -> bool:
-    """Whether what a fit leaves is as the noise lets expect, or is normal noise of unknown size."""
+    """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown size."""
     model = linear_model(found.problem, found.result.state)
     if found.problem.readings.known:
         return chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE or model.chi_square < 2.0 * model.degrees
@@ -179,11 +190,11 @@ def _is_explained(found: Fit) -> bool:
 
 
 def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, level: float) -> ScreenedFit:
-    """Outliers with the figures that the last fit gives them; those that agree with it are put back, and fitted again."""
+    """Test the outliers by the last fit; put those that agree with it back, and fit again."""
     if not made.screening.outliers:
         return made
     outliers = _retest(measurements, made.found, made.screening.outliers)
-    total = sum(len(postures) for _, postures, _ in reading_kinds(made.found.problem)) + len(outliers)
+    total = sum(len(configurations) for _, configurations, _ in reading_kinds(made.found.problem)) + len(outliers)
     kept = [o for o in outliers if o.probability < level / total]
     if len(kept) < len(outliers):
         again = fit(_without(measurements, kept), StartValues.of(made.found, len(measurements)))
@@ -195,7 +206,8 @@ def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, l
 
 
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
-    """Readings that were taken out, less what the fit predicts; as they were judged where their posture does not close."""
+    """Compare readings that were taken out with what the fit predicts; they stay as they were judged where their
+    configuration does not close."""
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
     begin = start_points(problem.model, measurements)
@@ -206,7 +218,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
         noise = joint_covariance(problem, there)
     gap = _less_means(problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers)
     spread = 1.0 if problem.readings.known else _per_reading(found)
-    return [_retest_outlier(problem, gap, noise, o, spread) if closed[o.posture] else o for o in outliers]
+    return [_retest_outlier(problem, gap, noise, o, spread) if closed[o.configuration] else o for o in outliers]
 
 
 def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProblem:
@@ -219,7 +231,7 @@ def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProble
 def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence[Outlier]) -> np.ndarray:
     """Deviations of grouped readings from the mean of those of their group that are not taken out."""
     readings = problem.readings
-    out = {o.posture for o in outliers if o.kind == "group"}
+    out = {o.configuration for o in outliers if o.kind == "group"}
     for g in range(readings.groups):
         members = np.flatnonzero(readings.group == g)
         kept = [i for i in members if i not in out] or list(members)
@@ -228,33 +240,33 @@ def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence
 
 
 def _retest_outlier(problem: CalibrationProblem, gap: np.ndarray, noise: np.ndarray, o: Outlier, spread: float) -> Outlier:
-    """An outlier with the shift and the statistic that a fit gives it."""
+    """Give an outlier the shift and the statistic that a fit gives it."""
     named = [
         k
         for k, (kind, component) in enumerate(problem.model.columns)
         if o.kind in (kind, component if kind == "distance" else kind)
     ]
-    columns = np.array([k for k in named if problem.readings.taken[o.posture, k]], dtype=int)
+    columns = np.array([k for k in named if problem.readings.taken[o.configuration, k]], dtype=int)
     if len(columns) == 0:
         return o
-    block = noise[o.posture][np.ix_(columns, columns)] + np.diag(problem.readings.sigma[o.posture, columns] ** 2)
-    shift = -gap[o.posture, columns]
+    block = noise[o.configuration][np.ix_(columns, columns)] + np.diag(problem.readings.sigma[o.configuration, columns] ** 2)
+    shift = -gap[o.configuration, columns]
     statistic = float(shift @ np.linalg.solve(spread * block, shift))
     return describe_outlier(
-        problem, o.posture, o.kind, columns, shift, statistic, len(columns), chi_square_tail(statistic, len(columns))
+        problem, o.configuration, o.kind, columns, shift, statistic, len(columns), chi_square_tail(statistic, len(columns))
     )
 
 
 def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
     for o in outliers:
-        measurements = measurements.without(o.posture, o.kind)
+        measurements = measurements.without(o.configuration, o.kind)
     return measurements
 
 
 def _renumbered(screening: Screening, used: np.ndarray) -> Screening:
-    """The screening with the numbers that postures have in the file."""
+    """The screening with the numbers that configurations have in the file."""
     return Screening(
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.outliers),
+        tuple(replace(o, configuration=int(used[o.configuration])) for o in screening.outliers),
         tuple((int(used[k]), kind) for k, kind in screening.unchecked),
-        tuple(replace(o, posture=int(used[o.posture])) for o in screening.given_up),
+        tuple(replace(o, configuration=int(used[o.configuration])) for o in screening.given_up),
     )

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR, only_rounding
+from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.statistics import LinearModel, chi_square_tail, f_tail
 
 OUTLIER_LEVEL = 0.02
@@ -29,10 +30,10 @@ _MIN_SHOWN_PROBABILITY = 1e-16
 
 @dataclass(frozen=True)
 class Outlier:
-    """A flagged reading: number and label of its posture, kind, estimated shift of its components (radians, length
+    """A flagged reading: number and label of its configuration, kind, estimated shift of its components (radians, length
     unit), the statistic with its degrees of freedom and probability, and the reason in one sentence."""
 
-    posture: int
+    configuration: int
     label: str
     kind: str
     shift: tuple[float, ...]
@@ -44,7 +45,7 @@ class Outlier:
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """Outliers in the order in which they were taken out, and readings (posture, kind) that nothing else checks. `given_up`
+    """Outliers in the order in which they were taken out, and readings (configuration, kind) that nothing else checks. `given_up`
     holds those found where there were so many that none is to be left out: the fit is wrong as a whole."""
 
     outliers: tuple[Outlier, ...]
@@ -54,11 +55,11 @@ class Screening:
 
 @dataclass(frozen=True, eq=False)
 class _ReadingTests:
-    """Readings of one kind: postures (m,), rows of the linear model (m, w), statistics and degrees of freedom (m,), whitened
+    """Readings of one kind: configurations (m,), rows of the linear model (m, w), statistics and degrees of freedom (m,), whitened
     shifts (m, w)."""
 
     kind: str
-    postures: np.ndarray
+    configurations: np.ndarray
     rows: np.ndarray
     statistic: np.ndarray
     degrees: np.ndarray
@@ -68,12 +69,13 @@ class _ReadingTests:
 def screen_readings(
     problem: CalibrationProblem, model: LinearModel, *, level: float = OUTLIER_LEVEL, share: float = 0.0
 ) -> Screening:
-    """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than rounding. It
-    is given up where more than the share `_MAX_OUTLIER_SHARE` of the readings, a third of the degrees of freedom or `_MAX_OUTLIERS` readings would go."""
+    """Find outliers by deletion, while their statistics are at least `share` of the largest and their shifts more than
+    rounding. The search is given up where more than the share `_MAX_OUTLIER_SHARE` of the readings, a third of the degrees of
+    freedom or `_MAX_OUTLIERS` readings would go."""
     kinds = reading_kinds(problem)
     first = [_test_readings(model, *kind) for kind in kinds]
-    unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.postures[j.degrees == 0]))
-    count, least = sum(len(j.postures) for j in first), 2 * model.degrees // 3
+    unchecked = tuple(sorted((int(i), j.kind) for j in first for i in j.configurations[j.degrees == 0]))
+    count, least = sum(len(j.configurations) for j in first), 2 * model.degrees // 3
     most, found = max_outliers(problem), list[Outlier]()
     while model.degrees > 0 and len(found) < count:
         probability, judged, m = _least_likely(model, [_test_readings(model, *kind) for kind in kinds], problem.readings.known)
@@ -92,21 +94,24 @@ def screen_readings(
 
 
 def max_outliers(problem: CalibrationProblem) -> int:
-    """The number of readings that may be left out one by one."""
-    return min(_MAX_OUTLIERS, int(_MAX_OUTLIER_SHARE * sum(len(postures) for _, postures, _ in reading_kinds(problem))))
+    """Return the number of readings that may be left out one by one."""
+    return min(
+        _MAX_OUTLIERS, int(_MAX_OUTLIER_SHARE * sum(len(configurations) for _, configurations, _ in reading_kinds(problem)))
+    )
 
 
 def reading_kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Kinds of readings (a distance by its name) with the postures (m,) that have any component of it and rows (m, w)."""
+    """List the kinds of readings (a distance by its name) with the configurations (m,) that have any component of it and rows
+    (m, w)."""
     columns, taken = problem.model.columns, problem.readings.taken
     members: dict[str, list[int]] = {}
     for k, (kind, component) in enumerate(columns):
         members.setdefault(component if kind == "distance" else kind, []).append(k)
     made = []
     for kind, inside in members.items():
-        postures = np.flatnonzero(taken[:, inside].any(axis=1))
-        if len(postures):
-            made.append((kind, postures, postures[:, None] * len(columns) + np.array(inside)))
+        configurations = np.flatnonzero(taken[:, inside].any(axis=1))
+        if len(configurations):
+            made.append((kind, configurations, configurations[:, None] * len(columns) + np.array(inside)))
     return made
 
 
@@ -114,18 +119,21 @@ def _taken_rows(model: LinearModel, rows: np.ndarray) -> np.ndarray:
     return np.asarray(rows[model.taken[rows]])
 
 
-def _test_readings(model: LinearModel, kind: str, postures: np.ndarray, rows: np.ndarray) -> _ReadingTests:
+def _test_readings(model: LinearModel, kind: str, configurations: np.ndarray, rows: np.ndarray) -> _ReadingTests:
     values, vectors = np.linalg.eigh(model.freedom(rows))
     seen = values > _MIN_REDUNDANCY
     part = np.where(seen, (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0], 0.0)
     scaled = part / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]
-    return _ReadingTests(kind, postures, rows, np.sum(part * scaled, axis=1), np.sum(seen, axis=1), shift)
+    return _ReadingTests(
+        kind=kind, configurations=configurations, rows=rows, statistic=np.sum(part * scaled, axis=1),
+        degrees=np.sum(seen, axis=1), shift=shift,
+    )  # fmt: skip
 
 
 def _least_likely(model: LinearModel, kinds: list[_ReadingTests], known: bool) -> tuple[float, _ReadingTests | None, int]:
-    """Probability, kind and place of the least likely reading: one of those with the largest statistic of their degrees of
-    freedom; the larger statistic where several have probability 0."""
+    """Find the least likely reading, with probability, kind and place: one of those with the largest statistic of their
+    degrees of freedom; the larger statistic where several have probability 0."""
     best: tuple[float, float, _ReadingTests | None, int] = (1.0, 0.0, None, 0)
     for judged in kinds:
         for d in (int(d) for d in np.unique(judged.degrees) if d):
@@ -138,7 +146,7 @@ def _least_likely(model: LinearModel, kinds: list[_ReadingTests], known: bool) -
 
 
 def _probability(model: LinearModel, statistic: float, degrees: int, *, known: bool) -> float:
-    """Probability of a statistic; unknown noise is studentised without the reading that is judged."""
+    """Return the probability of a statistic; unknown noise is studentised without the reading that is judged."""
     if known:
         return chi_square_tail(statistic, degrees)
     left = model.degrees - degrees
@@ -148,26 +156,26 @@ def _probability(model: LinearModel, statistic: float, degrees: int, *, known: b
 
 
 def _scatter(model: LinearModel, statistic: float, degrees: int) -> float:
-    """Variance of the readings that are left when one with such a statistic is taken out."""
+    """Return the variance of the readings that are left when one with such a statistic is taken out."""
     return max((model.chi_square - statistic) / max(model.degrees - degrees, 1), 1e-300)
 
 
 def _outlier(problem: CalibrationProblem, model: LinearModel, judged: _ReadingTests, m: int, probability: float) -> Outlier:
-    posture, kind, rows = int(judged.postures[m]), judged.kind, judged.rows[m]
+    configuration, kind, rows = int(judged.configurations[m]), judged.kind, judged.rows[m]
     given = model.taken[rows]
-    columns = rows[given] - posture * len(problem.model.columns)
+    columns = rows[given] - configuration * len(problem.model.columns)
     degrees = int(judged.degrees[m])
     unit = 1.0 if problem.readings.known else _scatter(model, float(judged.statistic[m]), degrees)
-    shift = np.linalg.solve(model.whiten[posture][np.ix_(columns, columns)], judged.shift[m][given])
-    return describe_outlier(problem, posture, kind, columns, shift, float(judged.statistic[m]) / unit, degrees, probability)
+    shift = np.linalg.solve(model.whiten[configuration][np.ix_(columns, columns)], judged.shift[m][given])
+    return describe_outlier(problem, configuration, kind, columns, shift, float(judged.statistic[m]) / unit, degrees, probability)
 
 
 def describe_outlier(
-    problem: CalibrationProblem, posture: int, kind: str, columns: np.ndarray, shift: np.ndarray, statistic: float, degrees: int,
-    probability: float,
+    problem: CalibrationProblem, configuration: int, kind: str, columns: np.ndarray, shift: np.ndarray, statistic: float, degrees: int,
+    probability: float
 ) -> Outlier:  # fmt: skip
-    """An outlier with its sentence; `columns` are those of the readings, the statistic counts in variances."""
-    label = problem.measurements.labels[posture]
+    """Describe an outlier in a sentence; `columns` are those of the readings, the statistic counts in variances."""
+    label = problem.measurements.labels[configuration]
     names = [problem.model.columns[k][1] for k in columns]
     angular = kind in ANGULAR
     unit = "deg" if angular else problem.mechanism.length_unit
@@ -177,7 +185,10 @@ def describe_outlier(
         f"posture {label}, {kind}: off by {text} of what the other readings say; "
         f"statistic {statistic:.4g} with {degrees} degrees of freedom, probability {_probability_text(probability)}"
     )
-    return Outlier(posture, label, kind, tuple(float(v) for v in shift), statistic, degrees, probability, reason)
+    return Outlier(
+        configuration=configuration, label=label, kind=kind, shift=tuple(float(v) for v in shift), statistic=statistic,
+        degrees=degrees, probability=probability, reason=reason,
+    )  # fmt: skip
 
 
 def _probability_text(probability: float) -> str:

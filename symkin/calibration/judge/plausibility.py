@@ -25,10 +25,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, newton_configurations
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR
 from symkin.calibration.estimate.state import State
 from symkin.calibration.estimate.workspace import lever, platform_points
 from symkin.calibration.judge.statistics import rms_of_better_part
@@ -52,41 +53,42 @@ OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
 machine; one by more than the second is, where a slip of the columns would make it. Tolerances of some per mille of the size leave some
 per mille, a nominal geometry measured with a ruler two or three per cent."""
 _NEGLIGIBLE_CHANGE = 0.03
-"""Changes of all parameters below this share of the size (angles: radians) are the same machine, however its poses differ: near
-singularities they may by much."""
+"""Changes of all parameters below this share of the size (angles: radians) are the same machine, although near singularities
+its poses may differ by much."""
 _EXPECTED_TOLERANCES = 6.0
 """Changes within so many of the tolerances stated are what the user expects, however far they go."""
 MAX_NOISE_RATIO = 30.0
-"""Residuals so many times as large as the noise stated come from no noise: an instrument's is known better than to a decade."""
+"""Residuals larger than so many times the noise stated do not come from noise: an instrument's is known better than to a
+factor of ten."""
 _MAX_RESIDUAL_SHARE = 1e-3
 """Where no noise is stated, residuals above this share of the size are coarser than any instrument that calibrates."""
 _UNEXPLAINED_SHARE = 0.5
 """Residuals above this share of the nominal geometry's say that the parameters do not explain the readings."""
 _NAMED_CHANGES = 3
-"""Changes that are named."""
+"""Largest changes that a sentence names."""
 
 _COMPARED_CONFIGURATIONS = 80
-"""Postures that are compared, spread evenly over those used."""
+"""Configurations that are compared, spread evenly over those used."""
 _MAX_ALIGNMENT_STEPS = 30
 """Most Gauss-Newton steps of the frames."""
 
 
 def rejection_reason(
-    fit: Calibration, at_nominal: float, suspicions: Sequence[str], gone: Departure, *, any_machine: bool = False
+    fit: Calibration, at_nominal: float, suspicions: Sequence[str], departure: Departure, *, any_machine: bool = False
 ) -> str | None:
-    """Why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the nominal
-    geometry (see `residual_misfit`). With `any_machine` a geometry far from the file's is not refused for that."""
+    """Say why a converged fit is not to be used, None where nothing speaks against it; `at_nominal` is the misfit of the
+    nominal geometry (see `residual_misfit`). With `any_machine` a geometry far from the file's is not refused for that."""
     beyond = _noise_excess(fit)
-    misplaced = is_other_machine(fit, gone) or (bool(suspicions) and is_noticeable(fit, gone))
+    misplaced = is_other_machine(fit, departure) or (bool(suspicions) and is_noticeable(fit, departure))
     if beyond is not None:
         why = _misfit_reason(fit, beyond, at_nominal, suspicions)
         if why is not None:
             return why
-    return describe_other_machine(fit, gone, suspicions) if misplaced and not any_machine else None
+    return describe_other_machine(fit, departure, suspicions) if misplaced and not any_machine else None
 
 
 def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions: Sequence[str]) -> str | None:
-    """Why residuals beyond any noise are those of no geometry, None where they may be of one that the model does not know."""
+    """Say why residuals beyond any noise fit no geometry, None where they may fit one that the model does not know."""
     moved = large_changes(fit)
     if moved:
         largest = max(moved, key=lambda p: _relative_change(fit, p))
@@ -105,30 +107,31 @@ def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions:
     return beyond if suspicions else None
 
 
-def is_other_machine(fit: Calibration, gone: Departure) -> bool:
-    """Whether the fit is of another machine than the file describes, and further away than the tolerances stated expect."""
+def is_other_machine(fit: Calibration, departure: Departure) -> bool:
+    """Tell whether the fit is of another machine than the file describes, and further away than the tolerances stated let
+    expect."""
     within = (
         fit.problem.prior is not None
         and max((abs(z) for _, z in changes_over_tolerances(fit)), default=0.0) <= _EXPECTED_TOLERANCES
     )
-    return gone.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit, gone)
+    return departure.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit, departure)
 
 
-def is_noticeable(fit: Calibration, gone: Departure) -> bool:
-    """Whether the geometry went so far that slips of the file are worth a search although it fits."""
-    return gone.share > NOTICEABLE_DEPARTURE and any(
+def is_noticeable(fit: Calibration, departure: Departure) -> bool:
+    """Tell whether the geometry went so far that mistakes in the file are worth a search although it fits."""
+    return departure.share > NOTICEABLE_DEPARTURE and any(
         _relative_change(fit, p) > _NEGLIGIBLE_CHANGE for p in fit.parameters if not p.held
     )
 
 
 def beyond_tolerances(fit: Calibration) -> list[tuple[str, float]]:
-    """Parameters that moved by more tolerances than expected, largest first, with how many."""
+    """List parameters that moved by more tolerances than expected, largest first, with how many."""
     found = [(name, abs(z)) for name, z in changes_over_tolerances(fit) if abs(z) > _EXPECTED_TOLERANCES]
     return sorted(found, key=lambda pair: -pair[1])
 
 
 def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
-    """Changes of free parameters over the tolerances stated."""
+    """Return the changes of free parameters over the tolerances stated."""
     prior, model = fit.problem.prior, fit.problem.model
     if prior is None:
         return []
@@ -136,8 +139,8 @@ def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
     return [(name, float(z)) for name, z, s in zip(model.names, changes, prior, strict=True) if np.isfinite(s)]
 
 
-def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequence[str] = ()) -> str:
-    """What is said of a geometry far from the file's, first what would explain it."""
+def describe_other_machine(fit: Calibration, departure: Departure, suspicions: Sequence[str] = ()) -> str:
+    """Describe a geometry far from the file's, first what would explain it."""
     m = fit.mechanism
     size, free = m.size, [p for p in fit.parameters if not p.held]
     largest = sorted(free, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))[:_NAMED_CHANGES]
@@ -146,37 +149,42 @@ def describe_other_machine(fit: Calibration, gone: Departure, suspicions: Sequen
         else f"{p.name} {p.change:+.3g}{f' {m.length_unit}' if p.kind == 'length' else ''}"
         for p in largest
     )  # fmt: skip
-    unclosed = f"; {gone.open} of {gone.postures} postures the file's geometry cannot take there" if gone.open else ""
+    unclosed = (
+        f"; {departure.unclosed} of {departure.configurations} postures the file's geometry cannot take there"
+        if departure.unclosed
+        else ""
+    )
     cause = f"{suspicions[0]}; its" if suspicions else "its"
     return (
-        f"another machine than {m.name} describes: {cause} poses are {100 * gone.share:.2g} % of their spread away from the file's at the same "
-        f"joint readings ({gone.position:.3g} {m.length_unit} and {m.angle_out(gone.angle):.3g} {m.angle_unit} rms, frames aligned{unclosed}); "
+        f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % of their spread away from the file's at the same "
+        f"joint readings ({departure.position:.3g} {m.length_unit} and {m.angle_out(departure.angle):.3g} {m.angle_unit} rms, frames aligned{unclosed}); "
         f"largest changes: {changes}; for a machine that is so, state --tolerance or --any-machine"
     )
 
 
 def is_beyond_noise(fit: Calibration) -> bool:
-    """Whether residuals are larger than any noise would make them."""
+    """Tell whether residuals are larger than any noise would make them."""
     return _noise_excess(fit) is not None
 
 
 def large_changes(fit: Calibration) -> list[Parameter]:
-    """Free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal place."""
+    """List free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal place."""
     return [
         p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES and _relative_change(fit, p) > LARGE_CHANGE
     ]
 
 
 def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
-    """Root mean square of a posture's residuals, angles times the size (length unit), over the better four fifths."""
+    """Return the root mean square of a configuration's residuals, angles times the size (length unit), over the better four
+    fifths."""
     squares: dict[int, float] = {}
     for r in residuals:
-        squares[r.posture] = squares.get(r.posture, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
+        squares[r.configuration] = squares.get(r.configuration, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
     return rms_of_better_part(np.array(list(squares.values())))
 
 
 def _noise_excess(fit: Calibration) -> str | None:
-    """The sentence that says how far residuals are beyond noise, None where they are not."""
+    """Say how far residuals are beyond noise, None where they are not."""
     if fit.p_value is not None and fit.degrees > 0:
         times = math.sqrt(fit.chi_square / fit.degrees)
         return f"the residuals are {times:.3g} times as large as the noise stated" if times > MAX_NOISE_RATIO else None
@@ -185,31 +193,31 @@ def _noise_excess(fit: Calibration) -> str | None:
 
 
 def _relative_change(fit: Calibration, p: Parameter) -> float:
-    """The change of a parameter over the size (lengths), in radians or plain."""
+    """Return the change of a parameter over the size (lengths), in radians or plain."""
     return abs(p.change) / (fit.mechanism.size if p.kind == "length" else 1.0)
 
 
 @dataclass(frozen=True)
 class Departure:
-    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `open` the number
-    of postures, of `postures`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
+    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `unclosed` the number
+    of configurations, of `configurations`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
 
     share: float
     position: float
     angle: float
-    open: int
-    postures: int
+    unclosed: int
+    configurations: int
 
 
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
-    """The departure of a fit from the nominal geometry, over the postures fitted."""
+    """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     model = problem.model
-    rows = np.unique(np.linspace(0, len(state.z) - 1, _COMPARED_CONFIGURATIONS).astype(int))
+    rows = spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
     fitted = platform_poses(problem, state.p, state.z[rows])
     whole = np.all(np.isfinite(fitted), axis=1)
     rows, fitted = rows[whole], fitted[whole]
     if not len(rows):
-        return Departure(1.0, 0.0, 0.0, 0, 0)
+        return Departure(share=1.0, position=0.0, angle=0.0, unclosed=0, configurations=0)
     joints = problem.measurements.joints[rows]
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
@@ -217,21 +225,21 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     here = _PoseSet.at(fitted, centre, length)
     spread = here.spread
     if not np.any(closed) or not spread > 0.0:
-        return Departure(0.0 if np.any(closed) else 1.0, 0.0, 0.0, int(np.sum(~closed)), len(rows))
+        return Departure(
+            share=0.0 if np.any(closed) else 1.0, position=0.0, angle=0.0, unclosed=int(np.sum(~closed)), configurations=len(rows)
+        )
     there = _PoseSet.at(platform_poses(problem, model.nominal, z[closed]), centre, length)
     off = _aligned_difference(here.take(closed), there)
     squares = np.concatenate([np.sum(off**2, axis=1), np.full(int(np.sum(~closed)), spread**2)])
     return Departure(
-        rms_of_better_part(squares) / spread,
-        float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
-        float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length,
-        int(np.sum(~closed)),
-        len(rows),
-    )
+        share=rms_of_better_part(squares) / spread, position=float(np.sqrt(np.mean(np.sum(off[:, :3] ** 2, axis=1)))),
+        angle=float(np.sqrt(np.mean(np.sum(off[:, 3:] ** 2, axis=1)))) / length, unclosed=int(np.sum(~closed)),
+        configurations=len(rows),
+    )  # fmt: skip
 
 
 def platform_poses(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Poses (n, 7) of the platform in the base frame; measuring frames among the parameters are left out."""
+    """Return the poses (n, 7) of the platform in the base frame; measuring frames among the parameters are left out."""
     measuring = np.array([name.startswith(("world.", "target.")) for name in problem.names], dtype=bool)
     return problem.model.poses(z, np.where(measuring, 0.0, p))
 
@@ -283,7 +291,7 @@ def _repeated_quaternion(vector: np.ndarray, count: int) -> np.ndarray:
 
 
 def _aligned_difference(here: _PoseSet, there: _PoseSet) -> np.ndarray:
-    """here less W there T (n, 6) with the best constant frames."""
+    """Return here less W there T (n, 6) with the best constant frames."""
     best, cost = here.off(there), np.inf
     for begun in (there, there.framed(_frames_by_kabsch(here, there))):
         off = here.off(begun)
@@ -301,7 +309,7 @@ def _aligned_difference(here: _PoseSet, there: _PoseSet) -> np.ndarray:
 
 
 def _frames_by_kabsch(here: _PoseSet, there: _PoseSet) -> np.ndarray:
-    """Frames (12) that bring the middles of the places together and turn the places onto each other (Kabsch)."""
+    """Find frames (12) that bring the middles of the places together and turn the places onto each other (Kabsch)."""
     a, b = (p.places - np.mean(p.places, axis=1, keepdims=True) for p in (here, there))
     left, _, right = np.linalg.svd(a @ b.T)
     turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right

@@ -9,10 +9,9 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
-from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations, solve_systems
+from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
 from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.starting import has_home
-from symkin.calibration.estimate.state import reading_slopes_at
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
 from symkin.calibration.judge.plausibility import platform_poses
 from symkin.calibration.judge.result import Calibration
@@ -24,7 +23,7 @@ from symkin.spatial.pose import Pose
 _ACCURACY_POSES = 200
 """Poses of the workspace at which standard deviations are computed."""
 _NOMINAL_ERROR = 1e-3
-"""Share of the size by which the nominal geometry may be off along a direction that no reading tells."""
+"""Share of the size by which the nominal geometry may be off along a direction that no reading determines."""
 _UNDETERMINED_SLOPES = (1e-4, 1e-2)
 """Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard deviation:
 slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
@@ -36,9 +35,9 @@ _DRAWN_POSES = 2 * _ACCURACY_POSES
 @dataclass(frozen=True, eq=False)
 class PoseSigma:
     """Standard deviations (n, 6) of position (length unit) and rotation vector (radians) at poses (n, 7), constant base and
-    tool frames taken away. `blind` says that a direction which no reading tells moves the pose: the geometry is then not
-    whole. `where` names the poses; `outside` (n,) are those at which some joint is beyond all of its readings. `about_home` is the same
-    over the default workspace about home, None where that is not known or cannot be taken."""
+    tool frames taken away. `blind` says that a direction which no reading determines moves the pose: part of the geometry is
+    then unknown. `where` names the poses; `outside` (n,) are those at which some joint is beyond all of its readings.
+    `about_home` is the same over the default workspace about home, None where that is not known or cannot be taken."""
 
     poses: np.ndarray
     sigma: np.ndarray
@@ -58,7 +57,8 @@ class PoseSigma:
 
 
 def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
-    """Standard deviations over random poses of the region that was measured, else at the postures measured; and about home."""
+    """Predict standard deviations over random poses of the region that was measured, else at the configurations measured; and
+    about home."""
     identified = with_parameters(replace(fit.mechanism, example=None), fit.values)
     made, where = _measured_region(identified, fit, seed)
     about_home = None
@@ -82,14 +82,14 @@ def _pose_sigma_at(fit: Calibration, identified: Mechanism, made: ClosedConfigur
     blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > np.clip(spread, *_UNDETERMINED_SLOPES))
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
-    return PoseSigma(made.poses, sigma, blind, where, outside)
+    return PoseSigma(poses=made.poses, sigma=sigma, blind=blind, where=where, outside=outside)
 
 
 # --- poses -----------------------------------------------------------------------------------------------------------
 
 
 def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tuple[ClosedConfigurations, str]:
-    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the postures measured."""
+    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the configurations measured."""
     joints = fit.measurements.joints[list(fit.used)]
     rng = np.random.default_rng(seed)
     if identified.serial:
@@ -99,14 +99,14 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
     turns = poses[:, 3:]
     near = np.sum((turns @ (turns.T @ turns)) * turns, axis=1)  # of each the sum of squared cosines to all
     central = poses[int(np.argmax(near))]
-    closing = ClosureSolver(identified, Pose(central[:3], central[3:]))
-    made, good = closing.close(_between_measured(fit, rng), None, limits=False)
+    solver = ClosureSolver(identified, Pose(central[:3], central[3:]))
+    made, good = solver.close(_between_measured(fit, rng), None, limits=False)
     kept = np.flatnonzero(good)[:_ACCURACY_POSES]
     return (made.take(kept), _REGION_TEXT) if len(kept) else (_at_joints(identified, joints, poses), "the postures measured")
 
 
 def _between_measured(fit: Calibration, rng: np.random.Generator) -> np.ndarray:
-    """Variables of the closure (k, width) between pairs of measured postures, quaternions by the shorter way."""
+    """Variables of the closure (k, width) between pairs of measured configurations, quaternions by the shorter way."""
     measured = np.hstack([fit.problem.measurements.joints, fit.state.z])
     first, second = measured[rng.integers(len(measured), size=(2, _DRAWN_POSES))]
     share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
@@ -135,17 +135,17 @@ def _at_joints(mechanism: Mechanism, joints: np.ndarray, starts: np.ndarray | No
     """Closed configurations at joint values, those that are solved."""
     m = Measurements(joints, starts=starts)
     model = build_model(mechanism, m, ())
-    postures = solve_configurations(model, m, np.zeros(0))
-    z, joints = postures.z[postures.solved], joints[postures.solved]
+    configurations = solve_configurations(model, m, np.zeros(0))
+    z, joints = configurations.z[configurations.solved], joints[configurations.solved]
     return ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, np.zeros(0)))
 
 
 def pose_sigma(calibration: Calibration, joints: np.ndarray, starts: np.ndarray | None = None) -> np.ndarray:
-    """Standard deviations (n, 6) of the pose at joint readings (n, actuated) that the parameters' covariance leaves:
-    position in the length unit, rotation vector in the platform frame in radians, in the frames of the calibration.
+    """Propagate the parameters' covariance to the pose at joint readings (n, actuated): standard deviations (n, 6), position in
+    the length unit, rotation vector in the platform frame in radians, in the frames of the calibration.
 
-    C_X = J C_p J^T, J = dX/dp at fixed joints. Raises InputError where a direct problem has no solution near `starts`
-    (n, 7; default: the reference pose).
+    C_X = J C_p J^T, J = dX/dp at fixed joints. Raises InputError where a direct problem has no solution near `starts` (n, 7;
+    default: the reference pose).
     """
     problem = calibration.problem
     joints = np.asarray(joints, dtype=float)
@@ -153,30 +153,29 @@ def pose_sigma(calibration: Calibration, joints: np.ndarray, starts: np.ndarray 
     measured = Measurements(joints, position=np.zeros((len(joints), 3)), orientation=np.tile([1.0, 0, 0, 0], (len(joints), 1)))
     measured.check(calibration.mechanism)
     model = build_model(calibration.mechanism, measured, problem.names)
-    postures = solve_configurations(model, Measurements(joints, starts=starts), p)
-    if not postures.solved.all():
+    configurations = solve_configurations(model, Measurements(joints, starts=starts), p)
+    if not configurations.solved.all():
         raise InputError(
-            f"the direct problem of joint readings {int(np.argmin(postures.solved)) + 1} has no solution near its start"
+            f"the direct problem of joint readings {int(np.argmin(configurations.solved)) + 1} has no solution near its start"
         )
-    poses = model.poses(postures.z, p)
-    by_p = reading_slopes_at(model.evaluate(postures.z, joints, p, poses[:, 3:]))
+    poses = model.poses(configurations.z, p)
+    by_p = model.evaluate(configurations.z, joints, p, poses[:, 3:]).slopes
     free = calibration.covariance[: len(p), : len(p)] / np.outer(model.scales, model.scales)
     covariance = by_p @ free @ by_p.transpose(0, 2, 1)
     return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 0.0)))
 
 
 def pose_slopes(mechanism: Mechanism, made: ClosedConfigurations, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Pose by scaled parameters (n, 6, P) and by the twelve constant frames that an alignment removes (n, 6, 12): position in the
-    length unit, rotation vector in radians, joints held. Frames may be among the parameters."""
+    """Differentiate the pose by scaled parameters (n, 6, P) and by the twelve constant frames that an alignment removes (n,
+    6, 12): position in the length unit, rotation vector in radians, joints held. Frames may be among the parameters."""
     poses = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
     model = build_model(mechanism, poses, tuple(dict.fromkeys((*names, *MEASURING_FRAMES))))
     e = model.evaluate(unknown_coordinates(mechanism, made), made.joints, model.nominal, made.poses[:, 3:])
-    slopes = e.readings_p - e.readings_z @ solve_systems(e.rows_z, e.rows_p)
-    return slopes[:, :, : len(names)], slopes[:, :, [model.names.index(name) for name in MEASURING_FRAMES]]
+    return e.slopes[:, :, : len(names)], e.slopes[:, :, [model.names.index(name) for name in MEASURING_FRAMES]]
 
 
 def less_frames(slopes: np.ndarray, frames: np.ndarray, length: float) -> np.ndarray:
-    """Pose slopes (n, 6, P) less what the best constant base and tool frames take away; angles weigh `length`."""
+    """Take from pose slopes (n, 6, P) what the best constant base and tool frames remove; angles weigh `length`."""
     weight = np.array([1.0] * 3 + [length] * 3)[:, None]
     flat, columns = (weight * slopes).reshape(-1, slopes.shape[2]), (weight * frames).reshape(-1, frames.shape[2])
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
@@ -185,5 +184,5 @@ def less_frames(slopes: np.ndarray, frames: np.ndarray, length: float) -> np.nda
 
 
 def unknown_coordinates(mechanism: Mechanism, made: ClosedConfigurations) -> np.ndarray:
-    """Passive and pose coordinates, in the order of the closure."""
+    """Return passive and pose coordinates, in the order of the closure."""
     return np.ascontiguousarray(made.values[:, len(build_closure(mechanism).role("actuated")) :])

@@ -18,7 +18,7 @@ from symkin.calibration.data.parameters import is_writable, nominal_parameters, 
 from symkin.calibration.estimate.configurations import newton_configurations
 from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR
+from symkin.calibration.estimate.residuals import wrapped
 from symkin.calibration.estimate.state import State, closed_state, joint_covariance
 from symkin.errors import SymkinError
 from symkin.model.file import parse
@@ -62,13 +62,13 @@ def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
 
 
 def _vector(name: str) -> str:
-    """The vector of which a parameter is a component."""
+    """Name the vector of which a parameter is a component."""
     return name.rpartition(".")[0]
 
 
 def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[str, float]:
-    """By how much the fit's directions and quaternions are longer than those of the file, which are of unit length: a set of
-    parameters may hold one of their components."""
+    """Return by how much the fit's directions and quaternions are longer than those of the file, which are of unit length: a
+    set of parameters may hold one of their components."""
     vectors = {_vector(name) for name in read if _vector(name).endswith(_UNIT_VECTORS)}
     factors = {}
     for vector in vectors:
@@ -79,7 +79,7 @@ def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[st
 
 
 def _difference(problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]) -> str | None:
-    """The first thing in which the file is not what was fitted."""
+    """Say the first thing in which the file is not what was fitted, None where there is none."""
     m = problem.measurements
     beside = {n: v for n, v in values.items() if not is_writable(problem.mechanism, n)}
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
@@ -94,12 +94,12 @@ def _difference(problem: CalibrationProblem, state: State, found: Mechanism, val
 
 
 def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> str | None:
-    """Which row comes out otherwise from the file than in the fit."""
+    """Say which row comes out otherwise from the file than in the fit, None where none does."""
     readings, size = problem.readings, problem.model.closure.size
     ours = problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions).readings
-    units = np.array([1.0 if kind in ANGULAR else size for kind, _ in problem.model.columns])
+    units = np.where(problem.model.angular, 1.0, size)
     gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
-    gap = np.where(readings.turning, np.abs(np.remainder(gap + np.pi, 2 * np.pi) - np.pi), gap)
+    gap = np.where(readings.turning, np.abs(wrapped(gap)), gap)
     known = _READING_AGREEMENT[0] * readings.sigma if readings.known else np.zeros_like(gap)
     off = np.any(~(gap <= np.maximum(known, _READING_AGREEMENT[1] * units)), axis=1)
     if not off.any():
@@ -114,12 +114,12 @@ def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray
 
 
 def _actuated_values(found: Mechanism, m: Measurements, beside: dict[str, float]) -> np.ndarray:
-    """Values (n, a) of the actuated joints: readings times their factors."""
+    """Return the values (n, a) of the actuated joints: readings times their factors."""
     return np.asarray(m.joints * [beside.get(f"{c.name}.scale", 1.0) for c in found.actuated])
 
 
 def _negative_rods(found: Mechanism, m: Measurements, joints: np.ndarray) -> Iterator[str]:
-    """Rods of negative length."""
+    """Yield a sentence for each rod of negative length."""
     for k, c in enumerate(found.actuated):
         short = joints[:, k] < _least(c)
         if short.any():
@@ -128,7 +128,8 @@ def _negative_rods(found: Mechanism, m: Measurements, joints: np.ndarray) -> Ite
 
 
 def _outside_limits(model: ConfigurationModel, m: Measurements, z: np.ndarray) -> Iterator[str]:
-    """Passive joints outside their limits; those of actuated joints say of the rows, not of the geometry, what they say."""
+    """Yield a sentence for each passive joint outside its limits; limits of actuated joints speak of the rows, not of the
+    geometry."""
     places = {c.name: place.start for c, place in zip(model.system.unknowns, model.system.slices, strict=True)}
     for c in model.closure.role("passive"):
         if c.width == 1:
@@ -143,7 +144,7 @@ def _least(c: Coordinate) -> float:
 
 
 def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray:
-    """Which values, angles by whole turns as near as may be, are outside the limits by more than rounding."""
+    """Tell which values, angles by whole turns as near as may be, are outside the limits by more than rounding."""
     if c.limits is None:
         return np.zeros(len(values), dtype=bool)
     low, high = c.limits
@@ -154,7 +155,7 @@ def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray
 
 
 def _row_names(m: Measurements, which: np.ndarray) -> str:
-    """'posture line 3, line 9 and 12 more'."""
+    """Name rows: 'posture line 3, line 9 and 12 more'."""
     labels = [label for label, is_one in zip(m.labels, which, strict=True) if is_one]
     more = f" and {len(labels) - 3} more" if len(labels) > 3 else ""
     return f"posture {', '.join(labels[:3])}{more}"

@@ -11,8 +11,8 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import ParameterKind, with_parameters
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import ANGULAR
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
@@ -44,10 +44,10 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """One reading less its model: posture number, kind and component; `value` in radians or the length unit (a group's
+    """One reading less its model: configuration number, kind and component; `value` in radians or the length unit (a group's
     from its mean), `normalised` over the deviation that the reading's own noise and the fit leave it."""
 
-    posture: int
+    configuration: int
     kind: str
     component: str
     value: float
@@ -57,14 +57,16 @@ class Residual:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Result):
-    """A fit. `problem` holds what was fitted: the postures `used` (numbers in `measurements`) without outliers.
+    """The result of a calibration. `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
+    outliers.
 
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
-    `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are postures whose
-    direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped in silence.
-    `given_up` are the first outliers of a fit where so many readings do not belong that none was left out, `silent` postures
-    without any reading beside the joints, which are not used. All figures are those of the file with the `corrected` geometry, written
-    and read back (see `written`); `refused` says why it must not be written, None where nothing speaks against it.
+    `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are configurations
+    whose direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped
+    without being named. `given_up` are the first outliers of a fit where so many readings do not belong that none was left
+    out, `silent` configurations without any reading beside the joints, which are not used. All figures are those of the file
+    with the `corrected` geometry, written and read back (see `read_back`); `refused` says why it must not be written, None
+    where nothing speaks against it.
     """
 
     mechanism: Mechanism
@@ -84,10 +86,10 @@ class Calibration(Result):
     unsolved: tuple[int, ...]
     changed_mode: tuple[int, ...]
     poses: np.ndarray
-    method: str
     status: str
     iterations: int
-    elapsed_s: float
+    method: str = "nested"
+    elapsed_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
     given_up: tuple[Outlier, ...] = ()
     silent: tuple[int, ...] = ()
@@ -109,8 +111,8 @@ class Calibration(Result):
 
     @property
     def believable(self) -> bool:
-        """Converged, with a rank that is clear, every posture solved, and residuals that the stated noise explains (neither larger
-        nor smaller than it lets expect), but for some outliers."""
+        """Whether the fit converged, its rank is clear, every configuration is solved, and the stated noise explains the
+        residuals (neither larger nor smaller than expected), but for some outliers."""
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
         return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
@@ -185,7 +187,7 @@ class Calibration(Result):
         for r in self.residuals:
             value = out(r.value) if r.kind in ANGULAR else r.value
             yield {
-                "posture": labels[r.posture], "kind": r.kind, "component": r.component, "value": value, "normalised": finite(r.normalised)
+                "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": finite(r.normalised)
             }  # fmt: skip
 
 

@@ -33,7 +33,6 @@ from symkin.calibration.estimate.state import (
     evaluate_readings,
     joint_covariance,
     joint_covariance_at,
-    reading_slopes_at,
     spectrum,
 )
 from symkin.numeric.rank import RANK_TOLERANCE
@@ -52,23 +51,23 @@ SIGNIFICANCE = 1e-3
 DOUBTFUL_CURVATURE = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""
 _WEAKEST_DIRECTIONS = 3
-"""Directions that are tried: with those that are told better curvature falls by the square of their deviation."""
+"""Directions that are tried: for better determined ones curvature falls by the square of their deviation."""
 _BETTER_SHARE = 0.8
-"""Share of the postures, those that fit better, by which fits are compared: single bad rows do not count."""
+"""Share of the configurations, those that fit better, by which fits are compared: single bad rows do not count."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """Whitened residuals e (N,) after projection, N = n K; `own` (N, 2), the orthonormal columns of each row's group, whose
-    number is `group` (N,), -1 for none; `shared` (N, k), the rest of the basis; which rows hold a reading (N,), and the
+    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal columns of each row's group, whose
+    number is `group` (N,), -1 for none; `parameter_columns` (N, k), the rest of the basis; which rows hold a reading (N,), and the
     transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows after those.
     `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but for a form of
     residuals that weighs otherwise than joint noise and correlation ask."""
 
     residuals: np.ndarray
-    own: np.ndarray
+    group_columns: np.ndarray
     group: np.ndarray
-    shared: np.ndarray
+    parameter_columns: np.ndarray
     taken: np.ndarray
     whiten: np.ndarray
     within_reach: float = 0.0
@@ -76,7 +75,7 @@ class LinearModel:
     @cached_property
     def degrees(self) -> int:
         groups = int(np.max(self.group, initial=-1)) + 1
-        return int(np.sum(self.taken)) - 2 * groups - int(self.shared.shape[1])
+        return int(np.sum(self.taken)) - 2 * groups - int(self.parameter_columns.shape[1])
 
     @property
     def chi_square(self) -> float:
@@ -90,27 +89,30 @@ class LinearModel:
     @property
     def absorbed(self) -> np.ndarray:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q Q^T."""
-        return np.asarray(np.einsum("ij,ij->i", self.own, self.own) + np.einsum("ij,ij->i", self.shared, self.shared))
+        return np.asarray(
+            np.einsum("ij,ij->i", self.group_columns, self.group_columns)
+            + np.einsum("ij,ij->i", self.parameter_columns, self.parameter_columns)
+        )
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
-        """(1 - Q Q^T) restricted to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
-        own, shared, group = self.own[rows], self.shared[rows], self.group[rows]
+        """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
+        own, shared, group = self.group_columns[rows], self.parameter_columns[rows], self.group[rows]
         together = group[..., :, None] == group[..., None, :]
         absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
         return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
 
     def without(self, rows: np.ndarray) -> LinearModel:
-        """The model in which the readings of these rows are free: their shift is one more unknown."""
-        shift = -self.shared @ self.shared[rows].T
-        shift -= np.where(self.group[:, None] == self.group[rows], self.own @ self.own[rows].T, 0.0)
+        """Let the readings of these rows be free: their shift is one more unknown."""
+        shift = -self.parameter_columns @ self.parameter_columns[rows].T
+        shift -= np.where(self.group[:, None] == self.group[rows], self.group_columns @ self.group_columns[rows].T, 0.0)
         shift[rows, np.arange(len(rows))] += self.taken[rows]
         extra = _orthonormal(shift)
         residuals = self.residuals - extra @ (extra.T @ self.residuals)
-        return replace(self, residuals=residuals, shared=np.hstack([self.shared, extra]))
+        return replace(self, residuals=residuals, parameter_columns=np.hstack([self.parameter_columns, extra]))
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
-    """The linear model of all readings at a state with closed postures."""
+    """Linearise all readings at a state with closed configurations."""
     readings, free = problem.readings, determined_directions(problem, state)
     known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
     by_known = by_known @ free
@@ -121,7 +123,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
         own[rows] = _group_columns(part.readings, whiten[rows])
-        made, r = whiten[rows] @ (reading_slopes_at(e) @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
+        made, r = whiten[rows] @ (e.slopes @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
         squares += np.sum(made**2, axis=(0, 1))
         for _ in range(2):  # the second time takes away what rounding left
             made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
@@ -139,23 +141,28 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
     own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
-    return LinearModel(flat - shared @ along, own_columns, group, shared, taken, whiten, float(along @ along))
+    return LinearModel(
+        residuals=flat - shared @ along, group_columns=own_columns, group=group, parameter_columns=shared, taken=taken, whiten=whiten,
+        within_reach=float(along @ along),
+    )  # fmt: skip
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups' inclinations."""
+    """Return residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups'
+    inclinations."""
     readings, e = problem.readings, evaluate_readings(problem, state)
     whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
-    both = np.concatenate([deviations(readings, e.readings)[:, :, None], reading_slopes_at(e)], axis=2)
+    both = np.concatenate([deviations(readings, e.readings)[:, :, None], e.slopes], axis=2)
     both = _less_group_means(readings, _group_columns(readings, whiten), whiten @ both)
     return both[:, :, 0], both[:, :, 1:]
 
 
 def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays consistent."""
+    """Return a basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays
+    consistent."""
     found = spectrum(error_free_design(problem, state))
     if state.leftover is None:
-        return found.told
+        return found.determined
     null = found.null_space
     return _null_basis(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
 
@@ -188,7 +195,7 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
 
 
 def _basis(columns: np.ndarray) -> np.ndarray:
-    """Orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
+    """Return an orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
     if columns.shape[1] == 0:
         return columns
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
@@ -225,7 +232,7 @@ def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
 
 
 def chi_square_tail(value: float, degrees: int) -> float:
-    """Probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
+    """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
     from flint import arb
 
     from symkin.certificate.balls import precision
@@ -237,7 +244,8 @@ def chi_square_tail(value: float, degrees: int) -> float:
 
 
 def f_tail(value: float, first: int, second: int) -> float:
-    """Probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first value)."""
+    """Return the probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first
+    value)."""
     from flint import arb
 
     from symkin.certificate.balls import precision
@@ -253,12 +261,12 @@ def f_tail(value: float, first: int, second: int) -> float:
 
 
 def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised:
-    A S A^T with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
+    """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised: A S A^T
+    with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
     noise = joint_covariance(problem, state)
     mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
     free = determined_directions(problem, mixed)
-    inverse = np.linalg.pinv(mixed.fit.matrix @ free, rcond=RANK_TOLERANCE)
+    inverse = np.linalg.pinv(mixed.linearised.matrix @ free, rcond=RANK_TOLERANCE)
     scaled = problem.model.scales[:, None] * (free @ inverse)
     if problem.form == "maximum likelihood":
         return np.asarray(scaled @ scaled.T)
@@ -270,7 +278,7 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     prior = back @ (np.zeros((0, len(scaled))) if known is None else known[1]).T
     total = prior @ prior.T
     for rows, part in problem.parts:
-        slopes = evaluate(part, state.p, state.z[rows], problem.form).fit.matrix
+        slopes = evaluate(part, state.p, state.z[rows], problem.form).linearised.matrix
         total += _propagated(part, back @ slopes.T, noise[rows])
     return np.asarray(total)
 
@@ -301,16 +309,16 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
 
 
 def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
-    """For each free parameter (P,), the largest change that curvature makes of it along the weakest directions, as a share of
-    its standard deviation; inf where postures have no solution there, 0 where a closure leaves rows to the parameters.
-    `spread` scales the stated variances."""
+    """Return for each free parameter (P,) the largest change that curvature makes of it along the weakest directions, as a
+    share of its standard deviation; inf where configurations have no solution there, 0 where a closure leaves rows to the
+    parameters. `spread` scales the stated variances."""
     found = np.zeros(len(problem.names))
     if state.leftover is not None:
         return found
     noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
     here = evaluate(problem, state.p, state.z, problem.form, noise)
     free = determined_directions(problem, here)
-    _, singular, right = np.linalg.svd(here.fit.matrix @ free, full_matrices=False)
+    _, singular, right = np.linalg.svd(here.linearised.matrix @ free, full_matrices=False)
     inverse = np.sqrt(spread) * free @ right.T / singular
     sigma = np.linalg.norm(inverse, axis=1)
     for step in inverse.T[-_WEAKEST_DIRECTIONS:]:
@@ -326,7 +334,7 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
 def _departure_gradient(
     problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
 ) -> np.ndarray | None:
-    """(dr/dp)^T d (P,) of the departure d, part by part; None where postures do not close."""
+    """Return (dr/dp)^T d (P,) of the departure d from the linear model, part by part; None where configurations do not close."""
     total = np.zeros(len(step))
     for rows, part in problem.parts:
         some = None if noise is None else noise[rows]
@@ -334,21 +342,21 @@ def _departure_gradient(
         departure = _linear_departure(part, near, step, some)
         if departure is None:
             return None
-        total += near.fit.matrix.T @ departure
+        total += near.linearised.matrix.T @ departure
     return total
 
 
 def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
-    """d = r(p + step) - r(p) - (dr/dp) step, postures closed again; None where they do not close."""
+    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do not close."""
     z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
-        departure = there.fit.vector - here.fit.vector - here.fit.matrix @ step
+        departure = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
     closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.size
     return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
-    """Root of the mean of the smaller four fifths of some squares (n,)."""
+    """Return the root of the mean of the smaller four fifths of some squares (n,)."""
     kept = np.sort(squares)[: max(1, math.ceil(_BETTER_SHARE * len(squares)))]
     return float(np.sqrt(np.mean(kept))) if len(kept) else 0.0

@@ -16,6 +16,7 @@
 
 #define VECTORS 2 /* vectors of points that go through a tape together */
 #define BLOCK (VECTORS * LANES)
+#define APART __attribute__((noinline)) /* once in the library, not once for each use: it compiles sooner */
 #define U 0x1p-53
 #define UP (1.0 + 0x1p-48)
 #define MANY (1.0 + 0x1p-44)

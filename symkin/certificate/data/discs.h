@@ -76,7 +76,7 @@ static inline disc NAME(multiply)(disc x, disc y)
 }
 
 /* 1 / x: of the middle, conj(x) / |x|^2, each part is computed with a relative error of at most 4 u (1 + 4 u). */
-static inline disc NAME(invert)(disc x)
+APART static disc NAME(invert)(disc x)
 {
     disc m;
     v size = larger(absolute(x.re), all(0.0));
@@ -96,7 +96,7 @@ static inline disc NAME(invert)(disc x)
 
 /* The root with a real part that is not negative. Where the disc keeps away from the cut, the negative numbers and zero, no
  * slope 1 / (2 sqrt(w)) on it is larger than at |w| = |x| - r, nor, with the distance from the cut d, than 1 / (2 sqrt(d)). */
-static inline disc NAME(root)(disc x)
+APART static disc NAME(root)(disc x)
 {
     disc m;
 #if COMPLEX
@@ -120,7 +120,7 @@ static inline disc NAME(root)(disc x)
 
 /* sin x and cos x. |sin(m + d) - sin m| <= r sup |cos| <= r cosh(|Im m| + r) <= r (1 + 2 r) cosh(Im m) for r <= 1, and the same
  * for cos. The errors of `real_sin_cos` and `real_exp` are bounded in certificate.c. */
-static inline void NAME(turn)(disc x, disc *sine, disc *cosine)
+APART static void NAME(turn)(disc x, disc *sine, disc *cosine)
 {
     v s, c;
     real_sin_cos(x.re, &s, &c);
@@ -140,7 +140,7 @@ static inline void NAME(turn)(disc x, disc *sine, disc *cosine)
 }
 
 /* e^x: |e^(m + d) - e^m| <= |e^m| (e^r - 1) <= |e^m| r (1 + 2 r) for r <= 1. */
-static inline disc NAME(exponential)(disc x)
+APART static disc NAME(exponential)(disc x)
 {
     disc m;
     v e = real_exp(x.re);
@@ -160,7 +160,7 @@ static inline disc NAME(exponential)(disc x)
 /* The angle of (x, y), of real numbers only: the library's value t is off by an angle d with sin d = (y cos t - x sin t) / |(x, y)|,
  * whatever it is, and |d| <= 2 |sin d| if cos d > 0. Radii turn it by at most asin(s / |(x, y)|) <= 2 s / |(x, y)|, with s their
  * sum, if s is less than a quarter of |(x, y)|. */
-static inline disc NAME(angle)(disc y, disc x)
+APART static disc NAME(angle)(disc y, disc x)
 {
     disc m = x;
 #if COMPLEX
@@ -180,7 +180,7 @@ static inline disc NAME(angle)(disc y, disc x)
 }
 
 /* Runs a tape for one block: `input` and `output` hold VECTORS vectors of discs for each entry, `place` for each place. */
-static void NAME(run)(const struct code *code, const disc *input, disc *restrict place, disc *restrict output)
+APART static void NAME(run)(const struct code *code, const disc *input, disc *restrict place, disc *restrict output)
 {
     const int *line = code->instructions, *end = line + 4 * code->length;
     for (; line < end; line += 4) {

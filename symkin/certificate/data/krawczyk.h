@@ -34,7 +34,7 @@ static inline void NAME(swap)(v *x, v *y, mask chosen, int count)
 }
 
 /* About the inverse of a, which is lost, by Gauss and Jordan; each lane exchanges rows on its own. Nothing is proved of it. */
-static void NAME(invert_matrix)(int width, v *a, v *inverse)
+APART static void NAME(invert_matrix)(int width, v *a, v *inverse)
 {
     int row = width * NUMBER;
     for (int i = 0; i < width; i++)
@@ -83,7 +83,7 @@ struct NAME(matrices) {
     v *middles, *errors, *inverse, *moved;
 };
 
-static void NAME(fill)(const struct problem *p, struct NAME(matrices) to, const disc *slope, const double *patch, const int *of)
+APART static void NAME(fill)(const struct problem *p, struct NAME(matrices) to, const disc *slope, const double *patch, const int *of)
 {
     int width = p->width, rows = p->value.outputs;
     double gamma = (2 * width + 8) * U;
@@ -103,7 +103,7 @@ static void NAME(fill)(const struct problem *p, struct NAME(matrices) to, const 
 }
 
 /* A step of Newton's method from the points z, which are moved; `value` are the discs of F there. */
-static void NAME(step)(const struct problem *p, struct NAME(matrices) at, const disc *value, disc *z)
+APART static void NAME(step)(const struct problem *p, struct NAME(matrices) at, const disc *value, disc *z)
 {
     int width = p->width;
     for (int i = 0; i < width; i++) {
@@ -127,7 +127,7 @@ static void NAME(step)(const struct problem *p, struct NAME(matrices) at, const 
  * A sum of n products of middles, in whatever order, is off by less than GAMMA = (2 n + 8) u times the sum of the products' sizes
  * (real n u, complex (1.5 n + 3) u, and terms in u^2). MANY outweighs the roundings of sums and products of numbers that are not
  * negative, fewer than 3 n + 100 one after another, for n <= 64. */
-static v NAME(radius)(const struct problem *p, struct NAME(matrices) at, const disc *value, double wide, v *e, v *s)
+APART static v NAME(radius)(const struct problem *p, struct NAME(matrices) at, const disc *value, double wide, v *e, v *s)
 {
     int width = p->width;
     double gamma = (2 * width + 8) * U;
@@ -162,7 +162,7 @@ static v NAME(radius)(const struct problem *p, struct NAME(matrices) at, const d
 
 /* Discs of one entry of a block: `parts` are the middles of entry `entry` of `count`, `radii` theirs or null; point of a lane by
  * `of`. */
-static void NAME(load)(disc *out, const double *parts, const double *radii, int count, int entry, const int *of)
+APART static void NAME(load)(disc *out, const double *parts, const double *radii, int count, int entry, const int *of)
 {
     for (int l = 0; l < VECTORS * LANES; l++) {
         disc *x = out + l / LANES;
@@ -176,7 +176,7 @@ static void NAME(load)(disc *out, const double *parts, const double *radii, int 
 }
 
 /* A tape for n points z (n, width) with radii (n, width), and `kept` entries of their instances; results (n, outputs). */
-__attribute__((noinline)) static int NAME(run_all)(int n, int width, int kept, const struct code *code, const double *z,
+APART static int NAME(run_all)(int n, int width, int kept, const struct code *code, const double *z,
                                                    const double *radii, const double *known, const double *spread,
                                                    const int *instance, double *middle, double *radius)
 {
@@ -208,7 +208,7 @@ __attribute__((noinline)) static int NAME(run_all)(int n, int width, int kept, c
 /* A Newton step from each point z (n, width) and the test about the new point: `centre` and the half width of its box, infinite
  * where nothing is shown. Where the rows of F are one fewer than the unknowns, `patch` (n, width) is the last row of dF/dz, and
  * x is sought with patch (x - centre) = 0. */
-__attribute__((noinline)) static int NAME(enclose_all)(const struct problem *p, int n, const double *z, const double *patch,
+APART static int NAME(enclose_all)(const struct problem *p, int n, const double *z, const double *patch,
                                                        const double *known, const double *spread, const int *instance,
                                                        double wide, double *centre, double *half_width)
 {

@@ -1,7 +1,8 @@
-"""What a sweep found at some points: the modes of all of them, one after the other."""
+"""The modes of many inputs (points), one after the other, as arrays."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +17,9 @@ COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "samp
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class ModeTable:
     """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a
-    set of solutions that are not isolated was met. Of all m modes, in the order of points: positions (m, 3), quaternions
+    set of solutions that are not isolated was met; `complex_count` (-1: not known). Of all m modes, in the order of points: positions (m, 3), quaternions
     (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1 none; `certified`
     1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
 
@@ -26,6 +27,7 @@ class Found:
     completeness: np.ndarray
     unresolved: np.ndarray
     continuum: np.ndarray
+    complex_count: np.ndarray
     position: np.ndarray
     quaternion: np.ndarray
     joints: np.ndarray
@@ -37,7 +39,7 @@ class Found:
     values: np.ndarray
 
 
-PER_POINT = ("count", "completeness", "unresolved", "continuum")
+PER_POINT = ("count", "completeness", "unresolved", "continuum", "complex_count")
 
 
 def joint_labels(closure: Closure) -> list[tuple[str, str]]:
@@ -52,14 +54,24 @@ def joint_labels(closure: Closure) -> list[tuple[str, str]]:
     return labels
 
 
-def from_modes(found: Modes, code: str | None = None) -> Found:
+def joint_values_out(closure: Closure, values: np.ndarray) -> np.ndarray:
+    """Joint coordinates (m, numbers) in the mechanism's units, of full vectors of variables (m, variables)."""
+    columns = [values[:, :0]]
+    for c in closure.coordinates:
+        if c.role != "pose":
+            part = values[:, closure.slices[c.name]]
+            columns.append(part * closure.mechanism.angle_out(1.0) if c.is_angular else part)
+    return np.concatenate(columns, axis=1)
+
+
+def from_modes(found: Modes, code: str | None = None) -> ModeTable:
     """One point, from its modes; `code` in place of their completeness."""
     closure = found.problem.closure
     width = len(joint_labels(closure))
     unresolved = -1 if found.unresolved_paths is None else found.unresolved_paths
-    return Found(
+    return ModeTable(
         np.array([len(found)]), np.array([COMPLETENESS.index(code or found.completeness)]), np.array([unresolved]),
-        np.array([found.positive_dimensional]),
+        np.array([found.positive_dimensional]), np.array([-1 if found.complex_count is None else found.complex_count]),
         np.array([s.position for s in found]).reshape(-1, 3), np.array([s.quaternion for s in found]).reshape(-1, 4),
         np.array([_joints(s) for s in found]).reshape(-1, width),
         np.array([s.residual for s in found]), np.array([s.condition for s in found]),
@@ -70,18 +82,26 @@ def from_modes(found: Modes, code: str | None = None) -> Found:
     )  # fmt: skip
 
 
-def nothing(closure: Closure, code: str, count: int) -> Found:
+def nothing(closure: Closure, code: str, count: int) -> ModeTable:
     """One point without modes."""
     empty, width = np.zeros(0), len(joint_labels(closure))
     flags = np.zeros(0, dtype=int)
-    return Found(
-        np.array([count]), np.array([COMPLETENESS.index(code)]), np.array([-1]), np.array([False]),
+    return ModeTable(
+        np.array([count]), np.array([COMPLETENESS.index(code)]), np.array([-1]), np.array([False]), np.array([-1]),
         np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, width)), empty, empty, flags, flags, empty,
         np.zeros((0, closure.reference.size)),
     )  # fmt: skip
 
 
-def joined(plain: Found, places: np.ndarray, others: dict[int, Found]) -> Found:
+def concatenated(tables: Sequence[ModeTable]) -> ModeTable:
+    """The points of several tables, one after the other."""
+    if len(tables) == 1:
+        return tables[0]
+    arrays = {name: np.concatenate([getattr(t, name) for t in tables]) for name in ModeTable.__dataclass_fields__}
+    return ModeTable(**arrays)
+
+
+def joined(plain: ModeTable, places: np.ndarray, others: dict[int, ModeTable]) -> ModeTable:
     """All points in order: `plain` holds those of `places`, `others` single ones."""
     if not others:
         return plain
@@ -91,7 +111,7 @@ def joined(plain: Found, places: np.ndarray, others: dict[int, Found]) -> Found:
     owners = np.concatenate([owner, *(np.full(max(int(f.count[0]), 0), i) for i, f in single)])
     order = np.argsort(owners, kind="stable")
     arrays = {}
-    for name in Found.__dataclass_fields__:
+    for name in ModeTable.__dataclass_fields__:
         pieces = [getattr(plain, name), *(getattr(f, name) for _, f in single)]
         if name in PER_POINT:
             arrays[name] = np.zeros(total, dtype=pieces[0].dtype)
@@ -99,7 +119,7 @@ def joined(plain: Found, places: np.ndarray, others: dict[int, Found]) -> Found:
             arrays[name][[i for i, _ in single]] = np.concatenate(pieces[1:])
         else:
             arrays[name] = np.concatenate(pieces)[order]
-    return Found(**arrays)
+    return ModeTable(**arrays)
 
 
 def _joints(solution: Solution) -> np.ndarray:

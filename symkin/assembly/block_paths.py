@@ -1,0 +1,219 @@
+"""Real roots of one block of a problem at many instances, by paths, with what is in doubt left to others.
+
+All steps take all instances together: paths, certificates of the complex roots, real candidates, Newton's method on the block's own
+rows, the check on all rows. An instance is plain where none of them leaves a doubt: every path arrived at a regular root of its own,
+every root is real or not beyond doubt, and every real one is well conditioned and differs from the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.assembly.block_proofs import BlockProver, RootProofs, block_prover
+from symkin.caching import cached_property, lru_cache
+from symkin.errors import TooManyModesError
+from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
+from symkin.homotopy.branches import complex_count, real_candidates
+from symkin.homotopy.engine import engine_of
+from symkin.homotopy.many_instances import APART, nearest, plain_instances
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
+from symkin.homotopy.values import known_values, many_real_values
+from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, DISTINCT_ROOTS, SUSPECT_CONDITION
+from symkin.position.canonical import canonical
+from symkin.position.problem import Problem
+from symkin.position.roots import features
+
+_REAL, _NOT_REAL = 1e-10, 1e-4
+"""Imaginary parts of roots below the first and above the second leave no doubt."""
+
+
+@dataclass(frozen=True, eq=False)
+class BlockRoots:
+    """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing, `owner` (m,) their instances,
+    rising, `residual` and `condition` (m,); `plain` (n,) the instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
+
+    points: np.ndarray
+    owner: np.ndarray
+    residual: np.ndarray
+    condition: np.ndarray
+    plain: np.ndarray
+    complex_count: np.ndarray
+    proofs: RootProofs | None
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Roots of each instance."""
+        return np.bincount(self.owner, minlength=len(self.plain))
+
+
+@dataclass(frozen=True, eq=False)
+class BlockPaths:
+    """A block with its algebraic system and the start of its paths."""
+
+    problem: Problem
+    block: System
+    algebraic: AlgebraicSystem
+    start: Fibre
+
+    @property
+    def engine(self) -> str:
+        """What tracks the paths."""
+        return engine_of(self.algebraic)[1]
+
+    @property
+    def most_roots(self) -> int:
+        """Complex roots of a generic instance."""
+        return complex_count(self.algebraic, self.start.z) << len(replaced_universal_joints(self.problem))
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """Poses that no motion connects, over the complex numbers: operation modes."""
+        return orbit_notes(self.algebraic, self.start)
+
+    @cached_property
+    def prover(self) -> BlockProver:
+        return block_prover(self.problem, self.algebraic, self.block)
+
+    @cached_property
+    def _slices(self) -> dict[str, slice]:
+        return {c.name: place for c, place in zip(self.block.unknowns, self.block.slices, strict=True)}
+
+    def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
+        """Roots at instances known (n, values)."""
+        k = known_values(self.problem, known.T)
+        ends, plain = plain_instances(self.algebraic, self.start, k)
+        plain[plain] = self._clear(ends[plain])
+        chosen = np.flatnonzero(plain)
+        instance = np.repeat(chosen, ends.shape[2])
+        z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
+        proved = self.prover.ends(z, known, instance) if certify else None
+        counts, candidates, owner = self._candidates(z, instance, plain, None if proved is None else proved.real == "not real")
+        points, owner = self._points(candidates, owner, k, known)
+        found = self._checked(points, owner, known, plain, counts)
+        if not certify:
+            return found
+        proofs = self.prover.roots(proved, found.points, found.owner, known)
+        plain[found.owner[~proofs.certified]] = False
+        return replace(found, proofs=proofs)
+
+    def _clear(self, ends: np.ndarray) -> np.ndarray:
+        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose and in each limb."""
+        n, width, roots = ends.shape
+        z = ends.transpose(1, 0, 2).reshape(width, n * roots)
+        clear = np.ones(n * roots, dtype=bool)
+        for places in (self.algebraic.pose_places, *self.algebraic.limbs):
+            part = imaginary_part(self.algebraic, z, places)
+            clear &= (part < _REAL) | (part > _NOT_REAL)
+        return np.asarray(clear.reshape(n, roots).all(axis=1))
+
+    # --- candidates --------------------------------------------------------------------------------------------------
+
+    def _candidates(
+        self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Counts (n,) of complex solutions; the columns of z that are real, with those that limbs' branches add, and their
+        instances. Instances with more combinations than can be listed are no longer plain."""
+        counts = np.bincount(instance, minlength=len(plain))
+        real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
+        if not_real is not None:
+            real &= ~not_real
+        several = self._several_branches(z, instance)
+        columns, owner = [z[:, real & ~several[instance]]], [instance[real & ~several[instance]]]
+        for i in np.flatnonzero(several):
+            mine = z[:, instance == i]
+            counts[i] = complex_count(self.algebraic, mine)
+            try:
+                found = real_candidates(self.algebraic, mine)
+            except TooManyModesError:
+                plain[i] = False
+                continue
+            columns.append(found)
+            owner.append(np.full(found.shape[1], i))
+        if len(columns) == 1:
+            return counts, columns[0], owner[0]
+        together = np.concatenate(owner)
+        order = np.argsort(together, kind="stable")
+        return counts, np.concatenate(columns, axis=1)[:, order], together[order]
+
+    def _several_branches(self, z: np.ndarray, instance: np.ndarray) -> np.ndarray:
+        """Instances (n,) with limbs that have several branches at one pose."""
+        found = np.zeros(int(instance.max(initial=-1)) + 1, dtype=bool)
+        if not self.algebraic.limbs or not instance.size:
+            return found
+        chosen = np.unique(instance)
+        ends = z.reshape(self.algebraic.width, len(chosen), -1).transpose(1, 0, 2)
+        found[chosen] = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
+        return found
+
+    def _points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (m, width) of the block for real roots z (width, any) at the instances `owner`; with universal joints that
+        distances have replaced, all their choices."""
+        values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
+        names = [c.name for c in self.block.unknowns]
+        if not replaced_universal_joints(self.problem):
+            return np.concatenate([values[name] for name in names], axis=1), owner
+        points, owners = [np.zeros((0, self.block.width))], []
+        for i, instance in enumerate(owner):
+            choices = with_universal_angles(self.problem, known[instance], {name: value[i] for name, value in values.items()})
+            points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
+            owners += [instance] * len(choices)
+        return np.concatenate(points), np.array(owners, dtype=int)
+
+    # --- roots -------------------------------------------------------------------------------------------------------
+
+    def _checked(
+        self, points: np.ndarray, owner: np.ndarray, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
+    ) -> BlockRoots:
+        """Candidates polished on the block's own rows; those that close on all rows, written in the standard way."""
+        block, here = self.block, known[owner]
+        polished = block.polish_many(points, here)
+        points = canonical(block.unknowns, self._slices, block.fold(polished.points))
+        residual = block.residuals(points, here)
+        closed = residual <= CLOSURE_TOLERANCE * block.size
+        points, owner, residual, jacobians = points[closed], owner[closed], residual[closed], polished.jacobians[closed]
+        condition = conditions(jacobians)
+        plain[owner[~(condition < SUSPECT_CONDITION)]] = False
+        plain[_owners_of_equal(block, points, owner)] = False
+        counts = counts << len(replaced_universal_joints(self.problem))
+        return BlockRoots(points, owner, residual, condition, plain, counts, None)
+
+
+def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
+    """Instances with two roots that are not distinct (see `roots.unite`).
+
+    Roots differ where a combination of their features does by more than the sum of its weights times the tolerance; sorted by one,
+    nearly all instances are told by neighbours alone.
+    """
+    if len(points) < 2:
+        return []
+    f = features(block, points)
+    weights = _weights(f.shape[1])
+    mixed = f @ weights
+    order = np.lexsort((mixed, owner))
+    sorted_owner, gap = owner[order], np.diff(mixed[order])
+    near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
+    return [i for i in np.unique(sorted_owner[1:][near]).tolist() if _has_equal(block, f[owner == i])]
+
+
+@lru_cache(maxsize=64)
+def _weights(count: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-1.0, 1.0, count)
+
+
+def _has_equal(block: System, f: np.ndarray) -> bool:
+    """Whether two of some roots' features (m, any) are one."""
+    apart = np.max(np.abs(f[:, None] - f[None]), axis=2)
+    return bool(np.sum(apart <= DISTINCT_ROOTS * block.size) > len(f))
+
+
+def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
+    """What is said of generic roots that no loop of the known values connects."""
+    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.unique(start.orbits)]
+    if len(sizes) < 2:
+        return ()
+    return (f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions",)

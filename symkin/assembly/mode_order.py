@@ -1,0 +1,40 @@
+"""The order of modes: nearest to the example's start or the reference pose first, ties by joint values, all rounded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.position.given import pose_from
+from symkin.position.problem import Problem
+from symkin.spatial.pose import Pose
+
+_DIGITS = 6
+"""Decimals to which distances (of the size) and values are rounded, so that rounding errors do not decide the order."""
+
+
+def order_of_modes(
+    problem: Problem, values: np.ndarray, position: np.ndarray, quaternion: np.ndarray, owner: np.ndarray
+) -> np.ndarray:
+    """Places (m,) that sort modes by their points `owner`, then by nearness, then by values (m, variables)."""
+    away = _distances(problem, position, quaternion)
+    order = np.lexsort((away, owner))
+    tied = (np.diff(away[order]) == 0.0) & (np.diff(owner[order]) == 0)
+    if not tied.any():
+        return order
+    return np.lexsort((*np.round(values.T[::-1], _DIGITS), away, owner))
+
+
+def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """|R - R0|^2 + (|x - x0| / size)^2 of poses, with |R - R0|^2 = 8 (1 - (q.q0)^2)."""
+    first = _first_pose(problem)
+    turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
+    step = (position - np.asarray(first.position)) / problem.closure.size
+    return np.asarray(np.round(turn + np.einsum("ni,ni->n", step, step), _DIGITS))
+
+
+def _first_pose(problem: Problem) -> Pose:
+    """The pose from which distances are taken."""
+    example = problem.mechanism.example
+    if problem.kind == "direct" and example is not None and example.start is not None and example.joints is not None:
+        return pose_from(example.start)
+    return problem.mechanism.reference_pose

@@ -1,0 +1,263 @@
+"""All modes for one input: parts found by continuation or multistart, combined, with what can be said of them."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from itertools import product
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.assembly.continuation import by_continuation
+from symkin.assembly.mode_list import Completeness, Modes
+from symkin.assembly.search import Search
+from symkin.errors import TooManyModesError
+from symkin.numeric.levenberg import Progress
+from symkin.position.given import Given, pose_from
+from symkin.position.mobility import implied_motion
+from symkin.position.multistart import batched, one_by_one
+from symkin.position.problem import Problem
+from symkin.position.roots import MOST_MODES, Roots
+from symkin.position.solution import ACCEPTED, Solution, make_solution
+from symkin.position.starts import start_values
+
+if TYPE_CHECKING:
+    from symkin.certificate.independent_rows import PartialProof
+
+_NEARLY_CLOSED = 1e-4
+
+
+def modes_of_input(problem: Problem, given: Given, search: Search, progress: Progress | None = None) -> tuple[Modes, bool | None]:
+    """The modes, and whether random starts were of use; None where nothing was searched."""
+    begin = time.perf_counter()
+    found, random_starts = _known_without_search(problem, given, search), None
+    if found is None:
+        found, random_starts = _searched(problem, given, search, progress)
+    return replace(found, elapsed_s=time.perf_counter() - begin), random_starts
+
+
+def _searched(problem: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Modes, bool]:
+    """The modes by paths or from random starts, and whether these were of use."""
+    rng = np.random.default_rng(search.seed)
+    notes: tuple[str, ...] = ()
+    random_starts = True
+    if search.method == "continuation":
+        blocks, notes, random_starts = by_continuation(problem, given, search.starts, rng, progress)
+    elif search.solver == "batched":
+        blocks = [batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks]
+    else:
+        blocks = [one_by_one(problem, given, search.starts, rng, search.solver, progress)]
+    name = search.method if search.solver == "batched" else f"{search.method} {search.solver}"
+    found = _result(problem, given, blocks, name, search.seed, notes)
+    if search.method == "continuation" and found.completeness == "sampled":
+        found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
+    return found, random_starts
+
+
+def free_unknowns(problem: Problem) -> str | None:
+    """What to say where the rows leave unknowns free, so that no solution is isolated."""
+    free = problem.system.freedom - problem.generic_rank
+    if free <= 0:
+        return None
+    return (
+        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, so that "
+        "its solutions are no isolated modes; use solve with a start for one of them"
+    )
+
+
+def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
+    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct problem of a serial arm, given values that contradict
+    rows without unknowns."""
+    method, seed = search.method, search.seed
+    free = free_unknowns(problem)
+    if free is not None:
+        search.refuse_unless_multistart(free)
+        empty = _result(problem, given, [], method, seed, (f"positive-dimensional set: {free}",))
+        return replace(empty, positive_dimensional=True)
+    if given.off_motion > 0.0:
+        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
+    if problem.is_explicit:
+        search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
+        values = problem.join_values(start_values(problem, given, None), given.values)
+        note = "forward kinematics of a serial arm is a function of its joints: one pose"
+        solution = make_solution(problem, values)
+        if not solution.residual <= ACCEPTED * problem.closure.size:
+            return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
+        return Modes(
+            problem,
+            given.echo,
+            (solution,),
+            "proved",
+            "forward",
+            None,
+            0.0,
+            complex_count=1,
+            unresolved_paths=0,
+            notes=(*given.notes, note),
+        )
+    conditions = problem.conditions
+    off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
+    if off > ACCEPTED * problem.closure.size:
+        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
+    if not problem.blocks:
+        search.refuse_unless_multistart(
+            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
+        )
+        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
+        return Modes(
+            problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
+        )
+    return None
+
+
+def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, seed: int, notes: tuple[str, ...]) -> Modes:
+    found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
+    continuum = [b for b in blocks if b.continuum is not None]
+    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum), *_proof_notes(blocks)]
+    if not continuum and any(b.complex_sets for b in blocks):
+        texts.append("paths ended on a set of complex solutions that are not isolated; no real one of it was met")
+    smallest = None
+    if not found and not continuum:
+        smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
+    if smallest is not None and ACCEPTED < smallest / problem.closure.size < _NEARLY_CLOSED:
+        texts.append(
+            f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
+            'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
+        )
+    texts += _ground_notes(problem, found)
+    texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
+    counts = [b.complex_count for b in blocks]
+    sampled = [b for b in blocks if b.hits is not None]
+    return Modes(
+        problem, given.echo, tuple(found), _completeness(blocks), method, seed, 0.0,
+        starts=max((b.starts for b in blocks if b.starts is not None), default=None),
+        estimated_unseen=_unseen(blocks) if sampled else None,
+        next_new=max((b.next_new for b in sampled), default=None),
+        complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
+        unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
+        smallest_residual=smallest, positive_dimensional=bool(continuum), notes=tuple(texts),
+        engine=", ".join(dict.fromkeys(b.engine for b in blocks if b.engine is not None)) or None,
+    )  # fmt: skip
+
+
+def _completeness(blocks: list[Roots]) -> Completeness:
+    """The weakest statement among the parts."""
+    if not blocks or any(b.sampled for b in blocks):
+        return "sampled"
+    if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
+        return "proved"
+    return "incomplete" if any(b.unresolved or b.complex_sets or b.continuum is not None for b in blocks) else "probability one"
+
+
+def _proof_notes(blocks: list[Roots]) -> list[str]:
+    """Theorems that the certified roots reach, and why modes have no certificate."""
+    proofs = [b.proofs for b in blocks if b.proofs is not None]
+    theorems = dict.fromkeys(p.theorem for p in proofs if p.theorem is not None)
+    reasons = dict.fromkeys(p.reason for p in proofs if p.reason is not None)
+    return [
+        *(f"at most {t}" for t in theorems if len(theorems) == 1 or "alone" not in t),
+        *(f"not certified: {r}" for r in reasons),
+    ]
+
+
+def _names(block: Roots) -> str:
+    return ", ".join(c.name for c in block.system.unknowns)
+
+
+def _ground_notes(problem: Problem, found: list[Solution]) -> list[str]:
+    """What is proved of modes whose rows are redundant."""
+    grounds = [s.ground for s in found if s.ground is not None]
+    if not grounds:
+        return []
+    one, unit = grounds[0], problem.mechanism.length_unit
+    every = "each mode" if len(grounds) == len(found) else f"{len(grounds)} of the modes"
+    return [
+        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact point within "
+        f"{max(g.radius for g in grounds):.1e} {unit}, and no other row is more than {max(g.remaining for g in grounds):.1e} {unit} there"
+    ]
+
+
+def _unseen(blocks: list[Roots]) -> float:
+    return prod(len(b.points) + b.unseen for b in blocks) - prod(len(b.points) for b in blocks)
+
+
+def _motion_notes(problem: Problem) -> list[str]:
+    """Which motion, declared, removes the conditions that poses of a platform declared spatial must satisfy."""
+    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
+    if motion is None:
+        return []
+    return [
+        f"its joints leave the platform a {motion} motion: with motion = {motion!r} in [platform] poses need not satisfy "
+        "conditions, and the list of that motion's solutions is complete"
+    ]
+
+
+def _continuum_note(problem: Problem, block: Roots) -> str:
+    names = ", ".join(c.name for c in block.system.unknowns)
+    return (
+        f"positive-dimensional set: the {problem.kind} problem has solutions that are not isolated (in {names}); "
+        "the modes listed are the isolated ones only"
+    )
+
+
+def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Solution]:
+    """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its rarest part's."""
+    count = prod(len(b.points) for b in blocks)
+    if count > MOST_MODES:
+        raise TooManyModesError(
+            f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
+            "listed; solve for one of them near a start"
+        )
+    found = []
+    for parts in product(*(range(len(b.points)) for b in blocks)):
+        values = np.empty(int(problem.closure.variables.shape[0]))
+        for roots, k in zip(blocks, parts, strict=True):
+            for c, place in zip(roots.system.unknowns, roots.system.slices, strict=True):
+                values[problem.closure.slices[c.name]] = roots.points[k][place]
+        start = 0
+        for c in problem.known_coordinates:
+            values[problem.closure.slices[c.name]] = given.values[start : start + c.width]
+            start += c.width
+        hits = [int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None]
+        solution = make_solution(problem, values, hits=min(hits, default=None), notes=given.notes)
+        found.append(_with_certificate(solution, blocks, parts))
+    return sorted(found, key=lambda s: _sort_key(problem, s))
+
+
+def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
+    """A mode is certified if each part is; its radius is the largest of theirs."""
+    proofs = [roots.proofs for roots in blocks]
+    if not all(proofs):
+        return solution
+    certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
+    radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
+    ground = None if certified else _ground(blocks, parts)
+    return replace(solution, certified=certified, radius=radius, ground=ground)
+
+
+def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
+    """What is proved of a mode that is not certified, if something is proved of each of its parts."""
+    from symkin.certificate.independent_rows import PartialProof
+
+    found = []
+    for roots, k in zip(blocks, parts, strict=True):
+        p = roots.proofs
+        if p is None or (not p.certified[k] and (not p.partial or p.partial[k] is None)):
+            return None
+        rows = int(roots.system.rows.shape[0])
+        found.append(PartialProof(rows, rows, float(p.radius[k]), 0.0) if p.certified[k] else p.partial[k])
+    return PartialProof.joined([part for part in found if part is not None])
+
+
+def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:
+    """Nearest to the example's start or the reference pose first; ties by joint values, all rounded."""
+    mechanism, size = problem.mechanism, problem.closure.size
+    reference = mechanism.reference_pose
+    if problem.kind == "direct" and mechanism.example is not None and mechanism.example.start is not None:
+        reference = pose_from(mechanism.example.start) if mechanism.example.joints is not None else reference
+    turn = float(np.sum((solution.rotation - reference.rotation) ** 2))
+    away = float(np.linalg.norm(solution.position - np.asarray(reference.position))) / size
+    flat = np.concatenate([np.atleast_1d(np.asarray(v, dtype=float)) for v in solution.values.values()])
+    return (round(turn + away**2, 6), *np.round(flat, 6))

@@ -1,0 +1,223 @@
+"""Modes of many inputs where paths leave nothing in doubt: all of them together, with all checks.
+
+What is in doubt at any input is left to the search for that input alone (see `modes`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from math import prod
+
+import numpy as np
+
+from symkin.assembly.block_paths import BlockPaths, BlockRoots
+from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, joint_values_out
+from symkin.caching import cached_property, lru_cache
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.six_distances import redundant_distances
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.systems import system_of, unsuitable
+from symkin.numeric.cache import cache_folder
+from symkin.numeric.levenberg import Progress
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.canonical import canonical, poses_of, within_limits
+from symkin.position.problem import Problem
+from symkin.position.roots import MOST_MODES
+
+_ROOTS_AT_ONCE = 40_000
+"""Complex roots that are held at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plain:
+    """Modes of the inputs at the `places` (n,); `complete` (n, blocks): whether a theorem bounds a block's roots and as many are
+    certified."""
+
+    table: ModeTable
+    places: np.ndarray
+    complete: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PlainModes:
+    """What is prepared once for all inputs of one problem: its blocks with their paths, none where some block has none."""
+
+    problem: Problem
+    parts: tuple[BlockPaths, ...]
+
+    @property
+    def engine(self) -> str | None:
+        """What tracks the paths."""
+        return ", ".join(dict.fromkeys(part.engine for part in self.parts)) or None
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What is said of every input."""
+        return tuple(note for part in self.parts for note in part.notes)
+
+    def theorems(self, complete: np.ndarray) -> tuple[str, ...]:
+        """What is said of the bounds that an input's blocks (blocks,) reach."""
+        texts = [part.prover.theorem for part, reached in zip(self.parts, complete, strict=True) if reached]
+        found = dict.fromkeys(text for text in texts if text is not None)
+        return tuple(f"at most {text}" for text in found if len(found) == 1 or "alone" not in text)
+
+    @property
+    def starts_digest(self) -> str:
+        """Hash of the roots from which paths begin."""
+        digest = hashlib.sha256()
+        for part in self.parts:
+            digest.update(part.start.z.tobytes() + part.start.k.tobytes())
+        return digest.hexdigest()
+
+    @cached_property
+    def most_modes(self) -> int:
+        """Most isolated modes that an input can have."""
+        return prod(part.most_roots for part in self.parts)
+
+    def find(self, known: np.ndarray, *, certify: bool) -> Plain:
+        """Modes at those of the inputs known (n, values) that are plain."""
+        each = max(1, _ROOTS_AT_ONCE // max(self.most_modes, 1))
+        found = [self._found(known[i : i + each], certify) for i in range(0, max(len(known), 1), each)]
+        return Plain(
+            concatenated([part.table for part in found]),
+            np.concatenate([number * each + part.places for number, part in enumerate(found)]),
+            np.concatenate([part.complete for part in found]),
+        )
+
+    def _found(self, known: np.ndarray, certify: bool) -> Plain:
+        plain = self._meets_conditions(known) if self.parts else np.zeros(len(known), dtype=bool)
+        places = np.flatnonzero(plain)
+        known = known[places]
+        blocks = [part.roots(known, certify=certify) for part in self.parts] if places.size else []
+        good = np.ones(len(places), dtype=bool)
+        for block in blocks:
+            good &= block.plain
+        counts = np.array([block.counts for block in blocks], dtype=float).reshape(len(blocks), len(places))
+        kept = np.flatnonzero(good & (np.prod(counts, axis=0) <= MOST_MODES))
+        complete = [b.proofs.complete[kept] if b.proofs is not None else np.zeros(len(kept), dtype=bool) for b in blocks]
+        proved = np.array(complete, dtype=bool).reshape(len(blocks), len(kept)).T
+        return Plain(self._combined(known, blocks, kept, proved), places[kept], proved)
+
+    def _meets_conditions(self, known: np.ndarray) -> np.ndarray:
+        """Inputs (n,) that do not contradict rows without unknowns."""
+        conditions = self.problem.conditions
+        if not conditions.errors.shape[0]:
+            return np.ones(len(known), dtype=bool)
+        left = conditions.residuals(np.zeros((len(known), 0)), known)
+        return np.asarray(left <= CLOSURE_TOLERANCE * self.problem.closure.size)
+
+    def _combined(self, known: np.ndarray, blocks: list[BlockRoots], kept: np.ndarray, proved: np.ndarray) -> ModeTable:
+        """All modes of the instances `kept`: the product of their blocks' roots."""
+        problem, width = self.problem, int(self.problem.closure.variables.shape[0])
+        counts = [block.counts[kept] for block in blocks]
+        total = (
+            np.prod(np.array(counts, dtype=int).reshape(len(blocks), len(kept)), axis=0)
+            if blocks
+            else np.zeros(len(kept), dtype=int)
+        )
+        owner = np.repeat(np.arange(len(kept)), total)
+        chosen = _choices(blocks, kept, total, owner)
+        values = np.empty((len(owner), width))
+        values[:, problem.known_places] = known[kept][owner]
+        for part, block, which in zip(self.parts, blocks, chosen, strict=True):
+            values[:, problem.places(part.block.unknowns)] = block.points[which]
+        values = canonical(problem.closure.coordinates, problem.closure.slices, values)
+        position, quaternion = poses_of(problem.closure, values)
+        order = order_of_modes(problem, values, position, quaternion, owner)
+        values, position, quaternion = values[order], position[order], quaternion[order]
+        residual, condition = self._verified(values, blocks, chosen, order)
+        inside = within_limits(problem.closure, values)
+        certified, radius = _certified(blocks, chosen, order)
+        return ModeTable(
+            count=total,
+            completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
+            unresolved=np.zeros(len(kept), dtype=int),
+            continuum=np.zeros(len(kept), dtype=bool),
+            complex_count=np.prod(
+                np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0
+            ),
+            position=position,
+            quaternion=quaternion,
+            joints=joint_values_out(problem.closure, values),
+            residual=residual,
+            condition=condition,
+            within_limits=np.full(len(values), -1) if inside is None else inside.astype(int),
+            certified=certified,
+            radius=radius,
+            values=values,
+        )
+
+    def _verified(
+        self, values: np.ndarray, blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals and conditions (m,) of the whole system; those of a block that is the whole are known."""
+        system, problem = self.problem.system, self.problem
+        if len(blocks) == 1 and _is_whole(self.parts[0].block, system):
+            return blocks[0].residual[chosen[0]][order], blocks[0].condition[chosen[0]][order]
+        unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
+        return system.residuals(unknown, known), system.conditions(unknown, known)
+
+
+def _is_whole(block: System, system: System) -> bool:
+    """Whether a block has all unknowns and rows of a system, in the same order."""
+    sizes = (block.rows.shape, block.errors.shape) == (system.rows.shape, system.errors.shape)
+    return sizes and block.unknowns == system.unknowns
+
+
+def _choices(blocks: list[BlockRoots], kept: np.ndarray, total: np.ndarray, owner: np.ndarray) -> list[np.ndarray]:
+    """Of each block, the root (m,) of every mode: those of an instance run through all combinations, the last block fastest."""
+    number = np.arange(len(owner)) - (np.cumsum(total) - total)[owner]
+    chosen = []
+    for block in reversed(blocks):
+        counts, first = block.counts, np.cumsum(block.counts) - block.counts
+        radix = np.maximum(counts[kept][owner], 1)
+        chosen.append(first[kept][owner] + number % radix)
+        number = number // radix
+    return chosen[::-1]
+
+
+def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether each mode is certified (1, 0; -1 where it was not tried) and its radius, the largest of its parts'."""
+    proofs = [block.proofs for block in blocks if block.proofs is not None]
+    if not proofs or len(proofs) < len(blocks):
+        return np.full(len(order), -1), np.full(len(order), np.nan)
+    certified, radius = np.ones(len(order), dtype=bool), np.zeros(len(order))
+    for proof, which in zip(proofs, chosen, strict=True):
+        certified &= proof.certified[which]
+        radius = np.maximum(radius, proof.radius[which])
+    return certified[order].astype(int), np.where(certified, radius, np.nan)[order]
+
+
+def plain_modes(problem: Problem, progress: Progress | None = None) -> PlainModes:
+    """The blocks of a problem with their paths; a start that is not kept yet is computed."""
+    if (
+        problem.is_explicit
+        or problem.system.freedom > problem.generic_rank
+        or unsuitable(problem)
+        or redundant_distances(problem)
+    ):
+        return PlainModes(problem, ())
+    found = []
+    for number, block in enumerate(problem.blocks):
+        start = _kept_start(problem, number, progress, str(cache_folder()))
+        if start is None:
+            return PlainModes(problem, ())
+        found.append((system_of(problem, block), start))
+    return _prepared(problem, tuple(found))
+
+
+@lru_cache(maxsize=256)
+def _kept_start(problem: Problem, number: int, progress: Progress | None, _folder: str) -> Fibre | None:
+    """The start of one of a problem's blocks, read from the cache folder once in a process."""
+    block = problem.blocks[number]
+    return start_of(problem, system_of(problem, block), block, progress)[0]
+
+
+@lru_cache(maxsize=128)
+def _prepared(problem: Problem, found: tuple[tuple[AlgebraicSystem, Fibre], ...]) -> PlainModes:
+    parts = zip(problem.blocks, found, strict=True)
+    return PlainModes(problem, tuple(BlockPaths(problem, block, system, start) for block, (system, start) in parts))

@@ -1,0 +1,144 @@
+"""Evaluate CasADi functions of one configuration at n configurations: by CasADi's own map, and by compiled C once that pays.
+
+Libraries are kept in the cache folder (see `numeric.c_library`) and used from there at once; a new one is compiled when as
+much time has gone into the map as the compiler is likely to take. SYMKIN_ENGINE = numpy forbids compiled code, as it does
+for path tracking.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property, computing
+from symkin.homotopy.compiled import OFF
+from symkin.numeric.c_library import CompilerError, find_compilers, load_library
+from symkin.numeric.cache import cache_folder
+
+_INTERPRETED_BEFORE_COMPILING = 30000
+"""A library is compiled when each of its instructions has been interpreted this often: about as long as compiling it."""
+_MAX_INSTRUCTIONS = 30000
+"""Functions of more instructions than this are not compiled: the compiler would take longer than the fit."""
+_C_LOOP = """
+int {name}_map(int n, const int* stride, const double** in, double** out) {{
+  const double* arg[{args}]; double* res[{outs}]; casadi_int iw[{iw}]; double w[{w}]; int i, k;
+  static const int sizes[{outs}] = {{{sizes}}};
+  for (i = 0; i < n; ++i) {{
+    for (k = 0; k < {n_in}; ++k) arg[k] = in[k] + (size_t)i * stride[k];
+    for (k = 0; k < {n_out}; ++k) res[k] = out[k] + (size_t)i * sizes[k];
+    {name}(arg, res, iw, w, 0);
+  }}
+  return 0;
+}}
+"""
+
+
+class CompiledLibrary:
+    """The compiled library of some functions: None until it is found or compiled."""
+
+    def __init__(self, functions: Sequence[ca.Function]) -> None:
+        self.functions = functions
+        self.size = sum(f.n_instructions() for f in functions)
+        self.library: ctypes.CDLL | None = None
+        self.left = float(_INTERPRETED_BEFORE_COMPILING) * self.size
+        if os.environ.get("SYMKIN_ENGINE", "") == OFF or self.size > _MAX_INSTRUCTIONS:
+            self.left = float("inf")
+        else:
+            self._load(build=False)
+
+    def spend(self, instructions: int) -> ctypes.CDLL | None:
+        """Count interpreted instructions, and compile the library when there were enough; return it."""
+        if self.library is None and self.left < float("inf"):
+            self.left -= instructions
+            if self.left <= 0.0:
+                self.compile()
+        return self.library
+
+    def compile(self) -> None:
+        """Compile now; without a compiler nothing changes."""
+        with computing((id(self), "library")):
+            if self.library is None and self.left < float("inf"):
+                self._load(build=True)
+                self.left = float("inf")
+
+    def _load(self, *, build: bool) -> None:
+        try:
+            found = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
+            quick = (replace(c, flags=tuple("-O1" if flag == "-O2" else flag for flag in c.flags)) for c in found)
+            self.library = load_library(
+                quick, {"postures.c": _c_source(self.functions)}, "postures.c", cache_folder(), build=build
+            )
+        except CompilerError:
+            self.library = None
+
+
+@dataclass(frozen=True, eq=False)
+class MappedFunction:
+    """A function with dense outputs, at n configurations at once: inputs (n, width) or (width,) for all; outputs (n, columns,
+    rows), the columns of each output one after another."""
+
+    function: ca.Function
+    engine: CompiledLibrary
+    _maps: dict[int, ca.Function] = field(default_factory=dict)
+
+    def __call__(self, count: int, inputs: Sequence[np.ndarray]) -> list[np.ndarray]:
+        results = [np.empty((count, *shape)) for shape in self._shapes]
+        inputs = [np.ascontiguousarray(a, dtype=float) for a in inputs]
+        if self.engine.spend(count * self._cost) is None:
+            self._interpreted(count, inputs, results)
+        else:
+            strides = (ctypes.c_int * len(inputs))(*(0 if a.ndim == 1 else a.shape[1] for a in inputs))
+            pointers = (ctypes.c_void_p * len(inputs))(*(a.ctypes.data for a in inputs))
+            ends = (ctypes.c_void_p * len(results))(*(a.ctypes.data for a in results))
+            self._run(count, strides, pointers, ends)
+        return results
+
+    @cached_property
+    def _cost(self) -> int:
+        return int(self.function.n_instructions())
+
+    @cached_property
+    def _shapes(self) -> list[tuple[int, int]]:
+        f = self.function
+        return [(f.size2_out(k), f.size1_out(k)) for k in range(f.n_out())]
+
+    @cached_property
+    def _run(self) -> Any:
+        return getattr(self.engine.library, f"{self.function.name()}_map")
+
+    def _interpreted(self, count: int, inputs: list[np.ndarray], results: list[np.ndarray]) -> None:
+        if count not in self._maps:
+            self._maps[count] = self.function.map(count)
+        buffer, run = self._maps[count].buffer()
+        full = [np.ascontiguousarray(np.broadcast_to(a, (count, a.shape[-1]))) for a in inputs]
+        for k, array in enumerate(full):
+            buffer.set_arg(k, array.reshape(-1).data)
+        for k, array in enumerate(results):
+            buffer.set_res(k, array.reshape(-1).data)
+        run()
+
+
+def map_functions(functions: Sequence[ca.Function]) -> list[MappedFunction]:
+    """Map functions over configurations, with one library for all of them."""
+    engine = CompiledLibrary(functions)
+    return [MappedFunction(f, engine) for f in functions]
+
+
+def _c_source(functions: Sequence[ca.Function]) -> str:
+    generator = ca.CodeGenerator("postures.c", {"casadi_int": "int"})
+    for f in functions:
+        generator.add(f)
+    loops = [
+        _C_LOOP.format(
+            name=f.name(), args=max(f.sz_arg(), 1), outs=max(f.sz_res(), 1), iw=max(f.sz_iw(), 1), w=max(f.sz_w(), 1),
+            n_in=f.n_in(), n_out=f.n_out(), sizes=", ".join(str(f.numel_out(k)) for k in range(f.n_out()))
+        )
+        for f in functions
+    ]  # fmt: skip
+    return "\n".join(["#include <stddef.h>", str(generator.dump()), *loops])

@@ -1,0 +1,131 @@
+"""Paths of many instances tracked in one call, and which instances need no more than that.
+
+An instance is plain where every path arrives at a regular root of its own; `endgame.finish` decides the same for one
+instance, and does what is to be done for others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.caching import lru_cache
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.circles import gaps
+from symkin.homotopy.endgame import BESIDE, RETURNED, SINGULAR_SHARE
+from symkin.homotopy.engine import aligned, newton, track
+from symkin.homotopy.local import is_no_pose, look
+from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.symmetry import Orbits
+
+_PATHS_AT_ONCE = 1400
+"""Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
+_CLOSE_BESIDE = 1e-9
+"""A second such distance, for roots about which the rows bend more."""
+APART = 1e-5
+"""Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by 1e-6."""
+
+
+def plain_instances(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Roots (n, width, roots) of n instances with known values (known, n), and which of the instances are plain; the roots
+    of others mean nothing."""
+    each = max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
+    count = known.shape[1]
+    parts = [_group(system, start, known[:, i : i + each]) for i in range(0, count, each)]
+    if len(parts) == 1:
+        return parts[0]
+    return np.concatenate([z for z, _ in parts]), np.concatenate([plain for _, plain in parts])
+
+
+def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    mirrors, n = start.mirrors, known.shape[1]
+    begin = start.z if mirrors is None else start.z[:, mirrors.first]
+    each = begin.shape[1]
+    target = aligned(system, start.k, np.asarray(known, dtype=complex))
+    if n == 1:
+        tracked = track(system, begin, start.k, target[:, 0])
+    else:
+        tracked = track(system, np.tile(begin, (1, n)), start.k, np.repeat(target, each, axis=1))
+    plain = tracked.arrived.reshape(n, each).all(axis=1)
+    plain &= np.isfinite(tracked.z).all(axis=0).reshape(n, each).all(axis=1)
+    places = np.flatnonzero(plain)
+    if places.size:
+        # by symmetry the images of regular roots are regular
+        kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
+        plain[places] = _are_regular(system, kept, target[:, places])
+    ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
+    if mirrors is not None:
+        ends = _unfolded(mirrors, ends)
+    places = np.flatnonzero(plain)
+    plain[places] = nearest(system, ends[places]) > APART
+    return ends, plain
+
+
+def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
+    """All roots (n, width, roots) from those (n, width, orbits) that stand for them."""
+    matrices, shifts = mirrors.symmetries.matrices[mirrors.maps], mirrors.symmetries.shifts[mirrors.maps]
+    return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
+
+
+def _are_regular(system: AlgebraicSystem, z: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Instances (n,) whose roots are well conditioned poses: a Newton step from beside each leads back to it, or the Jacobian there
+    has full rank."""
+    n = target.shape[1]
+    roots = z.shape[1] // n
+    k = target[:, 0] if n == 1 else np.repeat(target, roots, axis=1)
+    shift = np.tile(_directions(system.width, roots), (1, n))
+    good = np.zeros(z.shape[1], dtype=bool)
+    for distance in (BESIDE, _CLOSE_BESIDE):
+        left = np.flatnonzero(~good)
+        if left.size:
+            here, known = z[:, left], k if n == 1 else k[:, left]
+            back, _ = newton(system, here + distance * shift[:, left], known, 1)
+            good[left] = gaps(system, back, here) < RETURNED * distance
+    left = np.flatnonzero(~good)
+    if left.size:
+        good[left] = look(system, z[:, left], k if n == 1 else k[:, left]).share > SINGULAR_SHARE
+    return np.asarray((good & ~is_no_pose(system, z)).reshape(n, roots).all(axis=1))
+
+
+@lru_cache(maxsize=64)
+def _directions(width: int, roots: int) -> np.ndarray:
+    """Random complex directions (width, roots), the same for each instance."""
+    rng = np.random.default_rng(0)
+    return rng.normal(size=(width, roots)) + 1j * rng.normal(size=(width, roots))
+
+
+def nearest(system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:
+    """Least distance (n,) of two roots of each instance (n, width, roots), in some places of z or all: angles up to whole turns,
+    large lengths by their ratio, rays by their sine (to 1e-7); infinite for single roots. A rod's length and its negative are
+    one root."""
+    n, _, roots = ends.shape
+    if roots < 2:
+        return np.full(n, np.inf)
+    chosen = range(system.width) if places is None else places
+    ray = [i for i in chosen if i in set(system.projective)]
+    found = np.zeros((n, roots, roots))
+    for i in chosen:
+        if i < len(system.unknowns):
+            np.maximum(found, _differences(system, ends[:, i], i), out=found)
+    if ray:
+        rays = ends[:, ray]
+        rays = rays / np.sqrt((rays.real**2 + rays.imag**2).sum(axis=1))[:, None]
+        cosines = np.conj(rays.transpose(0, 2, 1)) @ rays
+        np.maximum(found, np.sqrt(np.maximum(1.0 - cosines.real**2 - cosines.imag**2, 0.0)), out=found)
+    diagonal = np.arange(roots)
+    found[:, diagonal, diagonal] = np.inf
+    return np.asarray(found.min(axis=(1, 2)))
+
+
+def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndarray:
+    """Distances (n, roots, roots) of one unknown's values (n, roots)."""
+    c = system.unknowns[i]
+    gap = values[:, :, None] - values[:, None, :]
+    if c.kind == "angle":
+        gap -= 2.0 * np.pi * np.rint(gap.real / (2.0 * np.pi))
+        return np.asarray(np.abs(gap))
+    if c.least is not None:
+        least = c.least / system.size
+        gap = gap * (values[:, :, None] + values[:, None, :] - 2.0 * least)
+    return np.asarray(np.abs(gap) / np.maximum(1.0, np.abs(values))[:, None, :])

@@ -1,0 +1,72 @@
+"""Dense linear algebra of many small matrices at once: least-squares steps, singular values, conditions, null spaces.
+
+Stacks have the matrices along the first axes. What is regular is solved by elimination or QR; the singular value decomposition,
+which costs ten times as much, is kept for matrices that are nearly singular.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.numeric.tolerances import NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
+
+
+def singular_values(matrices: np.ndarray) -> np.ndarray:
+    """Singular values (..., min(rows, columns)) in falling order; zero where a matrix is not finite."""
+    finite = np.isfinite(matrices).all(axis=(-2, -1))
+    if not finite.all():
+        matrices = np.where(finite[..., None, None], matrices, 0.0)
+    return np.asarray(np.linalg.svd(matrices, compute_uv=False))
+
+
+def conditions(jacobians: np.ndarray) -> np.ndarray:
+    """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows, columns); infinite where the
+    smallest vanishes (see `NO_MOTION`) or entries are not finite, 1 where there are no rows and no columns."""
+    count, rows, columns = jacobians.shape
+    if min(rows, columns) == 0:
+        return np.full(count, 1.0 if rows * columns == 0 else np.inf)
+    values = singular_values(jacobians)
+    largest, smallest = values[:, 0], values[:, -1]
+    regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
+    return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+
+
+def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n, rows); singular values below
+    `ROUNDED_STEP` of the largest are cut."""
+    count, rows, columns = jacobians.shape
+    if min(count, rows, columns) == 0:
+        return np.zeros((count, columns))
+    steps, regular = _regular_steps(jacobians, values)
+    if not regular.all():
+        cut = ~regular
+        inverse = np.linalg.pinv(jacobians[cut], rcond=ROUNDED_STEP)
+        steps[cut] = -(inverse @ values[cut, :, None])[:, :, 0]
+    return steps
+
+
+def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Steps by elimination, or by QR where rows are more than columns, and where these are as good as any."""
+    count, rows, columns = jacobians.shape
+    none = np.zeros((count, columns)), np.zeros(count, dtype=bool)
+    if rows < columns:
+        return none
+    right = values[:, :, None]
+    if rows > columns:
+        q, jacobians = np.linalg.qr(jacobians)
+        right = q.transpose(0, 2, 1) @ right
+    try:
+        inverses = np.linalg.inv(jacobians)
+    except np.linalg.LinAlgError:
+        return none
+    # |J| |J^-1| in the Frobenius norm is at least the condition, at most `columns` times it
+    size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum("nij,nij->n", inverses, inverses)
+    return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
+
+
+def null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
+    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` (absolute) taken as zero."""
+    if not len(matrix):
+        return np.eye(matrix.shape[1])
+    _, singular, right = np.linalg.svd(matrix)
+    return np.asarray(right[int(np.sum(singular > tolerance)) :])

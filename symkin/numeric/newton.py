@@ -1,0 +1,57 @@
+"""Gauss-Newton on all rows, for many points at once: roots to full precision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from symkin.numeric.linear_algebra import least_squares_steps
+
+_ROUNDING = 2.0**-50
+"""Norm of the rows, over the size, that is rounding: 4 units in the last place of a length as long as the size."""
+
+
+class Rows(Protocol):
+    """Rows F(z; k) over points that tangent steps move; `size` is the length by which rows are judged."""
+
+    @property
+    def size(self) -> float: ...
+
+    def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F (n, rows) and its derivatives along tangent steps (n, rows, freedom)."""
+
+    def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Points (n, width) moved by tangent steps (n, freedom)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Polished:
+    """Points z (n, width), and there the rows (n, rows) and their Jacobians (n, rows, freedom)."""
+
+    points: np.ndarray
+    rows: np.ndarray
+    jacobians: np.ndarray
+
+
+def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
+    """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each point until its rows are
+    rounding or a step no longer shrinks them, at most `steps` times. Points where F or J is not finite stay."""
+    rows, jacobians = system.linearise(z, known)
+    sizes = np.sqrt(np.einsum("ni,ni->n", rows, rows))
+    floor = _ROUNDING * system.size
+    finite = np.isfinite(jacobians).all(axis=(1, 2)) & np.isfinite(sizes)
+    going = np.flatnonzero(finite & (sizes > floor))
+    z = z.copy() if going.size else z
+    for _ in range(steps):
+        if not going.size:
+            break
+        trial = system.move(z[going], least_squares_steps(jacobians[going], rows[going]))
+        trial_rows, trial_jacobians = system.linearise(trial, known[going] if known.ndim == 2 else known)
+        trial_sizes = np.sqrt(np.einsum("ni,ni->n", trial_rows, trial_rows))
+        better = (trial_sizes < sizes[going]) & np.isfinite(trial_jacobians).all(axis=(1, 2))
+        going, left = going[better], trial_sizes[better]
+        z[going], rows[going], jacobians[going], sizes[going] = trial[better], trial_rows[better], trial_jacobians[better], left
+        going = going[left > floor]
+    return Polished(z, rows, jacobians)

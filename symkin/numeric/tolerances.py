@@ -1,0 +1,48 @@
+"""The tolerances by which configurations are judged, each with its unit and reason.
+
+What is singular depends on what is asked of a matrix, so that there is no single threshold. With s_1 >= ... >= s_r the singular
+values of a Jacobian whose generic rank is r, lengths in rows and columns alike (angles times the size):
+
+    s_r / s_1 < 1e-15, or s_r < NO_MOTION   its entries are rounding: the condition is called infinite
+    s_r / s_1 < RANK_TOLERANCE (1e-8)       the rank is less: rank, mobility, null spaces
+    s_1 / s_r > SINGULAR_CONDITION (1e8)    the same number, said of a solution: half of its digits are lost
+    s_1 / s_r > SUSPECT_CONDITION (1e6)     a root that may be one of a continuum, or several in one: examined
+"""
+
+from __future__ import annotations
+
+CLOSURE_TOLERANCE = 1e-9
+"""Of the size: a configuration is a solution when no closure error exceeds this. Doubles leave 1e-15; geometry written with
+ten digits, 1e-10."""
+
+RANK_TOLERANCE = 1e-8
+"""Share of the largest singular value below which others count as zero: half of a double's digits, between the rounding of
+Jacobians (1e-15) and the smallest ratios of mechanisms in use (1e-4)."""
+
+CLEAR_GAP = 1e3
+"""A smaller ratio between the last kept and the first dropped singular value is worth a warning."""
+
+SINGULAR_CONDITION = 1e8
+"""Condition above which a solution is called singular: 1 / RANK_TOLERANCE."""
+
+SUSPECT_CONDITION = 1e6
+"""Condition above which a root is examined for being one of a continuum, before it is called isolated."""
+
+NO_MOTION = 1e-13
+"""Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and
+more, rounding of a pose's numbers 1e-16."""
+
+ROUNDED_STEP = 1e-13
+"""Share of the largest singular value below which a Newton step would follow rounding: such directions are left alone."""
+
+WELL_CONDITIONED = 1e8
+"""Bound on |J| |J^-1| up to which elimination gives a Newton step as good as the singular value decomposition's."""
+
+DISTINCT_ROOTS = 1e-6
+"""Of the size: polished roots within this of each other are one; their rounding is 1e-15 times the condition."""
+
+LIMIT_SLACK = 1e-9
+"""What a joint may lie beyond its limits by rounding: rad, or of the size."""
+
+ROUNDED_COMPONENT = 1e-12
+"""Components of a unit quaternion below this are zero to rounding and do not decide its sign."""

@@ -1,0 +1,80 @@
+"""The standard writing of configurations, and what follows from it: poses and joint limits, of many configurations at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import lru_cache
+from symkin.closure.closure import Closure
+from symkin.model.joint import Coordinate
+from symkin.numeric.mapped import Mapped
+from symkin.numeric.tolerances import LIMIT_SLACK, ROUNDED_COMPONENT
+
+_TURN = 2.0 * math.pi
+
+
+def canonical(coordinates: Sequence[Coordinate], places: Mapping[str, slice], values: np.ndarray) -> np.ndarray:
+    """The same configurations (m, width) in their standard writing: rod lengths not negative, angles in (-pi, pi] and moved by
+    whole turns into their limits where possible, quaternions of unit length with w >= 0. `places` are those of coordinates."""
+    values = values.copy()
+    angles = [places[c.name].start for c in coordinates if c.kind == "angle"]
+    if angles:
+        values[:, angles] = _wrapped(values[:, angles])
+    for c in coordinates:
+        place = places[c.name]
+        if c.kind == "quaternion":
+            values[:, place] = positive_quaternions(values[:, place])
+        elif c.kind == "angle" and c.limits is not None:
+            values[:, place] = _into_limits(values[:, place], c.limits)
+        elif c.least is not None:
+            values[:, place] = np.where(values[:, place] < c.least, 2.0 * c.least - values[:, place], values[:, place])
+    return np.asarray(values + 0.0)
+
+
+def positive_quaternions(q: np.ndarray) -> np.ndarray:
+    """Quaternions (m, 4) of unit length, the first component that is not zero to rounding positive."""
+    q = q / np.sqrt(np.einsum("ni,ni->n", q, q))[:, None]
+    leading = np.argmax(np.abs(q) > ROUNDED_COMPONENT, axis=1)
+    sign = np.where(q[np.arange(len(q)), leading] < 0.0, -1.0, 1.0)
+    return np.asarray(q * sign[:, None] + 0.0)
+
+
+def _wrapped(angles: np.ndarray) -> np.ndarray:
+    """Angles without whole turns, in (-pi, pi]."""
+    wrapped = angles - _TURN * np.rint(angles / _TURN)
+    return np.where(wrapped <= -math.pi + 1e-15, wrapped + _TURN, wrapped)
+
+
+def _into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+    """Angles moved by the fewest whole turns that bring them into their limits; as they are where none do."""
+    low, high = limits
+    moved = angles + _TURN * np.ceil((low - angles) / _TURN - 1e-12)
+    outside = (angles < low) | (angles > high)
+    return np.where(outside & (moved <= high + 1e-12), moved, angles)
+
+
+def within_limits(closure: Closure, values: np.ndarray) -> np.ndarray | None:
+    """Which configurations (m, variables) lie within all joint limits; None where there are none."""
+    limited = [(c, c.limits) for c in closure.coordinates if c.limits is not None]
+    if not limited:
+        return None
+    inside = np.ones(len(values), dtype=bool)
+    for c, (low, high) in limited:
+        slack, value = LIMIT_SLACK * (1.0 if c.is_angular else closure.size), values[:, closure.slices[c.name].start]
+        inside &= (low - slack <= value) & (value <= high + slack)
+    return inside
+
+
+def poses_of(closure: Closure, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (m, 3) and unit quaternions (m, 4), w >= 0, of the platform at full vectors of variables (m, variables)."""
+    packed = _pose_function(closure)(values)[0][:, :, 0]
+    return packed[:, :3], positive_quaternions(packed[:, 3:])
+
+
+@lru_cache(maxsize=128)
+def _pose_function(closure: Closure) -> Mapped:
+    return Mapped.of([closure.variables], [closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion))])

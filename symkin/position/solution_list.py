@@ -1,0 +1,69 @@
+"""Solutions held as arrays, each made an object when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import overload
+
+import numpy as np
+
+from symkin.closure.closure import Closure
+from symkin.numeric.tolerances import SINGULAR_CONDITION
+from symkin.position.solution import SINGULAR_NOTE, Solution, named_values
+from symkin.spatial.pose import Pose
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SolutionList(Sequence[Solution]):
+    """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
+    `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried), `radius`
+    (m,); `notes` are those of all."""
+
+    closure: Closure
+    values: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+    residual: np.ndarray
+    condition: np.ndarray
+    within_limits: np.ndarray
+    certified: np.ndarray
+    radius: np.ndarray
+    notes: tuple[str, ...]
+    _made: dict[int, Solution] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @overload
+    def __getitem__(self, index: int) -> Solution: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Solution]: ...
+    def __getitem__(self, index: int | slice) -> Solution | Sequence[Solution]:
+        if isinstance(index, slice):
+            return tuple(self[i] for i in range(*index.indices(len(self))))
+        place = range(len(self))[index]
+        if place not in self._made:
+            self._made.setdefault(place, self._make(place))
+        return self._made[place]
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} solutions of {self.closure.mechanism.name}>"
+
+    def _make(self, i: int) -> Solution:
+        condition, certified = float(self.condition[i]), _flag(self.certified[i])
+        return Solution(
+            mechanism=self.closure.mechanism,
+            values=named_values(self.closure, self.values[i]),
+            pose=Pose(self.position[i], self.quaternion[i]),
+            residual=float(self.residual[i]),
+            condition=condition,
+            within_limits=_flag(self.within_limits[i]),
+            certified=certified,
+            radius=float(self.radius[i]) if certified else None,
+            notes=self.notes if condition < SINGULAR_CONDITION else (*self.notes, SINGULAR_NOTE),
+        )
+
+
+def _flag(value: int) -> bool | None:
+    return None if value < 0 else bool(value)

@@ -1,0 +1,114 @@
+"""Every mistake in the table of rules is named where a file has it, by its own rule, and none where the readings are right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from helpers import hexapod_log
+from symkin.calibration.data.measurements import Distance, Measurements
+from symkin.calibration.design.simulation import Noise, random_configurations, simulate_readings
+from symkin.calibration.estimate.workspace import Workspace
+from symkin.calibration.judge.diagnoses import RULES, Case, Stage, diagnose, diagnose_labels
+
+MACHINE = hexapod_log.TRUTH
+END, BASE = np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, -0.02])
+
+
+@pytest.fixture(scope="module")
+def poses() -> Measurements:
+    """Whole poses of the machine that the file describes."""
+    return hexapod_log.unstated(hexapod_log.log(np.random.default_rng(2), 24))
+
+
+def rotations(q: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
+    w, x, y, z = q.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
+
+
+def with_joints(change):
+    return lambda m: replace(m, joints=change(m.joints.copy()))
+
+
+def column_times(column, factor):
+    def change(values):
+        values[:, column] *= factor
+        return values
+
+    return change
+
+
+def positions_only(change):
+    return lambda m: replace(m, position=change(m.position.copy()), orientation=None)
+
+
+def distances_in_millimetres(m):
+    ends = m.position + rotations(m.orientation) @ END
+    values = 1e3 * np.linalg.norm(ends - BASE, axis=1)
+    return replace(m, position=None, orientation=None, distances=[Distance(END, BASE, values)])
+
+
+def inclinations_exchanged(m):
+    r = rotations(m.orientation)
+    alpha, beta = np.arctan2(r[:, 2, 1], r[:, 2, 2]), -np.arcsin(r[:, 2, 0])
+    return replace(m, position=None, orientation=None, inclination=np.column_stack([beta, alpha]))
+
+
+MISTAKES = {
+    "the joints never move": (with_joints(lambda q: np.tile(q[:1], (len(q), 1))), "the posture never changes"),
+    "all joints of a kind in another unit": (with_joints(lambda q: 1e3 * q), "too large"),
+    "one joint in another unit than the others": (with_joints(column_times(2, 1e-3)), "leg3 look a factor of 1000 too small"),
+    "two joint columns exchanged": (with_joints(lambda q: q[:, [0, 4, 2, 3, 1, 5]]), "columns leg2 and leg5 look exchanged"),
+    "the sign of a joint reversed": (with_joints(column_times(3, -1.0)), "the sign of leg4 looks reversed"),
+    "positions in another unit": (lambda m: replace(m, position=1e3 * m.position), "the positions look"),
+    "orientations of the base in the platform": (lambda m: replace(m, orientation=m.orientation * [1, -1, -1, -1]), "inverted"),
+    "quaternions with their scalar last": (lambda m: replace(m, orientation=np.roll(m.orientation, -1, axis=1)), "qw looks"),
+    "distances in another unit": (distances_in_millimetres, "the distances look"),
+    "alpha and beta exchanged": (inclinations_exchanged, "alpha and beta look exchanged"),
+    "joint columns in another order, with other signs": (
+        with_joints(lambda q: q[:, [1, 2, 0, 3, 4, 5]]), "they seem to hold leg2, leg3, leg1"
+    ),
+    "position columns in another order": (positions_only(lambda x: x[:, [2, 1, 0]]), "the columns x and z look exchanged"),
+    "the sign of a position column reversed": (positions_only(column_times(2, -1.0)), "the sign of z looks reversed"),
+}  # fmt: skip
+
+
+def test_right_readings_are_not_suspected(poses: Measurements) -> None:
+    assert diagnose(MACHINE, poses) == ()
+
+
+def test_every_rule_of_the_table_has_a_case_here() -> None:
+    assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == set(MISTAKES)
+    assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_named_by_its_rule(poses: Measurements, mistake: str) -> None:
+    """The sentence is one of the rule's own, and is said of the file."""
+    spoil, words = MISTAKES[mistake]
+    spoilt = spoil(poses)
+    said = diagnose(MACHINE, spoilt)
+    assert any(words in sentence for sentence in said), said
+    rule = next(rule for rule in RULES if rule.mistake == mistake)
+    assert any(words in sentence for sentence, _ in rule.find(Case(MACHINE, spoilt)))
+
+
+def test_a_wrong_label_of_a_group_is_named() -> None:
+    """One row with the label of another group, far from its own; right labels are not suspected."""
+    rng, groups = np.random.default_rng(3), np.repeat([0, 1, 2], 6)
+    wedges = np.radians([[0.0, 0.0], [12.0, 0.0], [0.0, 12.0]])
+    noise = Noise(group=1e-4)
+    made = random_configurations(Workspace.about(MACHINE), groups, noise, rng, wedges)
+    data = simulate_readings(MACHINE, made, groups, (), noise, rng)
+    assert diagnose_labels(MACHINE, data) == ()
+    wrong = groups.copy()
+    wrong[4] = 2
+    assert "posture 5 looks to be in the wrong group" in diagnose_labels(MACHINE, replace(data, groups=wrong))[0]
