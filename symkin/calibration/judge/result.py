@@ -66,7 +66,16 @@ class Calibration(Result):
     without being named. `given_up` are the first outliers of a fit where so many readings do not belong that none was left
     out, `silent` configurations without any reading beside the joints, which are not used. All figures are those of the file
     with the `corrected` geometry, written and read back (see `read_back`); `refused` says why it must not be written, None
-    where nothing speaks against it.
+    where nothing speaks against it. `plot()` draws the changes of the parameters, `plot(what="residuals")` the residuals.
+
+    >>> import numpy as np, symkin
+    >>> arm = symkin.load("gluon_6l3")
+    >>> joints = np.radians(np.random.default_rng(1).uniform(-90.0, 90.0, (12, 6)))
+    >>> tips = [symkin.solve(arm, joints=np.degrees(q)).solution.position for q in joints]
+    >>> readings = symkin.Measurements(joints, position=np.array(tips) + [0.0, 0.0, 0.5], position_sigma=0.01)
+    >>> found = symkin.calibrate(arm, readings, parameters=["dh.1.d"])
+    >>> round(found.values["dh.1.d"] - 105.03, 3)
+    0.5
     """
 
     mechanism: Mechanism
