@@ -11,7 +11,7 @@ import numpy as np
 from bench_cases import cases_of
 from harness import Harness, filled, harness_of, table
 from plain_casadi import PlainCasadi
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 
 EXACT = Real("double")

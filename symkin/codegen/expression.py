@@ -1,4 +1,4 @@
-"""Expressions as text of another language: one walk over the graph, and what differs from language to language.
+"""Write expressions as text of another language: one walk over the graph, and what differs from language to language.
 
 What is used more than once gets a name, and so do parts of what grows longer than the language likes; the rest is written in
 place.

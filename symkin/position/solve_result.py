@@ -97,8 +97,10 @@ class SolveResult(Result):
 
 
 class SolveError(SymkinError):
-    """A configuration that was not reached. `result` is the outcome of the solve (status, iterations, closure error left);
-    None where no solve was made, as for a Jacobian that is not defined at a singular configuration.
+    """A configuration that was not reached, or a Jacobian that is not defined there.
+
+    `result` is the outcome of the solve (status, iterations, closure error left); None where no solve was made, as for a
+    Jacobian at a singular configuration.
 
     >>> import symkin
     >>> try:

@@ -39,8 +39,9 @@ def singular_loci(
     starts: int = DEFAULT_STARTS,
     seed: int = 0,
 ) -> Loci:
-    """Curves of singular configurations over two coordinates, all other pose coordinates (or actuated joints) as in
-    `solution`, whose working mode is the one that `in_mode` names.
+    """Trace the curves of singular configurations over two coordinates.
+
+    All other pose coordinates (or actuated joints) are those of `solution`, whose working mode is the one that `in_mode` names.
 
     `plane` names two actuated joints or two pose coordinates, those that `symkin.sweep` takes with the same meaning: x, y, z,
     gamma (about z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`);

@@ -57,8 +57,9 @@ class Residual:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Result):
-    """The result of a calibration. `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
-    outliers.
+    """The result of a calibration: parameters, their standard deviations, residuals, and what they rest on.
+
+    `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without outliers.
 
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
     `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are configurations
