@@ -11,6 +11,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
@@ -19,10 +20,6 @@ from symkin.spatial.pose import Pose
 if TYPE_CHECKING:
     from symkin.certificate.independent_rows import PartialProof
 
-ACCEPTED = 1e-9
-"""A configuration is a solution when no closure error exceeds this times the size."""
-SINGULAR = 1e8
-"""Condition above which a solution is called singular."""
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 
 
@@ -146,7 +143,7 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
         condition,
         None if inside is None else bool(inside[0]),
         hits,
-        notes=notes if condition < SINGULAR else (*notes, SINGULAR_NOTE),
+        notes=notes if condition < SINGULAR_CONDITION else (*notes, SINGULAR_NOTE),
     )
 
 
