@@ -23,7 +23,12 @@ _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
 
 def shipped_names() -> list[str]:
-    """Names of the mechanisms that come with symkin."""
+    """Names of the mechanisms that come with symkin, which `load` takes.
+
+    >>> import symkin
+    >>> "zhao2000" in symkin.shipped_names()
+    True
+    """
     return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 

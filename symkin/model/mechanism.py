@@ -184,7 +184,17 @@ class Mechanism:
 
 
 def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanism:
-    """The same arm as joints at zero joint values; the table stays as its parameters."""
+    """Make a serial arm from a DH table: its joints at zero joint values, with the table as its parameters.
+
+    `options` are those of `Mechanism`: title, source, length_unit, angle_unit, example. Raises MechanismError for a table or
+    options that cannot be. Source: Denavit and Hartenberg, Journal of Applied Mechanics 22, 1955.
+
+    >>> import symkin
+    >>> rows = [symkin.DHRow("q1", a=120.0), symkin.DHRow("q2", a=80.0)]
+    >>> arm = symkin.serial_arm_from_dh("two_links", symkin.DHTable("standard", rows), angle_unit="deg")
+    >>> symkin.solve(arm, joints=[0.0, 90.0]).solution.position.round(6).tolist()
+    [120.0, 80.0, 0.0]
+    """
     frames, tool = reference_frames(table.convention, [(r.theta, r.d, r.a, r.alpha) for r in table.rows])
     joints = [
         Joint(row.name, row.type, point=tuple(point), axis=tuple(axis), actuated=True, limits=row.limits)

@@ -50,7 +50,9 @@ def singularity(
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
 ) -> Singularity:
-    """Classify the configuration that `solve` reaches from the same arguments, or a Solution that is there already:
+    """Say which kind of singularity a configuration is, how near it is to one, and which motion or wrench shows it.
+
+    The configuration is the one that `solve` reaches from the same arguments, or a Solution that is there already:
 
         symkin.singularity(mechanism, joints=[...])
         symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
@@ -58,7 +60,13 @@ def singularity(
     `output` names what type 1 and type 2 are about, in place of the platform's position and orientation together: some of x, y, z
     (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame.
     At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
-    SolveError where no configuration is reached, InputError for values that do not fit.
+    SolveError where no configuration is reached, InputError for values that do not fit. Sources: Gosselin and Angeles 1990 (type 1
+    and 2); Zlatanov, Fenton and Benhabib 1995; Zlatanov, Bonev and Gosselin 2002 (constraint).
+
+    >>> import symkin
+    >>> found = symkin.singularity(symkin.load("gluon_6l3"), joints=[0, 0, 0, 0, 0, 0])
+    >>> found.kinds
+    ('type 1',)
     """
     wanted = make_output(output, point)
     if isinstance(mechanism, Solution):
