@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,20 +18,41 @@ from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
-
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+
+
+@dataclass(frozen=True)
+class PartialProof:
+    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one (length unit, angles times the
+    size); no other row is more than `remaining` there (length unit)."""
+
+    independent: int
+    rows: int
+    radius: float
+    remaining: float
+
+    @staticmethod
+    def joined(parts: Sequence[PartialProof]) -> PartialProof:
+        """Of parts that are solved one by one."""
+        return PartialProof(
+            sum(p.independent for p in parts), sum(p.rows for p in parts),
+            max(p.radius for p in parts), max(p.remaining for p in parts),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
-    """One configuration that closes all loops, in radians and the mechanism's length unit.
+    """One configuration that closes all loops: F(q, x, X, p) = 0 to within `residual`.
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
     closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
     the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
-    `certified`.
+    `certified`. `values` are in radians and the length unit, `joints` in the mechanism's units.
+
+    >>> import symkin
+    >>> found = symkin.solve(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2]).solution
+    >>> found.position.round(3).tolist(), round(found.joints["radial1"], 3)
+    ([4.946, 5.009, 104.964], 75.365)
     """
 
     mechanism: Mechanism

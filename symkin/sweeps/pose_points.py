@@ -1,0 +1,79 @@
+"""Poses of a sweep: which of their coordinates can be swept, and the values of many at once (see `position.varied_pose`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from symkin.closure.closure import build_closure
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.position.given import feasible_poses, given_from
+from symkin.position.pose_conditions import condition_sentence, poses_vary
+from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at
+from symkin.singularities.motion_ranks import generic_ranks
+from symkin.spatial.rotation import multiply, quaternion_from_axis_angle, quaternion_from_rotation_vector
+
+
+def pose_units(mechanism: Mechanism) -> dict[str, str]:
+    """Names that can be swept, with their units."""
+    return {n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit for n in POSE_AXES[mechanism.motion]}
+
+
+def pose_values(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) of the poses `base` (x, y, z, qw, qx, qy, qz) with varied coordinates (n,) in the mechanism's
+    units, and how far each lies off those that the mechanism can take (length unit), 0 where it is one."""
+    n = len(next(iter(varied.values())))
+    position = np.stack([np.broadcast_to(varied.get(name, value), n) for name, value in zip("xyz", base[:3], strict=True)])
+    quaternion = np.asarray(base[3:], dtype=float)[:, None]
+    if "gamma" in varied:
+        about_z = quaternion_from_axis_angle((0.0, 0.0, 1.0), varied["gamma"] * mechanism.angle_in(1.0))
+        quaternion = multiply(about_z, np.asarray(mechanism.reference_pose.quaternion)[:, None])
+    if set(TURNS) & set(varied):
+        turn = np.stack([varied.get(name, np.zeros(n)) * mechanism.angle_in(1.0) for name in TURNS])
+        quaternion = multiply(quaternion_from_rotation_vector(turn), quaternion)
+    quaternion = np.broadcast_to(quaternion / np.linalg.norm(quaternion, axis=0), (4, n))
+    return feasible_poses(mechanism, position, quaternion)
+
+
+def check_poses(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
+    """Raises InputError where no point, or hardly any, is a pose that the mechanism can take: the angle is given twice, `base`
+    lies off the platform's motion, or its joints put a condition on what is swept."""
+    if "gamma" in values and "rz" in values:
+        raise InputError(
+            "grid: gamma and rz are given together; they are the same angle, from the reference's orientation or at's"
+        )
+    off = given_from(mechanism, None, base).off_motion
+    if off > 0.0:
+        raise InputError(
+            f"at: the pose lies off the {mechanism.motion} motion of {mechanism.name}'s platform by {off:.3g} {mechanism.length_unit}, "
+            "so that no point has a solution; allowed: poses of that motion"
+        )
+    _check_conditions(mechanism, base, values)
+
+
+def _check_conditions(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
+    swept = [name for name, v in values.items() if v[-1] > v[0]]
+    freedoms = generic_ranks(mechanism).outputs
+    coordinates = sum(c.freedom for c in build_closure(mechanism).role("pose"))
+    if not swept or freedoms >= coordinates:
+        return
+    held = pose_at(mechanism, base, {name: float(v[0]) for name, v in values.items() if name not in swept})
+    box = tuple(_side(mechanism, name, values[name]) for name in swept)
+    if poses_vary(mechanism, (*held.position.tolist(), *held.quaternion.tolist()), box) is False:
+        instead = "actuated joints (without --poses)"
+        raise InputError(f"grid: {condition_sentence(mechanism, _listed(swept), instead, freedoms, coordinates)}")
+
+
+def _side(mechanism: Mechanism, name: str, values: np.ndarray) -> tuple[str, float, float]:
+    """A swept coordinate by the closure's name, its bounds in length units and rad."""
+    low, high = float(values[0]), float(values[-1])
+    if name in "xyz":
+        return name, low, high
+    own = "gamma" if mechanism.motion in ("schoenflies", "planar") else name
+    return own, mechanism.angle_in(low), mechanism.angle_in(high)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
