@@ -13,11 +13,12 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import gaps
-from symkin.homotopy.endgame import BESIDE, RETURNED, SINGULAR_SHARE
+from symkin.homotopy.endgame import BESIDE, RETURNED
 from symkin.homotopy.engine import aligned, newton, track
 from symkin.homotopy.local import is_no_pose, look
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.symmetry import Orbits
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
@@ -85,7 +86,7 @@ def are_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.nda
             good[left] = gaps(system, back, here) < RETURNED * distance
     left = np.flatnonzero(~good)
     if left.size:
-        good[left] = look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > SINGULAR_SHARE
+        good[left] = look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > RANK_TOLERANCE
     return good
 
 

@@ -8,14 +8,19 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
+from symkin.numeric.tolerances import (
+    CLOSED_CONFIGURATION,
+    CLOSURE_TOLERANCE,
+    DISTINCT_ROOTS,
+    MULTIPLE_ROOT_SHARE,
+    SUSPECT_CONDITION,
+)
 from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
 _DIGITS_LEFT = 100.0
 """Rounding errors of a root, in units of its condition times the machine's precision."""
 _CONTINUUM_SAMPLE = 5
-_LOST = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +146,7 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
     f = features(system, points)
     found = system.conditions(points, known)
     singular = found > SUSPECT_CONDITION
-    first, labels = merge(f[~singular], 1e-6 * system.size)
+    first, labels = merge(f[~singular], DISTINCT_ROOTS * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
     chosen = np.flatnonzero(~singular)[first].tolist()
@@ -160,7 +165,7 @@ def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     lost its rank closes again nearby without coming back (from an isolated multiple root it comes back)."""
     _, jacobian = system.linearise_one(z, known)
     _, singular, right = np.linalg.svd(jacobian)
-    lost = right[int(np.sum(singular > _LOST * max(singular[0], 1e-300))) :]
+    lost = right[int(np.sum(singular > MULTIPLE_ROOT_SHARE * max(singular[0], 1e-300))) :]
     if len(lost) == 0:
         lost = right[-1:]
     mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
@@ -172,7 +177,7 @@ def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: 
     here = features(system, z[None])
     begin = system.move(z[None], 1e-3 * system.size * direction[None])
     end = system.polish(begin[0], known, steps=30)
-    if system.residual(end, known) > 1e-10 * system.size:
+    if system.residual(end, known) > CLOSED_CONFIGURATION * system.size:
         return False
     moved = np.max(np.abs(features(system, end[None]) - here))
     return bool(moved > 0.1 * np.max(np.abs(features(system, begin) - here)))
