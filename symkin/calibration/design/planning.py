@@ -310,7 +310,7 @@ def reading_slopes(
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
     basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ e.slopes, basis)
+    return ReadingSlopes(whiten @ (e.readings_p + e.readings_z @ e.following), basis)
 
 
 def plan_text(plan: Plan) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.caching import cached_property, lru_cache
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import bound_by_motion, written_freedoms
-from symkin.calibration.estimate.model import ConfigurationModel, build_model, solve_systems
+from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
@@ -197,8 +197,8 @@ def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
     model = build_model(mechanism, poses, names)
     z = np.ascontiguousarray(made.values[:, len(mechanism.actuated) :])
     e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
-    follow = solve_systems(e.rows_z, e.rows_p)
-    effect = np.concatenate([e.readings_p - e.readings_z @ follow, e.rows_p - e.rows_z @ follow], axis=1).reshape(-1, len(names))
+    follow = e.following
+    effect = np.concatenate([e.readings_p + e.readings_z @ follow, e.rows_p + e.rows_z @ follow], axis=1).reshape(-1, len(names))
     redundant, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
     for zero in zeros:
         column, basis = effect[:, names.index(zero)], effect[:, others]
