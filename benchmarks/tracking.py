@@ -92,7 +92,7 @@ def faults(found: Track, path: np.ndarray) -> list[str]:
         wrong.append("astray")
     elif apart(problem, samples[-1].solution, end) > _SAME:
         wrong.append("unnoticed")
-    if place is not None and found.stop.kind != "unproved" and place.smallest > _SAME:
+    if place is not None and found.stop.kind != "unproved" and place.smallest_singular_value > _SAME:
         wrong.append("false stop")
     return wrong
 

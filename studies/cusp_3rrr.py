@@ -29,7 +29,8 @@ from report import Report, new_figure, options_parser
 from symkin.following.track import track
 from symkin.plots.loci_plot import draw_curves
 from symkin.position.solution import Solution
-from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.loci import Loci
+from symkin.singularities.singular_loci import singular_loci
 
 BASE_RADIUS, PLATFORM_RADIUS, LINKS = 100.0, 30.0, (60.0, 65.0)
 TOWARDS = np.radians([90.0, 210.0, 330.0])

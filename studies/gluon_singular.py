@@ -18,9 +18,11 @@ import symkin
 from gluon_6l3_model import OFFSET, A, D, determinant, symbolic_jacobian
 from report import Report, new_figure, options_parser
 from symkin.plots.loci_plot import draw_curves
-from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.classification import classify, singularity
+from symkin.singularities.loci import Loci
 from symkin.singularities.locus import picture_distance
-from symkin.singularities.singularity import Singularity, classify, singularity
+from symkin.singularities.singular_loci import singular_loci
+from symkin.singularities.singularity import Singularity
 from symkin.spatial.screw import exponential, move_screw, reciprocal_product, revolute_screw
 
 SEED = 6

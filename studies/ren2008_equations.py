@@ -45,9 +45,7 @@ def by_parameters(eta: np.ndarray, X: np.ndarray) -> np.ndarray:
 def report_machine(report: Report, case: Case) -> None:
     """Figure 1 in numbers: six actuated rods, the frames, 42 parameters."""
     found = symkin.mobility(case.nominal)
-    report.row(
-        "freedoms of the platform: none is lost, no joint is passive", 6, found.mobility, place="1.1", run=symkin.mobility
-    )
+    report.row("freedoms of the platform: none is lost, no joint is passive", 6, found.mobility, place="1.1", run=symkin.mobility)
     report.row("geometric parameters: 6 (3 + 3 + 1)", 42, len(NAMES), place="1.2", run=eta_of)
     held = held_names(case.nominal)
     report.row("of these zero by the frames {M1} and {B1}", 10, len(held), place="1.2, figure 1", run=held_names)

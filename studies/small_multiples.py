@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from report import new_figure
-from symkin.plots.box import COLOURS, View, drawing
-from symkin.plots.panel import FRAME_COLOURS, draw_skeleton
-from symkin.plots.skeleton import Skeleton, skeleton
+from symkin.plots.configuration_panel import FRAME_COLOURS, draw_lines
+from symkin.plots.mechanism_lines import MechanismLines, lines_at
+from symkin.plots.style import COLOURS, drawing
+from symkin.plots.view3d import View
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +38,7 @@ class _Frame:
     caption: float
 
     @staticmethod
-    def around(bodies: Sequence[Skeleton], view: View, width: float, caption: float) -> _Frame:
+    def around(bodies: Sequence[MechanismLines], view: View, width: float, caption: float) -> _Frame:
         """As large as all bodies, seen on the plane of the picture, allow."""
         seen = (np.vstack([body.points for body in bodies]) - view.limits.mean(axis=1)) @ view.axes[:2].T
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -52,7 +53,7 @@ def draw_small_multiples(
     """One panel a mode, `columns` in a row, each `width` inches wide; limbs of a platform in colours of their own; a caption
     (up to two lines) below each drawing where there are any."""
     mechanism = found.problem.mechanism
-    bodies = [skeleton(mechanism, mode.values, mode.pose) for mode in found]
+    bodies = [lines_at(mechanism, mode.values, mode.pose) for mode in found]
     view = View.around(bodies, mechanism.length_unit)
     frame = _Frame.around(bodies, view, width, caption=0.4 if captions else 0.0)
     rows = math.ceil(len(bodies) / columns)
@@ -81,13 +82,13 @@ def _heading(figure: Figure, title: str, subtitle: str) -> None:
     figure.text(0.5, 1 - 0.5 / high, subtitle, ha="center", va="top", fontsize=11, color=COLOURS["quiet"])
 
 
-def _panel(figure: Figure, body: Skeleton, view: View, frame: _Frame, corner: np.ndarray, scale: float) -> None:
+def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corner: np.ndarray, scale: float) -> None:
     """One bare panel whose lower left corner (inches) is `corner`: square axes that hold the whole box."""
     size = figure.get_size_inches()
     side = 1.3 * frame.scale * max(view.picture)
     foot = corner + [0.5 * frame.width, 0.5 * (frame.height + frame.caption)] + frame.shift - 0.5 * side
     axes: Any = figure.add_axes((*(foot / size), *(side / size)), projection="3d")
-    draw_skeleton(axes, body, view, share=frame.scale * view.picture[0] / side, scale=scale)
+    draw_lines(axes, body, view, share=frame.scale * view.picture[0] / side, scale=scale)
     away = _centre(axes, view) * side
     axes.set_position((*((foot - away) / size), *(side / size)))
     _strip(axes)
@@ -122,14 +123,14 @@ def _strip(axes: Any) -> None:
     axes.set_axis_off()
 
 
-def _spokes(axes: Any, body: Skeleton, scale: float) -> None:
+def _spokes(axes: Any, body: MechanismLines, scale: float) -> None:
     """Thin lines from the middle of base and platform to their joints: which points belong to one body."""
     for points, name in ((body.base, "base edge"), (body.platform, "platform edge")):
         for point in points:
             axes.plot(*np.array([points.mean(axis=0), point]).T, color=COLOURS[name], lw=1.1 * scale, alpha=0.6, zorder=9.0)
 
 
-def _colour_limbs(axes: Any, body: Skeleton, view: View, scale: float) -> None:
+def _colour_limbs(axes: Any, body: MechanismLines, view: View, scale: float) -> None:
     """Each limb over its own line, at the depth of that line."""
     for limb, colour in zip(body.limbs, LIMB_COLOURS, strict=False):
         points = limb.points

@@ -21,8 +21,9 @@ import numpy as np
 import symkin
 from report import Report, new_figure, options_parser
 from symkin.plots.loci_plot import draw_curves
-from symkin.singularities.loci import Loci, singular_loci
-from symkin.singularities.singularity import singularity
+from symkin.singularities.classification import singularity
+from symkin.singularities.loci import Loci
+from symkin.singularities.singular_loci import singular_loci
 from symkin.spatial.rotation import euler_from_quaternion
 from zhang2009_model import TABLE_1, equations
 

@@ -25,10 +25,12 @@ import numpy as np
 import symkin
 from report import Report, new_figure, options_parser
 from symkin.plots.loci_plot import draw_curves
-from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.classification import singularity
+from symkin.singularities.loci import Loci
 from symkin.singularities.locus import Locus, picture_distance
 from symkin.singularities.named_screw import NamedScrew
-from symkin.singularities.singularity import Singularity, singularity
+from symkin.singularities.singular_loci import singular_loci
+from symkin.singularities.singularity import Singularity
 from zhao2000_model import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 A_RADIUS, C_RADIUS = (float(np.linalg.norm(points[0])) for points in (BASE, PLATFORM))

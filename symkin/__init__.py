@@ -43,8 +43,10 @@ if TYPE_CHECKING:
     from symkin.following.track_result import Track
     from symkin.position.least_squares import LeastSquares as LeastSquares
     from symkin.position.newton import Newton as Newton
-    from symkin.singularities.loci import Loci, singular_loci
-    from symkin.singularities.singularity import Singularity, singularity
+    from symkin.singularities.classification import singularity
+    from symkin.singularities.loci import Loci
+    from symkin.singularities.singular_loci import singular_loci
+    from symkin.singularities.singularity import Singularity
     from symkin.sweeps.run import sweep
     from symkin.velocity.jacobian import Jacobian, jacobian
 
@@ -105,8 +107,8 @@ _LATER = {
     "jacobian": "symkin.velocity.jacobian",
     "mode_graph": "symkin.following.mode_graph",
     "plan_measurements": "symkin.calibration.design.planning",
-    "singular_loci": "symkin.singularities.loci",
-    "singularity": "symkin.singularities.singularity",
+    "singular_loci": "symkin.singularities.singular_loci",
+    "singularity": "symkin.singularities.classification",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
     "write_firmware": "symkin.codegen.folder",

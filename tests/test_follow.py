@@ -24,7 +24,7 @@ from helpers.samples import (
     turning,
 )
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.following.cubic import Curve
+from symkin.following.cubic import Cubic
 from symkin.following.last_tube import on_plane
 from symkin.following.path_system import coefficients, path_systems
 from symkin.following.step_certificate import Interval
@@ -155,7 +155,7 @@ def test_random_smooth_paths_keep_their_mode(zhang):
         every = symkin.modes(zhang, joints=kept[-1].actuated)
         assert sum(same_pose(mode.pose, kept[-1].pose, zhang.size, 1e-7) for mode in every) == 1
         if found.stop is not None:
-            assert found.end.smallest < 1e-9
+            assert found.end.smallest_singular_value < 1e-9
 
 
 def test_near_miss_of_a_flat_position_is_passed():
@@ -175,7 +175,7 @@ def test_near_miss_of_a_flat_position_is_passed():
         assert sum(own) == 1
         side.append(own.index(True))
     assert side[0] == side[1]
-    assert min(s.smallest for s in found.samples) > 0.0
+    assert min(s.smallest_singular_value for s in found.samples) > 0.0
 
 
 def _rocker_at_reference(coupler: float) -> float:
@@ -305,7 +305,7 @@ def test_tube_holds_one_branch_and_not_the_other():
         mode = next(m for m in symkin.modes(mechanism, joints=[angle]) if _on(m.joints["d"], angle, 0))
         ends.append(np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale)
     slopes = [_slope(interval, np.append(z, u)) for z, u in zip(ends, (0.0, 1.0), strict=True)]
-    curve = Curve.hermite(np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0)
+    curve = Cubic.hermite(np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0)
     tube = interval.tube(curve, np.append(np.zeros(len(ends[0])), 1.0))
     assert tube is not None
     for u in np.linspace(0, 1, 21):
@@ -334,7 +334,7 @@ def test_no_tube_over_a_fold_or_off_the_branch():
         interval = Interval(system, coefficients(problem, *trajectory.samples))
         slope = _slope(interval, np.append(z, 0.0))
         a = np.append(z + shift, 0.0)
-        curve = Curve.hermite(a, slope, a + slope, slope, 1.0)
+        curve = Cubic.hermite(a, slope, a + slope, slope, 1.0)
         assert interval.tube(curve, np.append(np.zeros(len(z)), 1.0)) is None
 
 
@@ -353,7 +353,7 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
     null = np.linalg.svd(interval.evaluate(y)[1][:, :-1])[2][-1]
     direction = np.append(null, 0.0)
     a, b = (on_plane(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
-    curve = Curve.hermite(*a, *b, float(direction @ (b[0] - a[0])))
+    curve = Cubic.hermite(*a, *b, float(direction @ (b[0] - a[0])))
     tube = interval.tube(curve, direction)
     assert tube is not None
     assert interval.folds_once(curve, direction, tube) == folds
@@ -456,7 +456,7 @@ def test_wrist_that_is_nearly_straight_is_passed():
     found = track(arm, poses=[e.pose for e in ends], start=ends[0], name_modes=False)
     assert found.reached
     assert found.certified
-    assert min(s.smallest for s in found.samples) > 0.0
+    assert min(s.smallest_singular_value for s in found.samples) > 0.0
     for a, b in zip(found.end.actuated, ends[1].actuated, strict=True):
         assert same_angle(a, b, 1e-6)
 

@@ -12,8 +12,8 @@ import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
 from symkin import InputError
+from symkin.velocity.equations import velocity_equations
 from symkin.velocity.jacobian import KINDS, jacobian
-from symkin.velocity.velocity import velocity_equations
 
 
 def _kinds(case):

@@ -24,13 +24,14 @@ from helpers.samples import (
 )
 from symkin import InputError
 from symkin.cli.app import main
-from symkin.plots.loci_plot import draw_loci, figure_of_loci
+from symkin.plots.loci_plot import figure_of_loci
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
-from symkin.singularities.loci import Loci, singular_loci
+from symkin.singularities.classification import classify
+from symkin.singularities.loci import Loci
 from symkin.singularities.locus_system import locus_systems, plane_of
 from symkin.singularities.self_motion import has_self_motion
-from symkin.singularities.singularity import classify
+from symkin.singularities.singular_loci import singular_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:
@@ -283,10 +284,10 @@ def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
     content = json.loads(json.dumps(bars.to_dict(), allow_nan=False))
     assert content["plane"] == ["q1", "q2"]
     assert len(content["curves"]) == len(bars.curves) == str(bars).count("type 2")
-    draw_loci(bars, tmp_path / "loci.png")
+    bars.plot(tmp_path / "loci.png")
     assert (tmp_path / "loci.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(InputError, match="no picture format"):
-        draw_loci(bars, tmp_path / "loci.xyz")
+        bars.plot(tmp_path / "loci.xyz")
 
 
 @pytest.mark.parametrize(

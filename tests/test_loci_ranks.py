@@ -12,10 +12,11 @@ import pytest
 from helpers.laws import act, joint_displacement
 from helpers.samples import DELTA, delta, delta_directions
 from symkin import Joint, Limb, Mechanism
-from symkin.plots.loci_plot import draw_loci, figure_of_loci
+from symkin.plots.loci_plot import figure_of_loci
 from symkin.singularities.configuration import configuration
-from symkin.singularities.loci import EVERYWHERE, NONE_MET, Loci, singular_loci
+from symkin.singularities.loci import LOST_OVER_PLANE, NONE_MET, Loci
 from symkin.singularities.locus import Locus, merged
+from symkin.singularities.singular_loci import singular_loci
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -107,7 +108,7 @@ def test_a_plane_that_is_singular_everywhere_is_called_so() -> None:
     may be missing."""
     loci = loci_at(srs(400.0, 300.0), [0.2, 0.3, 0.5, 0.0, 0.9, 1.0, 1.2], ("q2", "q6"), starts=20)
     assert loci.curves == ()
-    assert any(note.endswith(EVERYWHERE) for note in loci.notes)
+    assert any(note.endswith(LOST_OVER_PLANE) for note in loci.notes)
     assert NONE_MET not in loci.notes
     assert "every configuration in this window is singular" in str(loci)
     assert "no locus" not in str(loci)
@@ -180,7 +181,7 @@ def test_no_curve_says_that_some_may_be_missing(tmp_path: Path) -> None:
     (axes,) = figure_of_loci(loci).axes
     assert "raise --starts" in axes.get_xlabel()
     assert [text.get_text() for text in axes.texts] == ["no locus was met in this window"]
-    draw_loci(loci, tmp_path / "none.png")
+    loci.plot(tmp_path / "none.png")
 
 
 def test_the_picture_writes_over_no_curve() -> None:

@@ -13,7 +13,6 @@ from helpers.samples import five_bar, pieper
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.following.mode_graph import Axis, ModeGraph, mode_graph
 from symkin.following.track import track
-from symkin.plots.mode_graph_plot import draw_mode_graph
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
 
@@ -81,7 +80,7 @@ def test_a_path_of_the_graph_stays_on_one_mode(planar: Mechanism, graph: ModeGra
 
 def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     """The picture is a PNG; the text and the JSON name groups and sheets."""
-    draw_mode_graph(graph, tmp_path / "graph.png", graph.path(0, 0))
+    graph.plot(tmp_path / "graph.png", route=graph.path(0, 0))
     assert (tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
     assert "2 sheets" in str(graph)
     assert graph.to_dict()["groups"] == [[0], [1]]

@@ -15,10 +15,11 @@ import pytest
 
 import symkin
 from symkin import InputError, Joint, Limb, Mechanism, Modes, Pose, Rod
-from symkin.plots.box import View
-from symkin.plots.links import joint_displacement, link_displacements
-from symkin.plots.plot import check_picture_path, draw_modes, figure_of_modes
-from symkin.plots.skeleton import Skeleton, outline, reference_skeleton, skeleton
+from symkin.plots.link_displacements import joint_displacement, link_displacements
+from symkin.plots.mechanism_lines import MechanismLines, lines_at, outline, reference_lines
+from symkin.plots.modes_plot import figure_of_modes
+from symkin.plots.picture_file import check_picture_path
+from symkin.plots.view3d import View
 
 AROUND = [2 * math.pi * k / 3 for k in range(3)]
 
@@ -79,8 +80,8 @@ NAMES = (
 )  # fmt: skip
 
 
-def skeletons(modes: Modes) -> list[Skeleton]:
-    return [skeleton(modes.problem.mechanism, mode.values, mode.pose) for mode in modes]
+def skeletons(modes: Modes) -> list[MechanismLines]:
+    return [lines_at(modes.problem.mechanism, mode.values, mode.pose) for mode in modes]
 
 
 # --- links -------------------------------------------------------------------------------------------------------
@@ -168,7 +169,7 @@ def test_links_between_revolutes_keep_their_lengths(name):
     """Law: every drawn link is as long as at the reference."""
     modes = modes_of(name)
     size = modes.problem.mechanism.size
-    at_reference = reference_skeleton(modes.problem.mechanism)
+    at_reference = reference_lines(modes.problem.mechanism)
     for body in skeletons(modes):
         for limb, reference in zip(body.limbs, at_reference.limbs, strict=True):
             pairs = zip([*limb.segments, *limb.rods], [*reference.segments, *reference.rods], strict=True)
@@ -191,7 +192,7 @@ def test_platform_points_move_as_one_body(name):
     """Law: limbs end at the platform's points, moved by its pose; base points stay."""
     modes = modes_of(name)
     mechanism = modes.problem.mechanism
-    at_reference = reference_skeleton(mechanism)
+    at_reference = reference_lines(mechanism)
     back = mechanism.reference_pose.inverse()
     for mode, body in zip(modes, skeletons(modes), strict=True):
         moved = [mode.pose.apply(back.apply(point)) for point in at_reference.platform]
@@ -222,7 +223,7 @@ def test_base_rails_begin_beside_their_own_point():
     """A P joint at the base without a point: its rail runs from beside the origin to the next joint."""
     joints = [Joint("p", "P", axis=(0, 0, 1), actuated=True, zero=2.0), Joint("s", "S", point=(1, 0, 2))]
     mechanism = Mechanism("rail", [Limb("limb", joints)], platform_position=(0, 0, 2))
-    (limb,) = skeleton(mechanism, {"p": 3.0}, Pose(np.array([0.0, 0.0, 3.0]), np.array([1.0, 0, 0, 0]))).limbs
+    (limb,) = lines_at(mechanism, {"p": 3.0}, Pose(np.array([0.0, 0.0, 3.0]), np.array([1.0, 0, 0, 0]))).limbs
     np.testing.assert_allclose(limb.points[[0, -1]], [[1, 0, 0], [1, 0, 3]])
 
 
@@ -233,7 +234,7 @@ def test_spherical_mechanisms_do_not_collapse_to_a_point():
         Limb(f"limb{k}", [Joint(f"j{k}{i}", "R", axis=axis, actuated=i == 0) for i, axis in enumerate(three)])
         for k, three in enumerate(axes)
     ]
-    body = reference_skeleton(Mechanism("wrist", limbs, motion="spherical"))
+    body = reference_lines(Mechanism("wrist", limbs, motion="spherical"))
     np.testing.assert_allclose(np.linalg.norm(np.vstack([limb.points for limb in body.limbs]), axis=1), 1.0)
 
 
@@ -288,7 +289,7 @@ def test_titles_and_labels_lie_in_the_figure_and_apart(name):
 @pytest.mark.parametrize("suffix", ["png", "PNG", "pdf", "svg"])
 def test_pictures_are_written(tmp_path, suffix):
     target = tmp_path / f"modes.{suffix}"
-    assert draw_modes(modes_of("zhang2009"), target) == 4
+    assert len(modes_of("zhang2009").plot(target).axes) == 4
     assert target.stat().st_size > 5000
 
 
@@ -296,7 +297,7 @@ def test_titles_in_other_scripts_and_long_titles(tmp_path):
     """Neither a missing glyph nor a long title stops or overfills a picture; matplotlib's mathematics is off."""
     mechanism = replace(symkin.load("gluon_6l3"), title="六自由度机械臂 $x_1$ " + 40 * "long ")
     modes = symkin.modes(mechanism)
-    assert draw_modes(modes, tmp_path / "modes.png") == 1
+    assert len(modes.plot(tmp_path / "modes.png").axes) == 1
     figure = figure_of_modes(modes)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -318,7 +319,7 @@ def test_without_modes_the_reference_is_drawn(tmp_path):
     figure = figure_of_modes(modes)
     assert len(figure.axes) == 1
     assert any(text.get_text() == "no real solution" for text in figure.texts)
-    assert draw_modes(modes, str(tmp_path / "none.png")) == 1
+    assert len(modes.plot(str(tmp_path / "none.png")).axes) == 1
 
 
 def test_panel_titles_say_where_and_whether_within_limits():
@@ -341,7 +342,7 @@ def test_paths_that_cannot_be_written(tmp_path, name):
         check_picture_path(tmp_path / name)
     assert str(caught.value).startswith("plot: ")
     with pytest.raises(InputError):
-        draw_modes(modes_of("zhang2009"), tmp_path / name)
+        modes_of("zhang2009").plot(tmp_path / name)
 
 
 def test_a_write_that_fails_is_an_input_error(tmp_path, monkeypatch):
@@ -352,13 +353,13 @@ def test_a_write_that_fails_is_an_input_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Figure, "savefig", fail)
     with pytest.raises(InputError, match="Permission denied"):
-        draw_modes(modes_of("zhang2009"), tmp_path / "modes.png")
+        modes_of("zhang2009").plot(tmp_path / "modes.png")
 
 
 def test_symkin_does_not_import_matplotlib():
     """Nor does the plotting module before it draws; pyplot is never imported."""
     code = (
-        "import sys, symkin, symkin.plots.plot as plot; assert 'matplotlib' not in sys.modules;"
+        "import sys, symkin, symkin.plots.modes_plot as plot; assert 'matplotlib' not in sys.modules;"
         "plot.figure_of_modes(symkin.modes(symkin.load('gluon_6l3'))); assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

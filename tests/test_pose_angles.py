@@ -12,8 +12,9 @@ import symkin
 from helpers.laws import axis_turn
 from helpers.samples import Z, three_rrr
 from symkin import InputError
-from symkin.singularities.loci import Loci, singular_loci
-from symkin.singularities.singularity import TOLERANCE
+from symkin.singularities.classification import TOLERANCE
+from symkin.singularities.loci import Loci
+from symkin.singularities.singular_loci import singular_loci
 from symkin.sweeps.run import sweep
 
 HEXAPOD = symkin.load("zhang2009")

@@ -77,7 +77,7 @@ def test_boxes_of_nearly_double_roots_are_true_by_balls(engine, name):
 @pytest.mark.parametrize("name", KNOWN_CASES)
 def test_boxes_of_mechanisms_are_true_by_balls(engine, name):
     """The same on roots of mechanisms; a point off by less than 1e-10 is certified."""
-    problem, system, k, z = case(name)
+    _, system, k, z = case(name)
     rng = np.random.default_rng(0)
     roots = certificates.Roots(name, system, Knowns.of_one(k), z[:, ::4])
     certified, failures = certificates.count_failures(roots, rng)[1:]

@@ -28,9 +28,9 @@ from symkin.calibration.fit_file import NotFittedError, fit_file
 from symkin.closure.closure import build_closure
 from symkin.following.mode_graph import mode_graph
 from symkin.position.problem import build_problem
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 from symkin.spatial.pose import Pose
-from symkin.velocity.velocity import velocity_equations
+from symkin.velocity.equations import velocity_equations
 
 BARS = five_bar()
 

@@ -13,7 +13,8 @@ from helpers.samples import delta, four_bar, pieper, random_mechanism, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.problem import build_problem
 from symkin.position.solution import make_solution
-from symkin.singularities.singularity import Singularity, classify, singularity
+from symkin.singularities.classification import classify, singularity
+from symkin.singularities.singularity import Singularity
 
 
 def equal_upu() -> Mechanism:
@@ -45,7 +46,7 @@ def loose() -> Singularity:
 def test_a_platform_that_is_loose_everywhere_is_not_called_regular(loose: Singularity) -> None:
     """Three equal parallel legs are one leg: with all lengths held the platform keeps two translations everywhere."""
     text = str(loose)
-    assert loose.loose == 2
+    assert loose.uncontrolled_freedoms == 2
     assert loose.is_singular
     assert "regular" not in text
     assert "singular everywhere: with all actuated joints held the platform keeps 2 freedoms" in text
@@ -79,7 +80,7 @@ def test_regular_says_that_the_actuated_joints_hold_the_platform(limbs: tuple[st
     found = classify(make_solution(problem, problem.closure.reference))
     free = found.equations.twist.shape[1] - np.linalg.matrix_rank(found.equations.twist, tol=1e-9)
     assert ("\nregular" in str(found)) == (not found.kinds and free == 0)
-    assert (free > 0) == (found.loose > 0 or "type 2" in found.kinds)
+    assert (free > 0) == (found.uncontrolled_freedoms > 0 or "type 2" in found.kinds)
 
 
 @pytest.mark.parametrize("mechanism", [four_bar()[0], three_rrr("planar"), delta(), pieper()], ids=lambda m: m.name)
@@ -87,7 +88,7 @@ def test_mechanisms_with_nothing_free_say_nothing_of_it(mechanism: Mechanism) ->
     """`everywhere` is empty, and the distances stand without a remark."""
     problem = build_problem(mechanism, "direct")
     found = classify(make_solution(problem, problem.closure.reference))
-    assert found.everywhere == {}
+    assert found.permanent_freedoms == {}
     assert "everywhere" not in str(found)
 
 
@@ -95,7 +96,7 @@ def test_a_redundant_arm_says_what_its_distance_leaves_out() -> None:
     """Four parallel revolutes move with the tool at rest in one freedom, in every configuration."""
     found = singularity(planar_arm(4), joints=[0.1, 0.5, 0.7, 0.4])
     assert found.kinds == ()
-    assert found.everywhere == {"type 1": 1}
+    assert found.permanent_freedoms == {"type 1": 1}
     assert "freedoms of the actuated joints with the platform at rest, everywhere: 1" in found.notes
 
 

@@ -30,10 +30,11 @@ from symkin.closure.closure import build_closure
 from symkin.position.mobility import whole_system
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution, make_solution
+from symkin.singularities.classification import TOLERANCE, classify, singularity
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.singularity import TOLERANCE, Singularity, classify, singularity
+from symkin.singularities.singularity import Singularity
 from symkin.spatial.screw import reciprocal_product
-from symkin.velocity.velocity import variables_of
+from symkin.velocity.equations import variables_of
 
 Z = (0.0, 0.0, 1.0)
 

@@ -97,7 +97,7 @@ def test_the_point_decides() -> None:
     other = symkin.singularity(first.solution, output=["x", "y", "z"])
     assert first.distances["type 2"] == pytest.approx(second.distances["type 2"], rel=1e-6)
     assert abs(first.distances["type 2"] - other.distances["type 2"]) > 1e-6
-    assert first.everywhere == {"type 1": 3}
+    assert first.permanent_freedoms == {"type 1": 3}
 
 
 def run(capsys, *arguments: str) -> tuple[int, str, str]:

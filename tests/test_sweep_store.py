@@ -16,7 +16,7 @@ import symkin
 from helpers.folders import same_files
 from symkin import InputError, Pose
 from symkin.assembly.mode_table import COMPLETENESS
-from symkin.singularities.singularity import classify
+from symkin.singularities.classification import classify
 from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space

@@ -198,7 +198,7 @@ def test_no_start_has_status_3(capsys):
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
     """The picture of a track has a panel for each quantity and one for the smallest singular value; a stop is marked in all."""
-    from symkin.plots.track_plot import draw_track, figure_of_track
+    from symkin.plots.track_plot import figure_of_track
 
     mechanism = symkin.load("zhang2009")
     if problem == "direct":
@@ -209,7 +209,7 @@ def test_picture_is_written(tmp_path, problem):
     figure = figure_of_track(found)
     marks = [sum(line.get_linestyle() == "--" for line in ax.get_lines()) for ax in figure.axes]
     assert marks == [int(not found.reached)] * (3 if problem == "direct" else 2)
-    draw_track(found, tmp_path / "t.png")
+    found.plot(tmp_path / "t.png")
     assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
 
 

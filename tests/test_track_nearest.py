@@ -40,7 +40,7 @@ def test_a_near_miss_is_no_bifurcation(gap: float) -> None:
         assert "a singularity is very near" in found.statement
         assert not found.certified
     assert found.nearest is not None
-    assert found.nearest.smallest < 1e-5
+    assert found.nearest.smallest_singular_value < 1e-5
 
 
 def test_branches_that_meet_are_a_bifurcation() -> None:
@@ -59,8 +59,8 @@ def test_the_nearest_place_is_where_the_closed_form_says(gap: float) -> None:
     assert found.reached
     assert found.nearest is not None
     assert abs(found.nearest.parameter - 0.5) < 0.02
-    least = min(s.smallest for s in dense.samples) if dense.samples else math.inf
-    assert found.nearest.smallest <= least * (1 + 1e-6)
+    least = min(s.smallest_singular_value for s in dense.samples) if dense.samples else math.inf
+    assert found.nearest.smallest_singular_value <= least * (1 + 1e-6)
     assert found.nearest.residual < 1e-9
 
 
@@ -77,9 +77,9 @@ def test_the_nearest_place_of_any_path(kind: str) -> None:
     found = track(mechanism, **{kind: rows})
     dense = track(mechanism, **{kind: rows}, samples=101)
     assert found.nearest is not None
-    samples = {s.parameter: s.smallest for s in dense.samples}
-    assert found.nearest.smallest <= min(samples.values()) * (1 + 1e-6)
-    assert found.nearest.smallest > 0.98 * min(samples.values())
+    samples = {s.parameter: s.smallest_singular_value for s in dense.samples}
+    assert found.nearest.smallest_singular_value <= min(samples.values()) * (1 + 1e-6)
+    assert found.nearest.smallest_singular_value > 0.98 * min(samples.values())
 
 
 def test_the_summary_and_the_json_name_it() -> None:

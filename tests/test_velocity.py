@@ -12,7 +12,7 @@ from helpers import jacobian_cases as cases
 from helpers import samples
 from symkin import InputError, SolveError
 from symkin.position.mobility import whole_system
-from symkin.velocity.velocity import velocity_equations
+from symkin.velocity.equations import velocity_equations
 
 
 def _scaled(equations, direct):

@@ -10,7 +10,7 @@ import numpy as np
 from symkin.assembly.mode_list import Modes
 from symkin.closure.closure import Closure
 from symkin.position.solution import Solution
-from symkin.velocity.velocity import variables_of
+from symkin.velocity.equations import variables_of
 
 COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
 """What the numbers of the array `completeness` mean: their place here."""

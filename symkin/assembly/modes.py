@@ -16,7 +16,7 @@ from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, are_many, given_from, given_many
+from symkin.position.given import Given, Joints, are_many, given_from, given_many
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -84,7 +84,7 @@ def modes(
 def modes_at_need(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     starts: int = DEFAULT_STARTS,
     seed: int = DEFAULT_SEED,

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from symkin.cli.options import MechArgument
+from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.errors import InputError
 
 
 def list_() -> None:
@@ -23,10 +24,13 @@ def show(
     mech: MechArgument,
     latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
     from symkin.model.file import load
 
+    if latex and as_json:
+        raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
     mechanism = load(mech)
     if plot is not None:
         from symkin.plots.sketch import draw_sketch
@@ -38,7 +42,7 @@ def show(
         print(equations(mechanism))
         return
     from symkin.position.describe import describe
+    from symkin.position.mobility import mobility
 
-    print(describe(mechanism))
-    if plot is not None:
-        print(f"\npicture: {plot}")
+    picture = "" if plot is None else f"\n\npicture: {plot}"
+    print_result(as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + picture)

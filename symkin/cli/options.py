@@ -25,7 +25,10 @@ def whole_number(text: str) -> int:
 MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
 JointsOption = Annotated[
     str | None,
-    typer.Option(metavar="V1,V2,...", help="All actuated joints, in file order and the file's units: the direct problem."),
+    typer.Option(
+        metavar="V1,V2,...",
+        help="All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the direct problem.",
+    ),
 ]
 PoseOption = Annotated[
     str | None, typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.")
@@ -51,13 +54,29 @@ def numbers_from(text: str | None, what: str, angle_unit: str) -> list[float] | 
         return None
     if not text.strip():
         raise InputError(f"--{what} is empty; numbers separated by commas are needed")
-    numbers = []
-    for k, part in enumerate(text.split(","), start=1):
-        try:
-            numbers.append(written_number(part, angle_unit))
-        except InputError as error:
-            raise InputError(f"--{what}: value {k} = {error}; values are separated by commas") from None
-    return numbers
+    return [_number(part, f"value {k}", what, angle_unit) for k, part in enumerate(text.split(","), start=1)]
+
+
+def joints_from(text: str | None, what: str, angle_unit: str) -> list[float] | dict[str, float] | None:
+    """Numbers as `numbers_from`, or numbers by name from `leg1=400,leg2=420`."""
+    if text is None or "=" not in text:
+        return numbers_from(text, what, angle_unit)
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not name or not equals:
+            raise InputError(f"--{what}: {shown(part.strip())} has no name; either every value has one (NAME=VALUE,...) or none")
+        if name in found:
+            raise InputError(f"--{what}: {shown(name)} is given twice")
+        found[name] = _number(value, name, what, angle_unit)
+    return found
+
+
+def _number(text: str, which: str, what: str, angle_unit: str) -> float:
+    try:
+        return written_number(text, angle_unit)
+    except InputError as error:
+        raise InputError(f"--{what}: {which} = {error}; values are separated by commas") from None
 
 
 def check_output(output: Path | None, *inputs: Path | str | None) -> None:

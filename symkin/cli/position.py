@@ -15,6 +15,7 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    joints_from,
     numbers_from,
     print_result,
     whole_number,
@@ -53,13 +54,13 @@ def modes(
 
     mechanism = load(mech)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
-            joints=numbers_from(joints, "joints", mechanism.angle_unit),
+            joints=joints_from(joints, "joints", mechanism.angle_unit),
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
             method=method.value,
             starts=starts,
@@ -67,9 +68,7 @@ def modes(
             progress=progress,
         )
     if plot is not None:
-        from symkin.plots.plot import draw_modes
-
-        draw_modes(found, plot)
+        found.plot(plot)
     print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
@@ -89,8 +88,8 @@ def solve(
     mechanism = load(mech)
     unit = mechanism.angle_unit
     result = solve_one(
-        mechanism, joints=numbers_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        start=numbers_from(start, "start", unit), solver=solver.value, check=False,
+        mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
+        start=joints_from(start, "start", unit), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

@@ -15,6 +15,7 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    joints_from,
     numbers_from,
     print_result,
     whole_number,
@@ -74,12 +75,12 @@ def singularities(
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    given = numbers_from(joints, "joints", unit), numbers_from(pose, "pose", unit), numbers_from(start, "start", unit)
+    given = joints_from(joints, "joints", unit), numbers_from(pose, "pose", unit), joints_from(start, "start", unit)
     try:
         solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
     except SolveError as error:
@@ -88,23 +89,21 @@ def singularities(
         say(error)
         raise typer.Exit(3) from None
     if plane is None:
+        from symkin.singularities.classification import classify
         from symkin.singularities.output import make_output
-        from symkin.singularities.singularity import classify
 
         names = None if output is None else [name.strip() for name in output.split(",")]
         found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
         print_result(as_json, found.to_dict, lambda: str(found))
         return
-    from symkin.singularities.loci import DEFAULT_STARTS, singular_loci
+    from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
     names = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):
         count = DEFAULT_STARTS if starts is None else starts
         loci = singular_loci(solution, names, ranges=sides, starts=count, seed=0 if seed is None else seed)
     if plot is not None:
-        from symkin.plots.loci_plot import draw_loci
-
-        draw_loci(loci, plot)
+        loci.plot(plot)
     print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from symkin.cli.options import Interrupted, MechArgument, SearchSeedOption, numbers_from, whole_number
+from symkin.cli.options import Interrupted, MechArgument, SearchSeedOption, joints_from, whole_number
 from symkin.cli.progress import progress_bar
 from symkin.errors import InputError
 
@@ -77,12 +77,12 @@ def sweep(
     if slices is not None and plot is None:
         raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, poses=poses, at=numbers_from(at, "at", unit), random=random, seed=seed, quantity=quantity.value,
+            mechanism, ranges, output, poses=poses, at=joints_from(at, "at", unit), random=random, seed=seed, quantity=quantity.value,
             certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
     print(swept)

@@ -12,7 +12,7 @@ from symkin.cli.options import (
     MechArgument,
     StartOption,
     check_output,
-    numbers_from,
+    joints_from,
     print_result,
     whole_number,
 )
@@ -47,7 +47,7 @@ def track(
     mechanism = load(mech)
     check_output(output, mech, csv)
     if plot is not None:
-        from symkin.plots.plot import check_picture_path
+        from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
     if csv is not None:
@@ -57,16 +57,14 @@ def track(
     else:
         path = _straight(begin, end, poses, mechanism.angle_unit)
         samples = 101 if samples is None else samples
-    begun = numbers_from(start, "start", mechanism.angle_unit)
+    begun = joints_from(start, "start", mechanism.angle_unit)
     with progress_bar("samples") as progress:
         found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
         write_track(found, output)
     drawn = plot if found.samples else None
     if drawn is not None:
-        from symkin.plots.track_plot import draw_track
-
-        draw_track(found, drawn)
+        found.plot(drawn)
     files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
     print_result(as_json, found.to_dict, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)
@@ -76,4 +74,4 @@ def _straight(begin: str | None, end: str | None, poses: bool, unit: str) -> dic
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
         raise InputError(f"{missing} is missing; a path is --from and --to, or --csv FILE")
-    return {"poses" if poses else "joints": [numbers_from(begin, "from", unit), numbers_from(end, "to", unit)]}
+    return {"poses" if poses else "joints": [joints_from(begin, "from", unit), joints_from(end, "to", unit)]}

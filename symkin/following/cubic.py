@@ -1,4 +1,4 @@
-"""Cubics with bounds that hold in spite of rounding: what a proof of a step is about."""
+"""Cubic curves with boxes that hold them and their derivatives in spite of rounding; a step is proved about one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ROUNDING = 2.0**-48
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Cubic:
     """A cubic over 0 <= t <= length by its control points (4, n): it lies in their hull, its derivative in the hull of their
     scaled differences."""
 
@@ -21,9 +21,9 @@ class Curve:
     length: float
 
     @staticmethod
-    def hermite(a: np.ndarray, slope_a: np.ndarray, b: np.ndarray, slope_b: np.ndarray, length: float) -> Curve:
+    def hermite(a: np.ndarray, slope_a: np.ndarray, b: np.ndarray, slope_b: np.ndarray, length: float) -> Cubic:
         third = length / 3
-        return Curve(np.array([a, a + third * slope_a, b - third * slope_b, b]), length)
+        return Cubic(np.array([a, a + third * slope_a, b - third * slope_b, b]), length)
 
     def at(self, share: float) -> np.ndarray:
         """The point at `share` of the length."""

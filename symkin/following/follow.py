@@ -1,17 +1,18 @@
-"""Following one configuration along a trajectory: its independent blocks one by one on each interval, up to the first stop.
+"""Follow one configuration along a trajectory: its independent blocks one by one on each interval, up to the first stop.
 
 Limbs whose platform pose is given are blocks of their own (see `Problem.blocks`); each has its own steps and proof (see
-`block_walk`). Blocks that stop at the same place stop the configuration together.
+`block_follower`). Blocks that stop at the same place stop the configuration together.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from symkin.following.block_walk import TOGETHER, Ending, Walk
+from symkin.following.block_follower import SAME_PLACE, BlockFollower, Ending
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import path_systems
 from symkin.following.trajectory import Trajectory
@@ -19,7 +20,7 @@ from symkin.position.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class PathPoint:
     """A configuration of the path: its unknowns (in radians and the length unit) at u of interval `row`, and the radius (length
     unit; angles times the size) of the box in which it is the only one, None where that is not proved."""
 
@@ -34,28 +35,28 @@ class Branch:
     """What was followed: `places` at the samples, `last` the end, and why it ended: `stopped` are the blocks that end there.
     `followed` is the path parameter up to which steps lead; `steps` counts tubes, of which images fill at most `tightest`;
     `proved`: every step, and the last one to a turning point, is proved; `formula`: no step is
-    needed (see `formula`)."""
+    needed (see `evaluate_formula`)."""
 
-    places: list[Place]
-    last: Place
-    walks: tuple[Walk, ...]
+    places: list[PathPoint]
+    last: PathPoint
+    blocks: tuple[BlockFollower, ...]
     ending: Ending = "reached"
-    stopped: list[Walk] = field(default_factory=list)
+    stopped: list[BlockFollower] = field(default_factory=list)
     limit: Limit | None = None
     followed: float = 0.0
     formula: bool = False
 
     @property
     def steps(self) -> int:
-        return sum(walk.steps for walk in self.walks)
+        return sum(block.steps for block in self.blocks)
 
     @property
     def tightest(self) -> float:
-        return max((walk.tightest for walk in self.walks), default=0.0)
+        return max((block.tightest for block in self.blocks), default=0.0)
 
     @property
     def is_square(self) -> bool:
-        return all(walk.system.is_square for walk in self.walks)
+        return all(block.system.is_square for block in self.blocks)
 
     @property
     def proved(self) -> bool:
@@ -64,7 +65,7 @@ class Branch:
             return True
         if not self.is_square or self.places[0].radius is None or self.ending in ("open", "unproved"):
             return False
-        return all(w.stop is not None and w.stop.arrival is not None for w in self.stopped) or self.ending == "limit"
+        return all(w.stop is not None and w.stop.last_tube is not None for w in self.stopped) or self.ending == "limit"
 
 
 def follow(
@@ -75,14 +76,14 @@ def follow(
     progress: Callable[[int, int], None] | None = None,
 ) -> Branch:
     """Follow the branch through the unknowns at the first sample until the end or the first stop."""
-    walks = tuple(Walk.begin(system, trajectory, watch, unknown) for system in path_systems(problem))
-    first = standing(walks, problem, 0, 0.0)
-    branch = Branch([first], first, walks)
+    blocks = tuple(BlockFollower.begin(system, trajectory, watch, unknown) for system in path_systems(problem))
+    first = path_point(blocks, problem, 0, 0.0)
+    branch = Branch([first], first, blocks)
     for row in range(len(trajectory) - 1):
         moved = not np.array_equal(trajectory.samples[row], trajectory.samples[row + 1])
         if moved and not _interval(branch, problem, trajectory, row, watch):
             return branch
-        end = Place(row, 1.0, branch.last.unknown, branch.last.radius)
+        end = PathPoint(row, 1.0, branch.last.unknown, branch.last.radius)
         branch.places.append(end)
         branch.last, branch.followed = end, trajectory.parameter(row, 1.0)
         if progress is not None:
@@ -94,13 +95,13 @@ def _interval(branch: Branch, problem: Problem, trajectory: Trajectory, row: int
     """Follow all blocks over one interval; whether its end is reached."""
     given = watch.given(row)
     until = 1.0 if given is None else given[0]
-    for walk in branch.walks:
-        walk.enter(row)
-        walk.go(until)
-        if walk.stop is not None:
-            until = min(until, walk.stop.u)
-    branch.last = standing(branch.walks, problem, row, until)
-    branch.stopped = [w for w in branch.walks if w.stop is not None and w.stop.u <= until + TOGETHER]
+    for block in branch.blocks:
+        block.enter(row)
+        block.go(until)
+        if block.stop is not None:
+            until = min(until, block.stop.u)
+    branch.last = path_point(branch.blocks, problem, row, until)
+    branch.stopped = [w for w in branch.blocks if w.stop is not None and w.stop.u <= until + SAME_PLACE]
     if not branch.stopped and given is None:
         return True
     branch.followed = trajectory.parameter(row, min([until, *(w.station.u for w in branch.stopped)]))
@@ -111,12 +112,101 @@ def _interval(branch: Branch, problem: Problem, trajectory: Trajectory, row: int
     return False
 
 
-def standing(walks: tuple[Walk, ...], problem: Problem, row: int, u: float) -> Place:
+def path_point(blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u: float) -> PathPoint:
     """The configuration of all blocks at a u that they have passed or at which they stop."""
     unknown = np.empty(problem.system.width)
     radius: float | None = 0.0
-    for walk in walks:
-        unknown[walk.system.places] = walk.system.unknown(walk.at(u))
-        half = walk.station.half if walk.station.u == u else None
+    for block in blocks:
+        unknown[block.system.places] = block.system.unknown(block.at(u))
+        half = block.station.half if block.station.u == u else None
         radius = None if half is None or radius is None else max(radius, float(np.max(half[:-1], initial=0.0)))
-    return Place(row, u, unknown, None if radius is None else radius * problem.closure.size)
+    return PathPoint(row, u, unknown, None if radius is None else radius * problem.closure.size)
+
+
+# --- on what ground ---------------------------------------------------------------------------------------------------
+
+
+def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
+    """On what ground the samples of a branch are said to be one mode."""
+    steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
+    if branch.formula:
+        return "proved: the pose is a formula of the joints, one for every input; no steps are needed"
+    if certified and not branch.steps:
+        return "proved: ball arithmetic shows exactly one solution at the start"
+    if certified:
+        return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{_last_tube(branch)}"
+    if not branch.blocks:
+        return "checked: nothing was followed"
+    if branch.is_square:
+        return (
+            f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
+            "solution for every input; beyond, checked in double precision only"
+        )
+    rows, unknowns = (sum(n) for n in zip(*((b.system.count, b.system.width) for b in branch.blocks), strict=True))
+    return (
+        f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the motion that removes some, where "
+        f"there is one); in each of {steps} ball arithmetic shows at most one "
+        f"solution for every input (margin {1 - branch.tightest:.2g}), and the residual, at most {residual:.1e} "
+        f"{length_unit}, that there is one" + _redundant_rows(branch, length_unit)
+    )
+
+
+def _redundant_rows(branch: Branch, length_unit: str) -> str:
+    """What is proved of redundant rows at the ends of steps."""
+    bound = max((block.redundant_bound for block in branch.blocks), default=0.0)
+    if not branch.steps or not math.isfinite(bound):
+        return ""
+    return (
+        "; proved at the end of each step: as many independent rows as unknowns vanish at exactly one point there, and no other "
+        f"row is more than {bound:.1e} {length_unit} at it"
+    )
+
+
+def _last_tube(branch: Branch) -> str:
+    if branch.ending != "singular":
+        return ""
+    return (
+        ", and a last one in which it shows that the path parameter grows up to the turning point, which is the first singularity"
+    )
+
+
+# --- serial arms: the pose is a formula of the joints ------------------------------------------------------------------
+
+
+def is_formula(problem: Problem, trajectory: Trajectory) -> bool:
+    """Whether the unknowns are a position and a quaternion alone, as a function of the given joints."""
+    kinds = [c.kind for c in problem.system.unknowns]
+    if kinds != ["length", "length", "length", "quaternion"]:
+        return False
+    return problem.is_explicit and problem.forward(trajectory.samples[0]) is not None
+
+
+def evaluate_formula(
+    problem: Problem,
+    trajectory: Trajectory,
+    unknown: np.ndarray,
+    watch: LimitWatch,
+    progress: Callable[[int, int], None] | None = None,
+) -> Branch:
+    """The poses at the samples, up to the first limit; the formula's quaternion is continuous, and has the start's sign."""
+    sign = 1.0 if _arm_pose(problem, trajectory.samples[0], 1.0)[3:] @ unknown[3:] >= 0.0 else -1.0
+    first = PathPoint(0, 0.0, unknown, None)
+    branch = Branch([first], first, (), formula=True)
+    for row in range(len(trajectory) - 1):
+        met = watch.given(row)
+        u = 1.0 if met is None else met[0]
+        branch.last = PathPoint(row, u, _arm_pose(problem, trajectory.at(row, u), sign), None)
+        branch.followed = trajectory.parameter(row, u)
+        if met is not None:
+            branch.ending, branch.limit = "limit", met[1]
+            return branch
+        branch.places.append(branch.last)
+        if progress is not None:
+            progress(row + 1, len(trajectory) - 1)
+    return branch
+
+
+def _arm_pose(problem: Problem, known: np.ndarray, sign: float) -> np.ndarray:
+    pose = problem.forward(known)
+    assert pose is not None  # noqa: S101 - `is_formula` has been asked
+    return np.append(pose[:3], sign * pose[3:] / np.linalg.norm(pose[3:]))

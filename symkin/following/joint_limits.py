@@ -11,11 +11,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from symkin.following.cubic import Curve
+from symkin.closure.closure import build_closure
+from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem
 from symkin.following.step_certificate import Interval
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
 
 _SLACK = 1e-9
@@ -34,6 +36,15 @@ class Limit:
     value: float
     turns: float = 0.0
     is_passed: bool = False
+
+    def text(self, mechanism: Mechanism) -> str:
+        """Which limit is met, in the mechanism's units."""
+        c = next(c for c in build_closure(mechanism).coordinates if c.name == self.name)
+        value = mechanism.angle_out(self.value) if c.is_angular else self.value
+        unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
+        how, where = ("lies beyond its limit", " at the start") if self.is_passed else ("meets its limit", "")
+        turns = abs(round(self.turns / (2 * math.pi)))
+        return f"{self.name} {how} {value:g} {unit}{where}" + (f", {turns} whole turn{'s' * (turns > 1)} apart" if turns else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +81,7 @@ class LimitWatch:
             start += c.width
         return found
 
-    def unknown(self, interval: Interval, curve: Curve) -> tuple[float, Limit] | None:
+    def unknown(self, interval: Interval, curve: Cubic) -> tuple[float, Limit] | None:
         """The first share of a proved step at which an unknown of its block leaves its limits."""
         first: tuple[float, Limit] | None = None
         for c, place in zip(interval.system.system.unknowns, interval.system.system.slices, strict=True):
@@ -84,7 +95,7 @@ class LimitWatch:
     def _limited(self, coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
         return [c for c in coordinates if c.limits is not None and not self.off]
 
-    def _crossing(self, c: Coordinate, place: int, curve: Curve, interval: Interval) -> float | None:
+    def _crossing(self, c: Coordinate, place: int, curve: Cubic, interval: Interval) -> float | None:
         """The first share of the step at which the coordinate leaves its limits."""
         system = interval.system
 
@@ -137,7 +148,7 @@ def _value(system: PathSystem, place: int, y: np.ndarray) -> float:
     return float(y[place] * system.scale[place])
 
 
-def _extremes(curve: Curve, place: int) -> list[float]:
+def _extremes(curve: Cubic, place: int) -> list[float]:
     """Shares of the step, in order, at which an unknown's cubic has an extreme."""
     b = np.diff(curve.control[:, place])
     roots = np.roots([b[0] - 2 * b[1] + b[2], 2 * (b[1] - b[0]), b[0]])

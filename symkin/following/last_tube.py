@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.following.cubic import Curve
+from symkin.following.cubic import Cubic
 from symkin.following.path_system import least_squares
+from symkin.following.singular_point import SingularPoint, turning_system
 from symkin.following.step_certificate import Interval, Tube
-from symkin.following.turning_point import SingularPoint, turning_system
 
 _BEYOND = 0.02
 """The tube begins before the station and ends beyond the turning point by this share of the way between them."""
@@ -24,16 +24,16 @@ _STEPS = 8
 
 
 @dataclass(frozen=True)
-class Arrival:
+class LastTube:
     """A tube leads to a turning point. `error`: a box of this half width in u is proved to hold exactly one turning point, the
     first singularity after the station; None where rows are redundant, so that nothing of this is proved."""
 
     error: float | None
 
 
-def arrival(
+def prove_last_tube(
     interval: Interval, y: np.ndarray, slope: np.ndarray, half: np.ndarray | None, point: SingularPoint
-) -> Arrival | None:
+) -> LastTube | None:
     """Go from a station (its y, slope dz/du and proved box) to the turning point ahead; None where that is not proved."""
     v = point.null[:, 0]
     direction = np.append(v if v @ slope > 0.0 else -v, 0.0)
@@ -44,18 +44,18 @@ def arrival(
     end = on_plane(interval, point.y + _BEYOND * whole * direction, direction)
     if begin is None or end is None:
         return None
-    curve = Curve.hermite(*begin, *end, float(direction @ (end[0] - begin[0])))
+    curve = Cubic.hermite(*begin, *end, float(direction @ (end[0] - begin[0])))
     tube = interval.tube(curve, direction, half)
     if tube is None or not _holds(curve, tube, direction, y, half):
         return None
     if not interval.system.is_square:
-        return Arrival(None)
+        return LastTube(None)
     box = _turning_box(interval, point)
     if box is None or not _holds(curve, tube, direction, point.y, box):
         return None
     if not (_sets_out(interval, y, half, direction) and interval.folds_once(curve, direction, tube)):
         return None
-    return Arrival(float(box[-1]))
+    return LastTube(float(box[-1]))
 
 
 def on_plane(interval: Interval, y: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -76,7 +76,7 @@ def on_plane(interval: Interval, y: np.ndarray, direction: np.ndarray) -> tuple[
     return None
 
 
-def _holds(curve: Curve, tube: Tube, direction: np.ndarray, y: np.ndarray, half: np.ndarray) -> bool:
+def _holds(curve: Cubic, tube: Tube, direction: np.ndarray, y: np.ndarray, half: np.ndarray) -> bool:
     """Whether all of a box about y lies in the tube, each of its points on the hyperplane of some point of the curve."""
     offset = float(direction @ (y - curve.control[0]))
     spread = float(np.abs(direction) @ half) + 1e-15

@@ -12,11 +12,11 @@ import numpy as np
 from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.modes import modes_at_need
 from symkin.errors import SymkinError
-from symkin.following.block_walk import Walk
+from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch
 from symkin.following.path_system import PathSystem
+from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
-from symkin.following.turning_point import SingularPoint
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
@@ -48,10 +48,28 @@ class Meeting:
     opposite_signs: bool | None = None
 
     def to_dict(self) -> dict[str, Any]:
+        """The meeting in the JSON of `symkin track`."""
         return {
-            "parameter": self.parameter, "given": self.given, "own": self.own, "others": list(self.others),
-            "modes": self.count, "completeness": self.completeness, "opposite_signs": self.opposite_signs,
-        }  # fmt: skip
+            "parameter": self.parameter,
+            "given": self.given,
+            "own": self.own,
+            "others": list(self.others),
+            "modes": self.count,
+            "completeness": self.completeness,
+            "opposite_signs": self.opposite_signs,
+        }
+
+    def __str__(self) -> str:
+        """Which modes meet, in words."""
+        own = "the mode followed" if self.own is None else f"mode {self.own}"
+        listed = f"of the {self.count} that `modes` lists at {self.parameter:.9g} of the path ({self.completeness})"
+        if not self.others:
+            return f"{own} {listed} was followed, and no other one is listed near it"
+        *most, last = (str(k) for k in self.others)
+        if most:
+            return f"{own} {listed} meets modes {', '.join(most)} and {last}"
+        signs = {True: ", with determinants of opposite sign", False: ", with determinants of one sign", None: ""}
+        return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 
 
 def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0) -> Meeting | None:
@@ -70,16 +88,16 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
     sides = {id(w): _sides(w, u - back) for w in turning}
     signs = None
     if len(turning) < len(branch.stopped) or len(turning) > _MOST_TURNING:
-        own_unknown = _together(problem, branch.walks, {id(w): w.at(u - back) for w in branch.walks})
+        own_unknown = _together(problem, branch.blocks, {id(w): w.at(u - back) for w in branch.blocks})
         reach = _FEW_TIMES * _apart(problem, own_unknown, branch.last.unknown) + _SAME
         own = _number(problem, found, own_unknown)
         near = [k for k, d in enumerate(_distances(problem, found, branch.last.unknown), start=1) if d < reach]
     else:
-        rest = {id(w): w.at(u - back) for w in branch.walks if w not in turning}
+        rest = {id(w): w.at(u - back) for w in branch.blocks if w not in turning}
         near, own = [], None
         for sign in product((0, 1), repeat=len(turning)):
             chosen = {id(w): sides[id(w)][k] for w, k in zip(turning, sign, strict=True)}
-            number = _number(problem, found, _together(problem, branch.walks, rest | chosen))
+            number = _number(problem, found, _together(problem, branch.blocks, rest | chosen))
             near += [] if number is None else [number]
             own = own if any(sign) else number
         signs = _opposite(turning, sides, u - back)
@@ -105,35 +123,35 @@ def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
     )
 
 
-def _turns(walk: Walk) -> bool:
-    return walk.stop is not None and walk.stop.singular is not None and walk.stop.singular.kind == "turning point"
+def _turns(block: BlockFollower) -> bool:
+    return block.stop is not None and block.stop.singular is not None and block.stop.singular.kind == "turning point"
 
 
-def _sides(walk: Walk, u: float) -> tuple[np.ndarray, np.ndarray]:
+def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     """z of a turning block at a u before its turning point: on the followed side, and on the other one."""
-    point: SingularPoint = walk.stop.singular  # type: ignore[assignment, union-attr]
+    point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
-    v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (walk.station.z - point.y[:-1]) > 0 else -1.0)
-    own, mate = (walk.system.correct(point.y[:-1] + s * reach * v, u, walk.interval.c)[0] for s in (1.0, -1.0))
+    v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0)
+    own, mate = (block.system.correct(point.y[:-1] + s * reach * v, u, block.interval.c)[0] for s in (1.0, -1.0))
     return own, mate
 
 
-def _opposite(turning: list[Walk], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float) -> bool | None:
+def _opposite(turning: list[BlockFollower], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float) -> bool | None:
     """Whether det dG/dz has opposite signs on the two sides, in each block that turns; None where rows are redundant."""
-    if not all(walk.system.is_square for walk in turning):
+    if not all(block.system.is_square for block in turning):
         return None
     return all(_sign(w.system, sides[id(w)][0], u, w) * _sign(w.system, sides[id(w)][1], u, w) < 0 for w in turning)
 
 
-def _sign(system: PathSystem, z: np.ndarray, u: float, walk: Walk) -> float:
-    return float(np.linalg.slogdet(system.evaluate(np.append(z, u), walk.interval.c)[1][:, :-1])[0])
+def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> float:
+    return float(np.linalg.slogdet(system.evaluate(np.append(z, u), block.interval.c)[1][:, :-1])[0])
 
 
-def _together(problem: Problem, walks: tuple[Walk, ...], z: dict[int, np.ndarray]) -> np.ndarray:
+def _together(problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]) -> np.ndarray:
     """The unknowns (in radians and the length unit) that the blocks' z make."""
     unknown = np.empty(problem.system.width)
-    for walk in walks:
-        unknown[walk.system.places] = walk.system.unknown(z[id(walk)])
+    for block in blocks:
+        unknown[block.system.places] = block.system.unknown(z[id(block)])
     return unknown
 
 

@@ -21,10 +21,11 @@ from symkin.errors import InputError
 from symkin.following.track import track
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import given_from
+from symkin.position.given import Joints, given_from
 from symkin.position.problem import build_problem
 from symkin.position.roots import features
 from symkin.position.solution import Solution
+from symkin.result import Result, Summary
 
 _SAME = 1e-6
 """Configurations nearer than this (over the size) are the same mode."""
@@ -44,8 +45,8 @@ class Axis:
     high: float
 
 
-@dataclass(frozen=True, eq=False)
-class ModeGraph:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModeGraph(Result):
     """`found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
     in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
     `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
@@ -101,20 +102,22 @@ class ModeGraph:
             "stopped": self.stopped, "unmatched": self.unmatched,
         }  # fmt: skip
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
+        """Counts of points, modes, sheets and edges, and the chosen input's modes that connect."""
         named = ", ".join(f"{a.name} {a.low:g} to {a.high:g}" for a in self.axes)
         groups = "; ".join(" and ".join(str(k + 1) for k in group) for group in self.groups)
         proved = "each proved in ball arithmetic" if self.certified else "not proved"
-        return (
+        text = (
             f"{self.mechanism.name}: {self.n} x {self.n} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
             f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); modes of the chosen input that "
             f"connect without a singularity: {groups or 'none'}"
-            + (f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else "")
         )
+        missing = f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else ""
+        return Summary([text + missing])
 
 
 def mode_graph(
-    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Sequence[float] | None = None,
+    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
     progress: Progress | None = None,
 ) -> ModeGraph:  # fmt: skip
     """The graph over two actuated joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds

@@ -22,7 +22,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from symkin.caching import cached_property
 from symkin.certificate.balls import UP, precision, upper
 from symkin.following.ball_matrices import identity, inverse_with, matrix
-from symkin.following.cubic import Curve
+from symkin.following.cubic import Cubic
 from symkin.following.step_certificate import STILL, Interval, Tube
 
 _BITS = 96
@@ -34,7 +34,7 @@ _INSIDE = 0.99
 """The image must lie in the box shrunk by this factor."""
 
 
-def series_tube(interval: Interval, curve: Curve, *ends: np.ndarray | None) -> Tube | None:
+def series_tube(interval: Interval, curve: Cubic, *ends: np.ndarray | None) -> Tube | None:
     """A tube over the path parameter about a curve, or None where none is proved; `ends` are half widths of boxes that it
     must hold. Rows as many as unknowns only, and without roots and arc tangents."""
     if any(half is None for half in ends) or not (interval.system.is_square and interval.system.has_series):
@@ -80,7 +80,7 @@ class _Proof:
     """The operator over one curve, as bounds in the coordinates of the parallelepiped. The curve's parameter runs from -1/2 to
     1/2."""
 
-    def __init__(self, interval: Interval, curve: Curve, frame: np.ndarray, inverse: np.ndarray) -> None:
+    def __init__(self, interval: Interval, curve: Cubic, frame: np.ndarray, inverse: np.ndarray) -> None:
         self.interval, self.n = interval, len(frame)
         self.frame = matrix(frame)
         self.spread = np.abs(frame)

@@ -23,7 +23,7 @@ from flint import arb, arb_mat
 from symkin.caching import cached_property
 from symkin.certificate.balls import REAL, UP, precision, upper
 from symkin.following.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
-from symkin.following.cubic import Curve
+from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem, coefficient_scales
 
 BITS = 64
@@ -89,7 +89,7 @@ class Interval:
             spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
-    def tube(self, curve: Curve, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:
+    def tube(self, curve: Cubic, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:
         """A tube about the curve, or None where no box of those tried holds its image. `direction` is e; `ends` are half widths
         of boxes about points of the curve, the path parameter apart, which the tube must hold."""
         if any(half is None for half in ends):
@@ -146,7 +146,7 @@ class Interval:
             away = fixed_point(error, (bounds(error) @ np.abs(inverse[:, -1])) * sum_rounding(len(y)))
         return None if away is None else (inverse[:, -1], away)
 
-    def folds_once(self, curve: Curve, direction: np.ndarray, tube: Tube) -> bool:
+    def folds_once(self, curve: Cubic, direction: np.ndarray, tube: Tube) -> bool:
         """Whether d2u/ds2 < 0 is proved for the branch in a tube over s = e.y, so that u has at most one extreme there.
         With T a box that holds all tangents, d2y/ds2 = -M [d2G/dy2 T T; 0] + (1 - M [dG/dy; e]) d2y/ds2."""
         inverse = inverse_with(self.evaluate(curve.at(0.5))[1], direction)
@@ -180,7 +180,7 @@ class Interval:
         total = (identity(n) - through) * REAL.column(balls(np.zeros(n), half)) - start
         return np.array([upper(v) for v in total.entries()])
 
-    def _image_along(self, m: arb_mat, start: arb_mat, curve: Curve, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    def _image_along(self, m: arb_mat, start: arb_mat, curve: Cubic, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Upper bounds (n,) of |K| over a curve: G(p(t)) to second order and dG/dy to first about the middle, with remainders
         over the whole tube."""
         n, rows = len(half), m.ncols() - 1
@@ -196,12 +196,12 @@ class Interval:
         total = total + _lifted(m, rest) * square
         return np.array([upper(v) for v in total.entries()])
 
-    def _slopes(self, curve: Curve, half: np.ndarray) -> tuple[arb_mat, arb_mat]:
+    def _slopes(self, curve: Cubic, half: np.ndarray) -> tuple[arb_mat, arb_mat]:
         """dG/dy about the middle of a tube, and its derivative along the curve over the whole tube."""
         slope = self.system.balls.evaluate(1, balls(curve.at(0.5), half + curve.rounding), self._prepared)
         return arb_mat(self.system.count, len(half), slope), self._bend(curve, half, balls(*curve.velocity))
 
-    def _bend(self, curve: Curve, half: np.ndarray, along: list[arb]) -> arb_mat:
+    def _bend(self, curve: Cubic, half: np.ndarray, along: list[arb]) -> arb_mat:
         """The derivative of dG/dy along a box of vectors over the whole tube."""
         centre, extent = curve.hull
         arguments = [*balls(centre, extent + half), *along]

@@ -9,7 +9,8 @@ from typing import Any
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.files.csv_table import Table, read_table, write_table
-from symkin.following.track_result import Sample, Track
+from symkin.following.sample import Sample
+from symkin.following.track_result import Track
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
@@ -77,4 +78,12 @@ def _row(sample: Sample, timed: bool) -> list[object]:
         row += value if isinstance(value, list) else [value]
     pose = sample.to_dict()["pose"]
     radius = "" if sample.radius is None else sample.radius
-    return [*row, *pose["position"], *pose["quaternion"], sample.parameter, sample.residual, sample.smallest, radius]
+    return [
+        *row,
+        *pose["position"],
+        *pose["quaternion"],
+        sample.parameter,
+        sample.residual,
+        sample.smallest_singular_value,
+        radius,
+    ]

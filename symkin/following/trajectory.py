@@ -11,8 +11,9 @@ h half the angle between two orientations and n the unit quaternion orthogonal t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import joint_values, pose_coordinates, pose_from
+from symkin.position.given import Joints, joint_rows, joint_values, pose_coordinates, pose_from
 from symkin.position.problem import Kind, build_problem
 from symkin.spatial.pose import Pose
 
@@ -71,7 +72,7 @@ class Trajectory:
 def make_trajectory(
     mechanism: Mechanism,
     *,
-    joints: Sequence[Sequence[float]] | np.ndarray | None = None,
+    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
     times: Sequence[float] | None = None,
     count: int | None = None,
@@ -81,7 +82,7 @@ def make_trajectory(
     require_mechanism(mechanism)
     if (joints is None) == (poses is None):
         raise InputError("a path is given either by joint values (direct problem) or by poses (inverse problem)")
-    rows = list(joints if joints is not None else poses if poses is not None else [])
+    rows: list[Any] = joint_rows(mechanism, joints) if joints is not None else list(poses if poses is not None else [])
     if not rows:
         raise InputError("the path has no samples; at least one is needed")
     notes: tuple[str, ...] = ()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.plots.box import COLOURS, drawing
+from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.joint import JointType
-from symkin.plots.box import COLOURS
+from symkin.plots.style import COLOURS
 
 NAMES: dict[JointType, str] = {
     "R": "R revolute", "P": "P prismatic", "C": "C cylindrical", "H": "H helical", "U": "U universal", "S": "S spherical",

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.box import COLOURS, drawing
-from symkin.plots.plot import check_picture_path, write_picture
+from symkin.plots.style import COLOURS, drawing
 from symkin.position.varied_pose import axis_title
-from symkin.singularities.loci_text import held_text, without_curves
+from symkin.singularities.loci import MISSING, NONE_MET
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,14 +20,6 @@ KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
 """Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
 _NARROW = 4.0
 """Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
-
-
-def draw_loci(loci: Loci, path: Path | str) -> None:
-    """Write `figure_of_loci` to a file whose suffix is its format. Raises InputError where it cannot be written."""
-
-    target = check_picture_path(path)
-    figure = figure_of_loci(loci)
-    write_picture(figure, target)
 
 
 def figure_of_loci(loci: Loci) -> Figure:
@@ -44,7 +34,7 @@ def figure_of_loci(loci: Loci) -> Figure:
         axes = figure.subplots()
         draw_curves(axes, loci)
         figure.suptitle(f"{loci.plane.mechanism.name}: singularity loci", fontsize=13, fontweight="bold", color=COLOURS["text"])
-        axes.set_title(held_text(loci), fontsize=9, color=COLOURS["quiet"], parse_math=False)
+        axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
         handles, labels = axes.get_legend_handles_labels()
         if handles:
             unique = dict(zip(labels, handles, strict=True))
@@ -69,7 +59,7 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     if not loci.curves:
         apart = 0.25 if v > float(np.mean(loci.ranges[1])) else 0.75
         look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
-        axes.text(0.5, apart, without_curves(loci), ha="center", va="center", **look)
+        axes.text(0.5, apart, loci.without_curves, ha="center", va="center", **look)
     axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
     titles = map(axis_title, loci.plane.names) if loci.plane.of_pose else loci.plane.names
     names = [f"{title} [{unit}]" for title, unit in zip(titles, loci.units, strict=True)]
@@ -82,8 +72,6 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
 
 def _caption(loci: Loci) -> str:
     """Below the axes, where no curve is: that some may be missing."""
-    from symkin.singularities.loci import MISSING, NONE_MET
-
     return "\ncurves may be missing; raise --starts" if {MISSING, NONE_MET} & set(loci.notes) else ""
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.box import COLOURS, drawing
-from symkin.plots.plot import check_picture_path, write_picture
+from symkin.plots.style import COLOURS, drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,15 +21,7 @@ _COUNTS = ("no mode of the sheet", "one", "two", "three or more")
 """What the colours mean."""
 
 
-def draw_mode_graph(graph: ModeGraph, path: Path | str, route: np.ndarray | None = None) -> None:
-    """Write `figure_of_mode_graph` to a file. Raises InputError where it cannot be written."""
-
-    target = check_picture_path(path)
-    figure = figure_of_mode_graph(graph, route)
-    write_picture(figure, target)
-
-
-def figure_of_mode_graph(graph: ModeGraph, route: np.ndarray | None = None) -> Figure:
+def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -> Figure:
     """A panel for each sheet: at each grid point how many of its modes belong to the sheet, edges without a singularity, the
     chosen input as a cross; `route` (m, joints), a path of `ModeGraph.path`, on the first panel."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -16,13 +16,13 @@ import numpy as np
 
 from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
-from symkin.plots.box import COLOURS, drawing
+from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.joint_symbols import NAMES, draw_symbol, reach_of
-from symkin.plots.labels import Box, Label, Page
-from symkin.plots.panel import FRAME_COLOURS
-from symkin.plots.plot import check_picture_path, write_picture
-from symkin.plots.skeleton import LimbLines, outline
+from symkin.plots.label_placement import Box, Label, Page
+from symkin.plots.mechanism_lines import LimbLines, outline
+from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.sketch_layout import JointMark, Layout, apart, make_layout
+from symkin.plots.style import COLOURS, drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

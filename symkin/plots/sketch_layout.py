@@ -12,7 +12,7 @@ import numpy as np
 from symkin.model.joint import JointType
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.plots.skeleton import LimbLines, Segment, Skeleton, reference_skeleton, skeleton
+from symkin.plots.mechanism_lines import LimbLines, MechanismLines, Segment, lines_at, reference_lines
 from symkin.spatial.pose import Pose
 
 _SAME = 1e-6
@@ -52,7 +52,7 @@ class Layout:
     """All that is drawn; `right` and `up` (3,) span the picture, `towards` points to the eye."""
 
     mechanism: Mechanism
-    body: Skeleton
+    body: MechanismLines
     joints: tuple[JointMark, ...]
     dimensions: tuple[Dimension, ...]
     notes: tuple[str, ...]
@@ -75,9 +75,9 @@ def make_layout(mechanism: Mechanism) -> Layout:
     )
 
 
-def _body(mechanism: Mechanism) -> tuple[Skeleton, tuple[str, ...]]:
+def _body(mechanism: Mechanism) -> tuple[MechanismLines, tuple[str, ...]]:
     rods = all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    body = reference_skeleton(mechanism)
+    body = reference_lines(mechanism)
     if not rods or mechanism.motion not in ("spatial", "schoenflies", "translation"):
         return body, ()
     ends = np.vstack([body.base, body.platform])
@@ -86,7 +86,7 @@ def _body(mechanism: Mechanism) -> tuple[Skeleton, tuple[str, ...]]:
     height = _RAISED * mechanism.size
     reference = mechanism.reference_pose
     raised = Pose(np.asarray(reference.position) + height * _thin(ends), reference.quaternion)
-    return skeleton(mechanism, {}, raised), (f"platform raised by {height:.4g} {mechanism.length_unit} from its reference",)
+    return lines_at(mechanism, {}, raised), (f"platform raised by {height:.4g} {mechanism.length_unit} from its reference",)
 
 
 def _thin(points: np.ndarray) -> np.ndarray:
@@ -98,7 +98,7 @@ def _thin(points: np.ndarray) -> np.ndarray:
 # --- joints --------------------------------------------------------------------------------------------------------
 
 
-def _marks(mechanism: Mechanism, body: Skeleton) -> tuple[JointMark, ...]:
+def _marks(mechanism: Mechanism, body: MechanismLines) -> tuple[JointMark, ...]:
     found: list[JointMark] = []
     for limb, lines in zip(mechanism.limbs, body.limbs, strict=True):
         found += _rod_marks(limb, lines) if isinstance(limb, RodLimb) else _joint_marks(limb, lines)
@@ -166,7 +166,7 @@ def _aside(joints: Sequence[JointMark], k: int, group: Sequence[int], taken: lis
 # --- view ----------------------------------------------------------------------------------------------------------
 
 
-def plane_normal(joints: Sequence[JointMark], body: Skeleton, size: float) -> np.ndarray | None:
+def plane_normal(joints: Sequence[JointMark], body: MechanismLines, size: float) -> np.ndarray | None:
     """The normal of the plane in which a planar mechanism moves; None for others: all turns are about it, all slides across it, and
     the points of each limb lie in one plane across it."""
     turning = [joint.axes[0] for joint in joints if joint.type == "R"]
@@ -213,7 +213,7 @@ def _clear(flat: np.ndarray, points: np.ndarray, size: float) -> float:
 # --- dimensions ----------------------------------------------------------------------------------------------------
 
 
-def _dimensions(mechanism: Mechanism, body: Skeleton) -> tuple[Dimension, ...]:
+def _dimensions(mechanism: Mechanism, body: MechanismLines) -> tuple[Dimension, ...]:
     """Lengths of links and rods, each once: that of a link between joints, of a rod that is no leg, between two base joints."""
     found: dict[str, Dimension] = {}
     for segment in _rigid(mechanism, body):
@@ -223,13 +223,13 @@ def _dimensions(mechanism: Mechanism, body: Skeleton) -> tuple[Dimension, ...]:
     return tuple(found.values())
 
 
-def _rigid(mechanism: Mechanism, body: Skeleton) -> list[Segment]:
+def _rigid(mechanism: Mechanism, body: MechanismLines) -> list[Segment]:
     links = [s for lines in body.limbs for s in (*lines.segments, *lines.rods) if s.kind in ("link", "rod")]
     corners = [np.unique(np.round(points / mechanism.size, 9), axis=0) * mechanism.size for points in (body.base, body.platform)]
     return links + [Segment(c[0], c[1], "link") for c in corners if len(c) == 2 and not mechanism.serial]
 
 
-def _circle_notes(mechanism: Mechanism, body: Skeleton) -> tuple[str, ...]:
+def _circle_notes(mechanism: Mechanism, body: MechanismLines) -> tuple[str, ...]:
     """The circles on which limbs of the most frequent kind stand on base and platform, where these are three or more."""
     if mechanism.serial:
         return ()

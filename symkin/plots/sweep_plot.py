@@ -18,8 +18,8 @@ from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
-from symkin.plots.box import COLOURS, drawing
-from symkin.plots.plot import check_picture_path, write_picture
+from symkin.plots.picture_file import check_picture_path, write_picture
+from symkin.plots.style import COLOURS, drawing
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.interrupts import interrupts_held

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.plots.box import COLOURS, drawing
-from symkin.plots.plot import check_picture_path, write_picture
+from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.rotation import rotation_vector_from_quaternion
 from symkin.text import matplotlib_text
 
@@ -23,21 +21,14 @@ _MOST_NAMED = 8
 """Curves of a panel that its legend names; of more, the first ones."""
 
 
-def draw_track(track: Track, path: Path | str) -> None:
-    """Write `figure_of_track` to a file whose suffix is its format. Raises InputError where that cannot be written."""
-    target = check_picture_path(path)
-    if not track.samples:
-        raise InputError(f"plot: {track.trajectory.mechanism.name} was not followed, so that there is nothing to draw")
-    with drawing():
-        write_picture(figure_of_track(track), target)
-
-
 @drawing()
 def figure_of_track(track: Track) -> Figure:
     """Panels over the path, or over time: the platform's position and turning from the start (direct problem) or the actuated
-    joints (inverse problem), and the smallest singular value; the stop, if any, as a line."""
+    joints (inverse problem), and the smallest singular value; the stop, if any, as a line. Raises InputError for a track without samples."""
     from matplotlib.figure import Figure
 
+    if not track.samples:
+        raise InputError(f"plot: {track.trajectory.mechanism.name} was not followed, so that there is nothing to draw")
     panels = list(_panels(track))
     figure = Figure(figsize=(7.4, 1.0 + 2.1 * (len(panels) + 1)), layout="constrained")
     axes = figure.subplots(len(panels) + 1, 1, sharex=True)
@@ -83,7 +74,13 @@ def _panels(track: Track) -> Iterator[tuple[str, dict[str, np.ndarray]]]:
 
 
 def _singular_panel(ax: Any, track: Track, where: np.ndarray) -> None:
-    ax.plot(where, [s.smallest for s in track.samples], color=COLOURS["accent"], lw=1.6, marker="." if len(where) < 40 else None)
+    ax.plot(
+        where,
+        [s.smallest_singular_value for s in track.samples],
+        color=COLOURS["accent"],
+        lw=1.6,
+        marker="." if len(where) < 40 else None,
+    )
     ax.set_ylim(bottom=0.0)
     ax.set_ylabel("smallest\nsingular value")
 

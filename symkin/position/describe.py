@@ -9,7 +9,6 @@ import numpy as np
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import CLEAR_GAP
 from symkin.position.mobility import Mobility, fewer_rows, mobility
 from symkin.position.problem import build_problem
 
@@ -98,13 +97,7 @@ def _mobility(m: Mobility) -> str:
             f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" in [platform] '
             f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
         )
-    if m.rank.gap < CLEAR_GAP:
-        lines.append(f"  warning: the rank is not clear, the singular values beside the cut differ by only {m.rank.gap:.3g}")
-    if m.actuated != m.mobility:
-        more = "some motion stays free" if m.actuated < m.mobility else "the inputs cannot be chosen freely"
-        lines.append(f"  warning: {m.actuated} actuated joints for a mobility of {m.mobility}: {more}")
-    elif m.direct_rank.value < m.freedoms - m.actuated:
-        lines.append("  warning: the actuated joints do not determine the configuration, although their number is the mobility")
+    lines += [f"  warning: {warning}" for warning in m.warnings]
     lines.append(f"  screws below: at {where}, base frame, (force; moment about the origin)")
     return "\n".join(lines)
 

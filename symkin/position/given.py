@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -17,9 +17,13 @@ from symkin.position.feasible_pose import PROJECTED, nearest_pose
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
+from symkin.text import shown
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
+
+Joints = Sequence[float] | Mapping[str, float]
+"""Values of all actuated joints in the mechanism's units: in file order, or by name."""
 
 LARGEST_GIVEN = 1e150
 """Largest magnitude of a given value, in the mechanism's units: the square of a larger one overflows a double."""
@@ -37,7 +41,7 @@ class Given:
     off_motion: float = 0.0
 
 
-def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Sequence[float] | Pose | None) -> Given:
+def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float] | Pose | None) -> Given:
     """Joints make a direct problem, a pose an inverse one; neither: the example's, else the reference's joints."""
     require_mechanism(mechanism)
     if joints is not None and pose is not None:
@@ -57,16 +61,17 @@ def given_from(mechanism: Mechanism, joints: Sequence[float] | None, pose: Seque
     if pose is not None:
         return _given_pose(mechanism, pose)
     assert joints is not None  # noqa: S101 - one of the branches above has set it
-    return Given("direct", joint_values(mechanism, joints), {"joints": [float(v) for v in joints]})
+    ordered = in_file_order(mechanism, joints)
+    return Given("direct", joint_values(mechanism, ordered), {"joints": [float(v) for v in ordered]})
 
 
 def are_many(values: Any) -> bool:
-    """Whether values are those of several inputs: an array (n, numbers), or a sequence of sequences or poses."""
-    if values is None or isinstance(values, (Pose, str)):
+    """Whether values are those of several inputs: an array (n, numbers), or a sequence of sequences, mappings or poses."""
+    if values is None or isinstance(values, (Pose, str, Mapping)):
         return False
     if isinstance(values, np.ndarray):
         return values.ndim == 2
-    return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, np.ndarray))
+    return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
 
 
 def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
@@ -106,11 +111,41 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
 
 
-def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joints") -> np.ndarray:
+def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Sequence[float]:
+    """The values of all actuated joints in file order; those given in a row stay as they are, those given by name are put in
+    their places. Raises InputError for a name that is no actuated joint, and for one that is missing."""
+    if not isinstance(joints, Mapping):
+        return joints
+    names = [c.name for c in mechanism.actuated]
+    allowed = f"the actuated joints of {mechanism.name} are {', '.join(names) or 'none'}"
+    unknown = [str(name) for name in joints if name not in names]
+    if unknown:
+        raise InputError(f"{what}: {', '.join(map(shown, unknown))} {'is' if len(unknown) == 1 else 'are'} unknown; {allowed}")
+    missing = [name for name in names if name not in joints]
+    if missing:
+        raise InputError(f"{what}: no value is given for {', '.join(missing)}; {allowed}, and each one needs a value")
+    return [joints[name] for name in names]
+
+
+def joint_rows(
+    mechanism: Mechanism, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray
+) -> list[Sequence[float]]:
+    """Rows of actuated joint values in file order, from rows of either form or from a column for each name. Raises InputError."""
+    if not isinstance(joints, Mapping):
+        return [in_file_order(mechanism, row, f"joints of sample {k}") for k, row in enumerate(joints, start=1)]
+    columns = in_file_order(mechanism, joints)  # type: ignore[arg-type]
+    lengths = {np.size(column) for column in columns}
+    if len(lengths) > 1:
+        counts = ", ".join(f"{c.name} {np.size(column)}" for c, column in zip(mechanism.actuated, columns, strict=True))
+        raise InputError(f"joints: the columns have different counts of values ({counts}); each joint needs one a sample")
+    return [list(row) for row in zip(*(np.ravel(column).tolist() for column in columns), strict=True)]
+
+
+def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> np.ndarray:
     """Actuated joint values in file order, from the mechanism's units to radians, angles of more than a turn
     without their whole turns; lengths must not be negative."""
     coordinates = mechanism.actuated
-    numbers = _numbers(values, what)
+    numbers = _numbers(in_file_order(mechanism, values, what), what)
     if len(numbers) != len(coordinates):
         names = ", ".join(c.name for c in coordinates) or "none"
         raise InputError(
@@ -129,8 +164,12 @@ def joint_values(mechanism: Mechanism, values: Sequence[float], what: str = "joi
     return np.array([mechanism.angle_in(n) if c.is_angular else n for c, n in zip(coordinates, whole, strict=True)])
 
 
-def pose_from(values: Sequence[float] | Pose, what: str = "pose") -> Pose:
+def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
     """A pose from x, y, z, qw, qx, qy, qz; the quaternion is normalised, refused when its norm is off by over 1e-2."""
+    if isinstance(values, Mapping):
+        raise InputError(
+            f"{what}: values by name are given ({', '.join(map(str, values))}); a pose x, y, z, qw, qx, qy, qz is needed"
+        )
     if isinstance(values, Pose):
         values = [*np.asarray(values.position).ravel(), *np.asarray(values.quaternion).ravel()]
     numbers = _numbers(values, what)

@@ -8,6 +8,7 @@ With the actuated joints locked, only the passive columns of B count.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -17,9 +18,10 @@ from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.rank import RANK_TOLERANCE, Rank
+from symkin.numeric.rank import CLEAR_GAP, RANK_TOLERANCE, Rank
 from symkin.numeric.system import System
 from symkin.position.solution import pose_of
+from symkin.result import Result, Summary
 from symkin.spatial.screw import null_space, reciprocal_system, tidy_rows
 
 
@@ -37,14 +39,15 @@ class LimbScrews:
         return len(self.constraints), len(self.locked)
 
 
-@dataclass(frozen=True, eq=False)
-class Mobility:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
     mobility = freedoms of all coordinates - rank; redundant = rows - rank. `values` are the closure's variables there;
-    `at_reference` says that it is the reference configuration. `platform_constraints` spans the wrenches of all limbs
-    together and `platform_twists` the instantaneous platform motions reciprocal to them (rows, base origin).
-    `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and counts idle freedoms.
+    `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
+    `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
+    reciprocal to them (rows, base origin). `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
+    counts idle freedoms.
     """
 
     closure: Closure
@@ -59,23 +62,91 @@ class Mobility:
     platform_constraints: np.ndarray
     platform_twists: np.ndarray
     gruebler: int
+    reference_rank: Rank | None = None
 
     @property
     def mobility(self) -> int:
+        """Freedoms that the loops leave."""
         return self.freedoms - self.rank.value
 
     @property
     def redundant(self) -> int:
+        """Rows of the closure that the others imply."""
         return self.rows - self.rank.value
 
     @property
     def actuated(self) -> int:
+        """Count of actuated joints."""
         return len(self.closure.mechanism.actuated)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful: an unclear rank, actuated joints that are not as many as the mobility or do not decide it."""
+        found = []
+        if self.rank.gap < CLEAR_GAP:
+            found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
+        if self.actuated != self.mobility:
+            more = "some motion stays free" if self.actuated < self.mobility else "the inputs cannot be chosen freely"
+            found.append(f"{self.actuated} actuated joints for a mobility of {self.mobility}: {more}")
+        elif self.direct_rank.value < self.freedoms - self.actuated:
+            found.append("the actuated joints do not determine the configuration, although their number is the mobility")
+        return tuple(found)
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """Mobility and redundant constraints, then the count of constraint wrenches that each limb exerts."""
+        name, where = self.closure.mechanism.name, "" if self.closed else " (no closed configuration was found)"
+        above = [
+            f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
+            f"{self.rows} rows; redundant constraints: {self.redundant}{where}"
+        ]
+        rows = [[limb.limb, *map(str, limb.counts)] for limb in self.limbs]
+        rows.append(["platform", str(len(self.platform_constraints)), ""])
+        header = ["limb", "constraint wrenches", "with actuated joints locked"]
+        return Summary(above, header, rows[:most_rows], [f"warning: {warning}" for warning in self.warnings])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON object of `symkin show --json`; wrenches are (force; moment), twists (angular velocity; velocity), about the
+        base origin."""
+        mechanism, reference = self.closure.mechanism, self.reference_rank
+        links, joints, _ = _counts(mechanism)
+        return {
+            "mechanism": mechanism.name,
+            "length_unit": mechanism.length_unit,
+            "angle_unit": mechanism.angle_unit,
+            "links": links,
+            "joints": joints,
+            "loops": joints - links + 1,
+            "rows": self.rows,
+            "rank": None if reference is None else reference.value,
+            "mobility": None if reference is None else self.freedoms - reference.value,
+            "redundant": None if reference is None else self.rows - reference.value,
+            "generic": {"rank": self.rank.value, "mobility": self.mobility, "redundant": self.redundant, "closed": self.closed},
+            "gruebler": self.gruebler,
+            "actuated": [c.name for c in mechanism.actuated],
+            "limbs": [
+                {"name": limb.limb, "constraints": limb.constraints.tolist(), "locked": limb.locked.tolist()}
+                for limb in self.limbs
+            ],
+            "platform_constraints": self.platform_constraints.tolist(),
+            "platform_twists": self.platform_twists.tolist(),
+            "screws_at_reference": self.at_reference,
+            "notes": list(self.warnings),
+        }
 
 
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
-    """Rank and mobility at generic closed configurations near the reference, screws at the reference where its rank is
-    generic."""
+    """Count the freedoms of a mechanism: rank of the closure at generic closed configurations near its reference.
+
+    mobility = freedoms of all coordinates - rank of dF / d(q, x, X) (the singular values below 1e-8 of the largest count as
+    zero). Constraint wrenches of the limbs and the platform's twists, reciprocal to them, are those at the reference where its
+    rank is the generic one, else at a configuration beside it. `seed` is that of the random steps off the reference. Raises
+    MechanismError for what is no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
+
+    >>> import symkin
+    >>> found = symkin.mobility(symkin.load("zhao2000"))
+    >>> found.mobility, found.redundant, found.gruebler
+    (4, 0, 1)
+    """
     closure = build_closure(mechanism)
     system = whole_system(closure)
     nothing = np.zeros(0)
@@ -85,10 +156,9 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     generic = ranks[best]
     reference = closure.reference
     limbs, values = _limb_screws(closure, candidates[best]), candidates[best]
-    at_reference = (
-        system.residual(reference, nothing) <= 1e-9 * closure.size
-        and Rank.of(system.linearise_one(reference, nothing)[1]).value == generic.value
-    )
+    is_closed = system.residual(reference, nothing) <= 1e-9 * closure.size
+    reference_rank = Rank.of(system.linearise_one(reference, nothing)[1]) if is_closed else None
+    at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
         there = _limb_screws(closure, reference)
         at_reference = [s.counts for s in there] == [s.counts for s in limbs]
@@ -97,10 +167,20 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     jacobian = system.linearise_one(candidates[best], nothing)[1]
     unknown = [k for k, c in enumerate(_per_freedom(closure.coordinates)) if c.role != "actuated"]
     return Mobility(
-        closure, values, at_reference, system.residual(values, nothing) <= 1e-9 * closure.size,
-        system.freedom, int(closure.rows.shape[0]), generic, Rank.of(jacobian[:, unknown]), limbs, constraints,
-        _row_space(reciprocal_system(constraints, closure.size), closure.size) if len(constraints) else np.eye(6), gruebler_kutzbach(mechanism),
-    )  # fmt: skip
+        closure=closure,
+        values=values,
+        at_reference=at_reference,
+        closed=system.residual(values, nothing) <= 1e-9 * closure.size,
+        freedoms=system.freedom,
+        rows=int(closure.rows.shape[0]),
+        rank=generic,
+        direct_rank=Rank.of(jacobian[:, unknown]),
+        limbs=limbs,
+        platform_constraints=constraints,
+        platform_twists=_row_space(reciprocal_system(constraints, closure.size), closure.size) if len(constraints) else np.eye(6),
+        gruebler=gruebler_kutzbach(mechanism),
+        reference_rank=reference_rank,
+    )
 
 
 def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
@@ -140,6 +220,12 @@ def whole_system(closure: Closure) -> System:
 
 def gruebler_kutzbach(mechanism: Mechanism) -> int:
     """6 (n - g - 1) + sum f over links n, joints g and their freedoms f."""
+    links, joints, freedoms = _counts(mechanism)
+    return 6 * (links - joints - 1) + freedoms
+
+
+def _counts(mechanism: Mechanism) -> tuple[int, int, int]:
+    """Links, joints, and the freedoms of the joints."""
     links, joints, freedoms = 2, 0, 0
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
@@ -148,7 +234,7 @@ def gruebler_kutzbach(mechanism: Mechanism) -> int:
         links += len(limb.joints) - 1 + (1 + len(limb.rods) if limb.rods else 0)
         joints += len(limb.joints) + 2 * len(limb.rods)
         freedoms += sum(joint.freedom for joint in limb.joints) + 6 * len(limb.rods)
-    return 6 * (links - joints - 1) + freedoms
+    return links, joints, freedoms
 
 
 def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:

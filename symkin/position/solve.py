@@ -12,7 +12,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import Given, given_from
+from symkin.position.given import Given, Joints, given_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
     StartRank,
@@ -41,15 +41,15 @@ RESTARTS = 20
 def solve(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Sequence[float] | Pose | None = None,
+    start: Joints | Pose | None = None,
     solver: str | Solver = "newton",
     check: bool = True,
 ) -> SolveResult:
     """One solution of the direct (`joints`) or inverse (`pose`) problem, near `start`.
 
-    Values are in the mechanism's units: actuated joints in file order; a pose is x, y, z, qw, qx, qy, qz. `start` is a
+    Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
     reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
     "fast_newton", "ipopt" or a Newton or LeastSquares value.

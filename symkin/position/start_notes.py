@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.position.given import pose_from
+from symkin.position.given import Joints, in_file_order, pose_from
 from symkin.position.problem import Kind
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
@@ -16,7 +15,7 @@ _FAR = 0.2
 """A start further from the configuration that it led to than this (of the size, or rad) is noted."""
 
 
-def start_notes(found: Solution, kind: Kind, start: Sequence[float] | Pose) -> tuple[str, ...]:
+def start_notes(found: Solution, kind: Kind, start: Joints | Pose) -> tuple[str, ...]:
     """A note where the start that the user gives, a pose (direct problem) or joints, is far from what it led to."""
     mechanism = found.mechanism
     if kind == "direct":
@@ -24,7 +23,7 @@ def start_notes(found: Solution, kind: Kind, start: Sequence[float] | Pose) -> t
         away = float(np.linalg.norm(np.asarray(pose.position) - np.asarray(found.position)))
         angle = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
     else:
-        given = list(start)  # type: ignore[arg-type]
+        given = list(in_file_order(mechanism, start))  # type: ignore[arg-type]
         pairs = [(c, float(a) - float(b)) for c, a, b in zip(mechanism.actuated, given, found.actuated_values, strict=True)]
         away = max((abs(d) for c, d in pairs if not c.is_angular), default=0.0)
         turns = [abs(math.remainder(mechanism.angle_in(d), 2 * math.pi)) for c, d in pairs if c.is_angular]

@@ -10,13 +10,13 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
-from symkin.position.given import Given, joint_values, pose_coordinates, pose_from
+from symkin.position.given import Given, Joints, joint_values, pose_coordinates, pose_from
 from symkin.position.passive import fit_passive
 from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
 
 
-def start_values(problem: Problem, given: Given, start: Sequence[float] | Pose | None) -> np.ndarray:
+def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
     """Unknowns at the start. Passive joints are fitted to joints and pose, one given, the other the start's, so that the pose or
     the joints of a mode lead to it; where limbs have several branches there, to those nearest to the reference."""
     mechanism, closure = problem.mechanism, problem.closure

@@ -1,4 +1,4 @@
-"""One configuration from joint values or a pose, singular ones too."""
+"""Reach one configuration from joint values or a pose, singular ones included."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import Given, given_from
+from symkin.position.given import Given, Joints, given_from
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import ACCEPTED, Solution, make_solution
@@ -22,9 +22,9 @@ from symkin.spatial.pose import Pose
 def configuration(
     mechanism: Mechanism,
     *,
-    joints: Sequence[float] | None = None,
+    joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Sequence[float] | Pose | None = None,
+    start: Joints | Pose | None = None,
 ) -> Solution:
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
     and that first where the start is singular and nearly closes the loops: it is meant as it is.
@@ -38,20 +38,20 @@ def configuration(
         and nearly_closes(problem, begin, known)
         and StartRank.at(problem, begin, known).is_nearly_singular
     ):
-        found = _descended(problem, given, begin)
+        found = _by_least_squares(problem, given, begin)
         if found is not None:
             return found
     result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
     if result.solution is not None:
         noted = (n for n in result.notes if n not in result.solution.notes)
         return replace(result.solution, notes=(*result.solution.notes, *noted))
-    found = _descended(problem, given, begin) if given.off_motion == 0.0 else None
+    found = _by_least_squares(problem, given, begin) if given.off_motion == 0.0 else None
     if found is None:
         raise SolveError(result.message, result)
     return found
 
 
-def _descended(problem: Problem, given: Given, begin: np.ndarray) -> Solution | None:
+def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solution | None:
     """The configuration that Levenberg-Marquardt reaches from a start."""
     system = problem.system
     if not system.width:

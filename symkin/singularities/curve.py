@@ -1,4 +1,9 @@
-"""Curves F(z) = 0 with one freedom, traced by pseudo-arclength continuation; every point is corrected to a true zero."""
+"""Trace curves F(z) = 0 with one freedom by pseudo-arclength continuation; every point is corrected to a true zero.
+
+At a regular point dF/dz has one null vector t, |t| = 1: the tangent. A step predicts z + h t and corrects to F = 0 by the
+shortest Newton steps, which move across the curve (Keller 1977; Allgower and Georg, Introduction to Numerical Continuation
+Methods, 2003). The tangent is defined at folds too, where a coordinate of the plane turns back.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +16,13 @@ from symkin.numeric.system import System
 
 CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""
-_NO_TANGENT = 1e-7
+_LOST_TANGENT = 1e-7
 """A point has one tangent where of the rows' Jacobian one singular value, and no more, is below this times the largest."""
 _REGULAR = 1e-4
 """Where the last singular value but one is below this times the largest, a zero is nearly a multiple one."""
-_TURN = 0.95
+_LEAST_COSINE = 0.95
 """Least cosine between the tangents of neighbouring points: steps are shortened where the curve bends more."""
-_SHORTEST, _LONGEST = 1e-7, 0.1
+_SHORTEST_STEP, _LONGEST_STEP = 1e-7, 0.1
 """Bounds of a step, of the size."""
 
 
@@ -53,7 +58,7 @@ def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
     _, singular, right = np.linalg.svd(jacobian)
     padded = np.zeros(system.freedom)
     padded[: len(singular)] = singular
-    if padded[-1] > _NO_TANGENT * padded[0] or padded[-2] <= _NO_TANGENT * padded[0]:
+    if padded[-1] > _LOST_TANGENT * padded[0] or padded[-2] <= _LOST_TANGENT * padded[0]:
         return None
     return np.asarray(right[-1])
 
@@ -107,14 +112,14 @@ Step = tuple[np.ndarray, np.ndarray]
 
 def _one_way(system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int) -> tuple[list[Step], bool]:
     path: list[Step] = [(start, direction)]
-    length = min(window.cap(direction), _LONGEST * system.size)
+    length = min(window.cap(direction), _LONGEST_STEP * system.size)
     while len(path) < most:
         z, t = path[-1]
-        length = min(length, window.cap(t), _LONGEST * system.size)
+        length = min(length, window.cap(t), _LONGEST_STEP * system.size)
         found = _step(system, z, t, length)
         if found is None:
             length /= 2
-            if length < _SHORTEST * system.size:
+            if length < _SHORTEST_STEP * system.size:
                 break
             continue
         path.append(found)
@@ -136,7 +141,7 @@ def _step(system: System, z: np.ndarray, t: np.ndarray, length: float) -> Step |
     if turned is None:
         return None
     cosine = float(turned @ t)
-    return (corrected, turned if cosine > 0 else -turned) if abs(cosine) >= _TURN else None
+    return (corrected, turned if cosine > 0 else -turned) if abs(cosine) >= _LEAST_COSINE else None
 
 
 def _returned(system: System, path: list[Step], leading: int) -> bool:

@@ -1,7 +1,11 @@
-"""Cusps of a locus over two inputs: where its picture in the plane turns back.
+"""Find the cusps of a locus over two inputs: the points where its picture in the plane turns back.
 
-A locus over the inputs is the fold of the direct problem; along its curve (q, x, X, w) the velocity in the plane vanishes
-where three modes meet, F = 0, J w = 0 and n d2F(w, w) = 0 with n J = 0, and changes its sense there.
+Over two inputs q the locus is the fold of the direct problem: F(q, z) = 0, J w = 0, n J = 0 with J = dF/dz. Along it
+
+    n dF/dq q' = 0,    n d2F(w, z') + n d2F(w, q') = 0,    z' = a w + (a part linear in q').
+
+Where n d2F(w, w) = 0 three modes meet. There (q', z') = (0, w) solves these equations: the velocity in the plane vanishes, and
+as n d2F(w, w) changes its sign along the locus, so does q' (Whitney 1955; Zein, Wenger and Chablat 2008 for planar mechanisms).
 """
 
 from __future__ import annotations
@@ -13,9 +17,9 @@ from symkin.singularities.locus_system import LocusSystem
 
 _STILL = 1e-6
 """A unit tangent whose part in the plane is below this is a motion with the inputs held, which has no cusp."""
-_LONGER = 5
+_LENGTHENINGS = 5
 """How often the bracket is made longer by a tenth: the curve is longer than its chord."""
-_STEPS = 60
+_MOST_STEPS = 60
 """Most steps of the search between two points; the bracket halves at least every second one."""
 
 
@@ -26,7 +30,7 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
     uv = curve.tangents[:, system.uv_columns]
     moves = np.linalg.norm(uv, axis=1) > _STILL
     turns = [k for k in range(len(uv) - 1) if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0]
-    found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _stands(system, z)]
+    found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _is_cusp(system, z)]
     if not found:
         return curve, np.zeros(0, dtype=int)
     places, points = [k for k, _ in found], np.array([z for _, z in found])
@@ -35,7 +39,7 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
     return Curve(np.insert(curve.points, places, points, axis=0), tangents, curve.closed), numbers
 
 
-def _stands(system: LocusSystem, z: np.ndarray) -> bool:
+def _is_cusp(system: LocusSystem, z: np.ndarray) -> bool:
     """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
     regular: crossings of curves have no one tangent."""
     t = tangent(system.curve, z)
@@ -56,7 +60,7 @@ def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None
 
     reach = _length_between(system, begin, curve.points[k + 1], ahead)
     low, high = at(0.0), at(reach)
-    for _ in range(_LONGER):
+    for _ in range(_LENGTHENINGS):
         if low is None or high is None or low[1] * high[1] <= 0.0:
             break
         reach *= 1.1
@@ -65,7 +69,7 @@ def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None
         return None
     ends, values = [0.0, reach], [low[1], high[1]]
     z = low[0]
-    for step in range(_STEPS):
+    for step in range(_MOST_STEPS):
         width = ends[1] - ends[0]
         secant = ends[0] - values[0] * width / (values[1] - values[0])
         middle = secant if step % 2 == 0 and ends[0] < secant < ends[1] else ends[0] + 0.5 * width

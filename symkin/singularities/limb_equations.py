@@ -1,4 +1,4 @@
-"""The velocity equations of each limb without its passive joints, in one normal form.
+"""Eliminate the passive joints from each limb's velocity equations, in one normal form.
 
 The rows of limb i, differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which
 y P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis of these rows,
@@ -9,7 +9,7 @@ depends neither on how the closure is written nor on units. Twists are t = (velo
 angular velocity) on the coordinates of the platform's motion, rates of angles are times the size. The rows a_i are the
 wrenches that the limb can exert while its actuated joints are held; those with b_i = 0 are its constraints.
 
-This is not the elimination of `motion.velocity_matrices`, which takes every rank from generic configurations, so that
+This is not the elimination of `velocity.matrices`, which takes every rank from generic configurations, so that
 Jacobians vary smoothly, and refuses a configuration where one is lost. Here ranks are counted at the configuration itself:
 where one is lost there is more to say, and rows of unit length make distances that do not depend on the closure's rows.
 """
@@ -24,7 +24,6 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.closure.closure import Closure
 from symkin.numeric.rank import RANK_TOLERANCE
-from symkin.numeric.system import System
 from symkin.position.mobility import whole_system
 from symkin.velocity.differential import motion_columns
 
@@ -76,11 +75,10 @@ class LimbwiseEquations:
 def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float) -> LimbwiseEquations:
     """The normal form at a closed configuration (a full vector of variables). Singular values below `tolerance` count as
     zero."""
-    layout = _layout(closure)
-    _, jacobian = layout.system.linearise_one(values, np.zeros(0))
+    _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
+    pose, actuated = columns_of(closure, "pose"), columns_of(closure, "actuated")
     limbs = [
-        eliminated(limb.name, jacobian[rows], layout.pose, layout.actuated, passive, tolerance)
-        for limb, (rows, passive) in zip(closure.mechanism.limbs, layout.limbs, strict=True)
+        eliminated(block.limb, jacobian[block.rows], pose, actuated, block.passive, tolerance) for block in limb_blocks(closure)
     ]
     return LimbwiseEquations(tuple(limbs), motion_basis(closure))
 
@@ -99,26 +97,40 @@ def small_null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Layout:
-    """Columns of the pose and of the actuated joints in the closure's Jacobian; rows and passive columns of each limb."""
+class LimbBlock:
+    """Where a limb stands in the closure's Jacobian: its rows, and the columns of the actuated and the passive joints in them."""
 
-    system: System
-    pose: list[int]
+    limb: str
+    rows: list[int]
     actuated: list[int]
-    limbs: tuple[tuple[list[int], list[int]], ...]
+    passive: list[int]
+
+    @property
+    def joints(self) -> list[int]:
+        """The columns of all of its joints, in order."""
+        return sorted(self.actuated + self.passive)
 
 
 @lru_cache(maxsize=128)
-def _layout(closure: Closure) -> _Layout:
-    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
-    role = {name: [k for k, c in enumerate(columns) if c.role == name] for name in ("pose", "actuated", "passive")}
+def limb_blocks(closure: Closure) -> tuple[LimbBlock, ...]:
+    """The limbs' blocks, in the order of the mechanism's limbs."""
+    names = [c.name for c in closure.coordinates for _ in range(c.freedom)]
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
-    limbs = []
+    blocks = []
     for limb in closure.mechanism.limbs:
         rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
-        entering = [pattern[rows, closure.slices[columns[k].name]].any() for k in role["passive"]]
-        limbs.append((rows, [k for k, enters in zip(role["passive"], entering, strict=True) if enters]))
-    return _Layout(whole_system(closure), role["pose"], role["actuated"], tuple(limbs))
+        actuated, passive = (
+            [k for k in columns_of(closure, role) if pattern[rows, closure.slices[names[k]]].any()]
+            for role in ("actuated", "passive")
+        )
+        blocks.append(LimbBlock(limb.name, rows, actuated, passive))
+    return tuple(blocks)
+
+
+def columns_of(closure: Closure, role: str) -> list[int]:
+    """Columns of the closure's Jacobian by rates of the coordinates of a role."""
+    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
+    return [k for k, c in enumerate(columns) if c.role == role]
 
 
 def eliminated(

@@ -1,11 +1,4 @@
-"""Singularity loci over a plane of two coordinates: curves of true zeros, found from random configurations and traced.
-
-Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions in which the number of
-real assembly modes is constant, and have cusps where three modes meet. Seeds: random configurations over the plane are
-closed, lifted by null vectors of small singular values (`locus_system`) and brought onto the curve by
-Levenberg-Marquardt; then the curve is traced (`curve`). A closed curve that no seed reaches is missed: `starts` says how
-many random configurations there were, `hits` how many of them led to each curve.
-"""
+"""The singularity loci that were found over a plane of two coordinates, as values, text and dict."""
 
 from __future__ import annotations
 
@@ -15,33 +8,33 @@ from typing import Any
 
 import numpy as np
 
-from symkin.errors import InputError
-from symkin.position.pose_conditions import condition_sentence
+from symkin.plain_number import plain
 from symkin.position.solution import Solution
-from symkin.position.varied_pose import angle_meaning
-from symkin.quiet import without_float_warnings
-from symkin.singularities.locus import Locus, make_locus, merged
-from symkin.singularities.locus_seeds import seeds_of
-from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
-from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.traced import traced_curves
+from symkin.position.varied_pose import angle_meaning, turn_text
+from symkin.result import Result, Summary
+from symkin.singularities.locus import Locus
+from symkin.singularities.locus_system import Plane
 
-DEFAULT_STARTS = 200
-MOST_STARTS = 100_000
-_FEW_HITS = 2
-"""Where some curve was met by no more starts than this, another may have been met by none."""
 MISSING = "some curves were met by one or two starts only: curves may be missing; raise --starts"
-"""What is said then, in the text and in the picture."""
+"""What is said where some curve was met by few starts, in the text and in the picture."""
 NONE_MET = "no curve was met, which does not prove that there is none: curves may be missing; raise --starts"
 """What is said where curves were sought and none was found."""
-EVERYWHERE = "the rank is lost everywhere over this plane; there are no curves"
+LOST_OVER_PLANE = "the rank is lost everywhere over this plane; there are no curves"
 """What is said of a kind that every configuration over the plane has."""
+_THIN = (
+    "thin lines in the picture are parts in other working modes: there a limb's inverse problem has another solution than in "
+    "the configuration"
+)
 
 
-@dataclass(frozen=True, eq=False)
-class Loci:
-    """All curves found over a plane through a configuration; `ranges` are the window's sides in the mechanism's units. `notes`
-    say what the search cannot: that curves may be missing, that a rank is lost all over the plane."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Loci(Result):
+    """All curves found over a plane through a configuration; made by `singular_loci`.
+
+    `ranges` are the window's sides in the mechanism's units. `starts` says how many random configurations there were and
+    `seed` which; a closed curve that no start reaches is missed. `notes` say what the search cannot: that curves may be missing,
+    that a rank is lost all over the plane.
+    """
 
     plane: Plane
     ranges: tuple[tuple[float, float], tuple[float, float]]
@@ -52,13 +45,16 @@ class Loci:
 
     @property
     def solution(self) -> Solution:
+        """The configuration through which the plane goes."""
         return self.plane.solution
 
     def of(self, kind: str) -> tuple[Locus, ...]:
+        """The curves of a kind: "type 1", "type 2" or "passive"."""
         return tuple(curve for curve in self.curves if curve.kind == kind)
 
     @property
     def units(self) -> tuple[str, str]:
+        """The units of the plane's two coordinates."""
         m = self.plane.mechanism
         first, second = (m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates)
         return first, second
@@ -73,7 +69,8 @@ class Loci:
         return self.plane.given(point)
 
     def to_dict(self) -> dict[str, Any]:
-        """One object: the window and, for each curve, kind, limb, points and cusps in the mechanism's units."""
+        """The JSON of `symkin singularities --plane`: the window and, for each curve, kind, limb, points and cusps in the
+        mechanism's units."""
         return {
             "mechanism": self.plane.mechanism.name,
             "plane": list(self.plane.names),
@@ -81,134 +78,64 @@ class Loci:
             "ranges": [list(r) for r in self.ranges],
             "angles": self.angles,
             "configuration": self.solution.to_dict(),
-            "curves": [
-                {
-                    "kind": c.kind, "limb": c.limb, "closed": c.closed, "points": c.points.tolist(), "cusps": c.cusps.tolist(),
-                    "in_mode": c.in_mode.tolist(), "largest_row": c.largest_row, "hits": c.hits, "self_motion": c.self_motion,
-                    "loose_ends": c.loose_ends(self.ranges).tolist(),
-                }
-                for c in self.curves
-            ],
+            "curves": [{**curve.to_dict(), "loose_ends": curve.loose_ends(self.ranges).tolist()} for curve in self.curves],
             "starts": self.starts,
             "seed": self.seed,
             "notes": list(self.notes),
-        }  # fmt: skip
+        }
 
-    def __str__(self) -> str:
-        from symkin.singularities.loci_text import loci_text
-
-        return loci_text(self)
-
-
-@without_float_warnings
-def singular_loci(
-    solution: Solution,
-    plane: Sequence[str],
-    *,
-    ranges: Sequence[Sequence[float]] | None = None,
-    kinds: Sequence[LocusKind] = ("type 1", "type 2"),
-    starts: int = DEFAULT_STARTS,
-    seed: int = 0,
-) -> Loci:
-    """Curves of singular configurations over two coordinates, all other pose coordinates (or actuated joints) as in
-    `solution`, whose working mode is the one that `in_mode` names.
-
-    `plane` names two actuated joints or two pose coordinates, those that `symkin.sweep` takes with the same meaning: x, y, z,
-    gamma (about z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`);
-    `ranges` are two pairs in the mechanism's units, by default half the size or half a turn to both sides. Raises InputError.
-    """
-    chosen = plane_of(solution, plane)
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
-    if not 1 <= starts <= MOST_STARTS:
-        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
-    if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
-        raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
-    if chosen.of_pose:
-        _check_pose(chosen)
-    window = _window(chosen, ranges)
-    curves: list[Locus] = []
-    notes: list[str] = []
-    for system in locus_systems(chosen, kinds):
-        found, said = _curves(system, window, starts, np.random.default_rng(seed))
-        curves.extend(found)
-        notes.extend(said)
-    outside = tuple(
-        (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
-        for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
-    )
-    found_sides = np.ptp(np.array(outside), axis=1)
-    kept = merged(curves, found_sides)
-    if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
-        notes.append(MISSING)
-    if not kept and not any(note.endswith(EVERYWHERE) for note in notes):
-        notes.append(NONE_MET)
-    return Loci(chosen, (outside[0], outside[1]), kept, starts, seed, tuple(dict.fromkeys(notes)))
-
-
-def _check_pose(plane: Plane) -> None:
-    """Every pose near the configuration must be one that the mechanism takes."""
-    freedoms = generic_ranks(plane.mechanism).outputs
-    wanted = sum(c.freedom for c in plane.closure.role("pose"))
-    if freedoms < wanted:
-        sentence = condition_sentence(plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted)
-        raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
-
-
-def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
-    """Sides (2, 2) in inside units."""
-    if ranges is None:
-        half = [np.pi if c.is_angular else 0.5 * plane.closure.size for c in plane.coordinates]
-        sides = np.array([[m - h, m + h] for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)])
-    else:
-        sides = np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == 2 else np.zeros((0, 2))
-        if len(sides) != 2:
-            raise InputError(f"ranges: {len(ranges)} given, two are needed, one for each of {', '.join(plane.names)}")
-    for k, c in enumerate(plane.coordinates):
-        if c.least is not None:
-            sides[k, 0] = max(sides[k, 0], c.least) + 0.0
-            if not sides[k, 0] < sides[k, 1]:
-                raise InputError(
-                    f"range of {plane.names[k]} ends at {sides[k, 1]:g} {plane.mechanism.length_unit}; allowed: above "
-                    f"{c.least + 0.0:g}, where the rod has no length"
-                )
-    return sides
-
-
-def _side(plane: Plane, k: int, given: Sequence[float]) -> tuple[float, float]:
-    low, high = (float(v) for v in given) if len(given) == 2 else (0.0, 0.0)
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise InputError(f"range of {plane.names[k]} = {list(given)}; two numbers are needed, the lower one first")
-    if plane.coordinates[k].is_angular:
-        return plane.mechanism.angle_in(low), plane.mechanism.angle_in(high)
-    return low, high
-
-
-# --- curves ----------------------------------------------------------------------------------------------
-
-
-def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> tuple[list[Locus], list[str]]:
-    """Distinct curves through the seeds, and what to say of the search."""
-    found = seeds_of(system, window, starts, rng)
-    if not found.closed:
-        return [], [f"{system.name}: none of {starts} starts closes over the window"]
-    notes = _everywhere(system)
-    if found.everywhere:
-        return [], [*notes, f"{system.name}: {EVERYWHERE}"]
-    traced, isolated = traced_curves(system, found, window)
-    if isolated:
-        notes.append(
-            f"{system.name}: {isolated} starts ended on no curve (crossings, isolated points, or sets of more than one dimension)"
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """The window, one line for each curve, then what the picture's marks mean, the search and its notes."""
+        window = " and ".join(
+            f"{name} {low:g} to {high:g} {unit}"
+            for name, (low, high), unit in zip(self.plane.names, self.ranges, self.units, strict=True)
         )
-    return [make_locus(t.system, t.curve, t.cusps, t.in_mode, len(t.starts)) for t in traced], notes
+        lines = [f"{self.plane.mechanism.name}: singularity loci over {window}; {self.held}"]
+        lines += [] if self.angles is None else [self.angles]
+        lines += [f"{k}: {_curve_line(curve, self.ranges)}" for k, curve in enumerate(self.curves[:most_rows], start=1)]
+        if most_rows is not None and len(self.curves) > most_rows:
+            lines.append(f"and {len(self.curves) - most_rows} more")
+        lines += [] if self.curves else [self.without_curves]
+        lines += [_THIN] if any(not curve.in_mode.all() for curve in self.curves if not curve.is_point) else []
+        lines.append(f"{self.starts} starts, seed {self.seed}; a curve that no start reaches is not listed")
+        return Summary([*lines, *(f"note: {note}" for note in self.notes)])
+
+    @property
+    def without_curves(self) -> str:
+        """What loci without a curve mean."""
+        if any(note.endswith(LOST_OVER_PLANE) for note in self.notes):
+            return "every configuration in this window is singular"
+        return "no locus was met in this window"
+
+    @property
+    def held(self) -> str:
+        """What is held, with names and units: the other pose coordinates, or the other actuated joints."""
+        plane, mechanism = self.plane, self.plane.mechanism
+        held = []
+        for c in plane.closure.role("pose" if plane.of_pose else "actuated"):
+            name = c.name.removeprefix("pose.")
+            if c.kind == "quaternion":
+                quaternion = ", ".join(f"{plain(float(v)):.4g}" for v in self.solution.quaternion)
+                held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
+            elif name not in plane.names:
+                value = float(self.solution.values[c.name])
+                shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.size)
+                more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
+                held.append(f"{name} = {more}{shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")
+        return "held: " + ", ".join(held) if held else "nothing else is held"
 
 
-def _everywhere(system: LocusSystem) -> list[str]:
-    """What moves at every configuration: curves are where more does."""
-    count = system.loss.free_motions
-    if not count:
-        return []
-    motions = f"{count} freedom{'' if count == 1 else 's'} everywhere; curves are where there are more"
-    if system.kind == "type 1":
-        return [f"{system.name}: its joints move with the platform at rest in {motions}"]
-    return [f"{system.name}: the mechanism moves with the actuated joints held in {motions}"]
+def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
+    head = curve.kind + (f" of {curve.limb}" if curve.limb else "")
+    if curve.is_point:
+        what = "a motion with both coordinates held" if curve.self_motion else "curves that nearly touch or cross"
+        return f"{head}, {what}, at {_place(curve.points[0])}"
+    cusps = "".join(f", cusp at {_place(point)}" for point in curve.cusps)
+    ends = "".join(f", its tracing ends inside the window at {_place(point)}" for point in curve.loose_ends(ranges))
+    starts = f"{curve.hits} start{'' if curve.hits == 1 else 's'}"
+    return f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by {starts}{cusps}{ends}"
+
+
+def _place(point: np.ndarray) -> str:
+    u, v = (plain(float(x)) for x in point)
+    return f"({u:.9g}, {v:.9g})"

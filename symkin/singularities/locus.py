@@ -1,9 +1,10 @@
-"""One singularity locus in a plane of two coordinates, and loci with the same picture as one."""
+"""One curve of a singularity locus in a plane of two coordinates; curves with the same picture are merged into one."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +14,10 @@ from symkin.singularities.self_motion import has_self_motion
 
 SAME_PICTURE = 5e-4
 """Curves whose points are within this of another curve (of the window's sides) have one picture."""
-_MOST, _ASIDE = 0.9, 0.01
+_LEAST_SHARE, _FARTHEST = 0.9, 0.01
 """So many of the points at least, and the others within this: a polyline cuts off sharp tips, and its ends lie up to a step
 outside the window. A step is 1/150 of the sides."""
-_NONE = 1e-6
+_SAME_PLACE = 1e-6
 """A distance below this, of the window's sides, counts as zero."""
 
 
@@ -48,7 +49,21 @@ class Locus:
     @property
     def is_point(self) -> bool:
         """The curve stands in one point of the plane."""
-        return stands(self.points)
+        return is_one_place(self.points)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The curve in the JSON of `Loci`, but for its loose ends, which depend on the window."""
+        return {
+            "kind": self.kind,
+            "limb": self.limb,
+            "closed": self.closed,
+            "points": self.points.tolist(),
+            "cusps": self.cusps.tolist(),
+            "in_mode": self.in_mode.tolist(),
+            "largest_row": self.largest_row,
+            "hits": self.hits,
+            "self_motion": self.self_motion,
+        }
 
     def loose_ends(self, ranges: Sequence[Sequence[float]]) -> np.ndarray:
         """Ends (n, 2) of an open curve inside the window, where tracing could not go on; cusps are not counted."""
@@ -58,7 +73,8 @@ class Locus:
         ends = self.points[[0, -1]]
         within = np.all((ends > low) & (ends < high), axis=1)
         at_cusp = [
-            bool(len(self.cusps)) and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _NONE for end in ends
+            bool(len(self.cusps)) and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _SAME_PLACE
+            for end in ends
         ]
         return np.asarray(ends[within & ~np.array(at_cusp)])
 
@@ -73,15 +89,23 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
     names = (*(c.name for c in system.free), *system.plane.names)
     points = curve.points[:, system.uv] * factors
     return Locus(
-        kind, system.limb, points, curve.closed, in_mode, points[cusps if kind == "type 2" else cusps[:0]],
-        names, curve.points[:, : system.uv.stop], float(np.max(np.abs(values))), hits,
-        stands(points) and has_self_motion(system, curve.points[len(points) // 2]),
-    )  # fmt: skip
+        kind=kind,
+        limb=system.limb,
+        points=points,
+        closed=curve.closed,
+        in_mode=in_mode,
+        cusps=points[cusps if kind == "type 2" else cusps[:0]],
+        names=names,
+        configurations=curve.points[:, : system.uv.stop],
+        largest_row=float(np.max(np.abs(values))),
+        hits=hits,
+        self_motion=is_one_place(points) and has_self_motion(system, curve.points[len(points) // 2]),
+    )
 
 
-def stands(points: np.ndarray) -> bool:
+def is_one_place(points: np.ndarray) -> bool:
     """Whether points (n, 2) of a curve are one place of the plane."""
-    return bool(np.ptp(points, axis=0).max() <= 1e-6 * max(1.0, float(np.abs(points).max())))
+    return bool(np.ptp(points, axis=0).max() <= _SAME_PLACE * max(1.0, float(np.abs(points).max())))
 
 
 def merged(curves: Sequence[Locus], sides: np.ndarray) -> tuple[Locus, ...]:
@@ -105,7 +129,7 @@ def _has_picture(other: Locus, curve: Locus, sides: np.ndarray) -> bool:
     if other.kind != curve.kind or (other.limb != curve.limb and curve.kind != "passive") or other.is_point != curve.is_point:
         return False
     away, _ = picture_distance(other.points, other.closed, sides, curve.points)
-    return bool(np.mean(away < SAME_PICTURE) >= _MOST and np.all(away < _ASIDE))
+    return bool(np.mean(away < SAME_PICTURE) >= _LEAST_SHARE and np.all(away < _FARTHEST))
 
 
 def picture_distance(line: np.ndarray, closed: bool, sides: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""The equations of a singularity locus over a plane of two coordinates (u, v).
+"""Build the equations of a singularity locus over a plane of two coordinates (u, v).
 
 With the closure F(q, x, X) = 0, all coordinates but the plane's two and those that they leave free held at a configuration,
 and J the part of dF/d(q, x, X) that must not lose rank,
@@ -28,6 +28,7 @@ from symkin.numeric.system import System
 from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
+from symkin.singularities.limb_equations import columns_of, limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 
 LocusKind = Literal["type 1", "type 2"]
@@ -188,17 +189,13 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
     closure, systems = plane.closure, []
     whole = whole_system(closure)
     generic = [whole.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
-    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
     if "type 2" in kinds and not closure.mechanism.serial:
-        kept = [k for k, c in enumerate(columns) if c.role != "actuated"]
+        kept = sorted(columns_of(closure, "pose") + columns_of(closure, "passive"))
         systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic))
     if "type 1" in kinds:
-        pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
-        for limb in closure.mechanism.limbs:
-            rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
-            own = [k for k, c in enumerate(columns) if c.role != "pose" and pattern[rows, closure.slices[c.name]].any()]
-            if any(columns[k].role == "actuated" for k in own):
-                systems.append(_system(plane, whole, "type 1", limb.name, rows, own, generic))
+        for block in limb_blocks(closure):
+            if block.actuated:
+                systems.append(_system(plane, whole, "type 1", block.limb, block.rows, block.joints, generic))
     return [system for system in systems if system.loss.rank]
 
 

@@ -1,4 +1,9 @@
-"""What tells a singular configuration from a regular one: feasible motions, ranks of their parts, and distances."""
+"""Count ranks at a configuration, compare them with generic ones, and measure the distance to losing one.
+
+The feasible motions (t, q') are the null space of [A B]. Their part in q' has less than its generic rank where some inputs
+become impossible, their part in t where some outputs do; A loses rank where the platform moves with q' = 0, B where joints move
+with t = 0 (Zlatanov, Fenton and Benhabib 1995).
+"""
 
 from __future__ import annotations
 
@@ -33,15 +38,35 @@ class Ranks:
         motions = feasible_motions(equations, tolerance)
         r = equations.twist.shape[1]
         return Ranks(
-            len(motions), rank_of(motions[:, r:], tolerance), rank_of(motions[:, :r], tolerance), equations.idle,
-            rank_of(equations.twist, tolerance), rank_of(equations.rates, tolerance), rank_of(equations.constraints, tolerance),
-        )  # fmt: skip
+            motions=len(motions),
+            inputs=rank_of(motions[:, r:], tolerance),
+            outputs=rank_of(motions[:, :r], tolerance),
+            idle=equations.idle,
+            twist=rank_of(equations.twist, tolerance),
+            rates=rank_of(equations.rates, tolerance),
+            constraints=rank_of(equations.constraints, tolerance),
+        )
+
+    @property
+    def freedoms(self) -> int:
+        """Freedoms of the whole mechanism: feasible motions and those of passive joints alone."""
+        return self.motions + self.idle
+
+    @property
+    def permanent_freedoms(self) -> dict[str, int]:
+        """Of generic ranks: freedoms of each kind of singularity that every configuration has, where there are any."""
+        counts = {
+            "type 1": self.motions - self.outputs,
+            "type 2": self.motions - self.inputs,
+            "passive": self.idle,
+        }
+        return {kind: count for kind, count in counts.items() if count}
 
     def at_other_assembly(self, here: Ranks) -> Ranks:
         """Generic ranks for a configuration whose limbs constrain less than at the reference although it moves no more freely in
         all: its rows are as independent as they ever are, so that no constraint is lost there; the limbs lie in another assembly,
         with fewer freedoms of their own."""
-        if here.constraints < self.constraints and here.motions + here.idle <= self.motions + self.idle:
+        if here.constraints < self.constraints and here.freedoms <= self.freedoms:
             return replace(self, constraints=here.constraints)
         return self
 
@@ -56,7 +81,7 @@ def generic_ranks(mechanism: Mechanism, output: Output | None = None) -> Ranks:
         if output is not None:
             equations = output_equations(closure, values, equations, output, RANK_TOLERANCE).equations
         found.append(Ranks.of(equations, RANK_TOLERANCE))
-    return min(found, key=lambda ranks: (ranks.motions + ranks.idle, -ranks.twist, -ranks.rates))
+    return min(found, key=lambda ranks: (ranks.freedoms, -ranks.twist, -ranks.rates))
 
 
 def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:

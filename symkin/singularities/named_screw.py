@@ -1,4 +1,4 @@
-"""A twist or a wrench in words: the axis, the pitch, and what one would call it."""
+"""Name a twist or a wrench: its axis, its pitch, and what one would call it (Ball 1900)."""
 
 from __future__ import annotations
 

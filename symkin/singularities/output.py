@@ -1,4 +1,4 @@
-"""The output that a user names: some velocity components of one point of the platform, in place of its whole twist.
+"""Reduce the velocity equations to an output: some velocity components of one point of the platform, not its whole twist.
 
 With y = O t the output's velocity and t = O^+ y + K z, where K spans the twists that leave the output at rest, the limbs' equations
 A t + B q' = 0 become A O^+ y + A K z + B q' = 0. What z does is of no interest, so z is eliminated as passive joints are, and

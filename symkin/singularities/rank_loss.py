@@ -1,5 +1,6 @@
-"""Where a matrix J(z) of m rows and n columns has less than its generic rank r, told by a unit vector w of r
-entries.
+"""Equations for the loss of rank: where a matrix J(z) of m rows and n columns has less than its generic rank r.
+
+A unit vector w of r entries tells it:
 
     r = n          J w = 0
     r < n          (R J)^T w = 0 with R (r, m) of constant orthonormal rows, square where r = m
@@ -83,7 +84,7 @@ class RankLoss:
 
     def is_lost(self, z: np.ndarray) -> bool:
         """Whether J itself has less than its generic rank at a closed configuration."""
-        return self._has_less(np.asarray(self.kernel(z)), self.rank)
+        return self._loses_rank(np.asarray(self.kernel(z)), self.rank)
 
     def is_passive(self, points: np.ndarray, w: np.ndarray) -> bool:
         """Whether passive joints alone lose the rank at points of a locus with unit vectors w (rows)."""
@@ -91,13 +92,13 @@ class RankLoss:
             return float(np.abs(w[:, self.telling]).max(initial=0.0)) <= _LOST
         passive = [k for k in range(self.generic.shape[1]) if k not in self.telling]
         rank = Rank.of(self.generic[:, passive]).value
-        return rank > 0 and all(self._has_less(np.asarray(self.kernel(z))[:, passive], rank) for z in points)
+        return rank > 0 and all(self._loses_rank(np.asarray(self.kernel(z))[:, passive], rank) for z in points)
 
     @cached_property
     def _scale(self) -> float:
         return float(np.linalg.norm(self.generic, 2))
 
-    def _has_less(self, matrix: np.ndarray, rank: int) -> bool:
+    def _loses_rank(self, matrix: np.ndarray, rank: int) -> bool:
         return bool(np.linalg.svd(matrix, compute_uv=False)[rank - 1] <= _LOST * self._scale)
 
 

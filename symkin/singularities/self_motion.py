@@ -1,4 +1,4 @@
-"""Whether a mechanism moves while both coordinates of a plane are held: a claim that finite steps must show.
+"""Decide whether a mechanism moves while both coordinates of a plane are held; finite steps must show it.
 
 A locus that stands in one point of the plane may belong to a motion with both coordinates held, or to curves that nearly
 touch, where the equations are too ill-conditioned for the next step. Configurations z_0 ... z_n at finite steps along the null
@@ -14,11 +14,11 @@ from symkin.numeric.system import System
 from symkin.singularities.curve import CORRECTED, distance
 from symkin.singularities.locus_system import LocusSystem
 
-_STEPS, _LENGTH = 6, 0.01
+_COUNT, _STEP = 6, 0.01
 """How many finite steps show a motion, and the length of each, of the size."""
-_APART = 0.5
+_LEAST_DISTANCE = 0.5
 """Least distance of neighbours after the correction, of a step: an isolated configuration draws all of them together."""
-_PLACE = 1e-5
+_MOST_DRIFT = 1e-5
 """Most that (u, v) may move in the correction, of the size: beyond, the motion belongs to another point of the plane."""
 _NULL = 1e-6
 """Singular values below this times the largest belong to the null space; near a motion they are known to about 1e-8."""
@@ -33,17 +33,17 @@ def has_self_motion(system: LocusSystem, z: np.ndarray) -> bool:
         return False
     begin = z[: system.uv.stop]
     for sense in (1.0, -1.0):
-        chain = _together(system.closed, _chain(system.closed, begin, sense))
+        chain = _close_all(system.closed, _steps_along(system.closed, begin, sense))
         if chain is not None and _finite_motion(system, begin, chain):
             return True
     return False
 
 
-def _chain(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
+def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
     """Configurations (n, width) at finite steps along the null direction with u and v held, roughly closed."""
-    points, length = [begin], _LENGTH * closed.size
+    points, length = [begin], _STEP * closed.size
     direction = sense * _null_space(closed, begin)[-1]
-    for _ in range(_STEPS):
+    for _ in range(_COUNT):
         z = _moved(closed, points[-1], length * direction)
         for _ in range(3):
             values, jacobian = closed.linearise_one(z, np.zeros(0))
@@ -68,7 +68,7 @@ def _null_space(closed: System, z: np.ndarray) -> np.ndarray:
     return np.asarray(right[min(rank, len(right) - 1) :])
 
 
-def _together(closed: System, points: np.ndarray) -> np.ndarray | None:
+def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
     """Zeros of all rows at all points with one step of (u, v) for all of them, by least-norm Gauss-Newton; None where they
     are not reached."""
     count, freedom = len(points), closed.freedom - 2
@@ -92,10 +92,12 @@ def _together(closed: System, points: np.ndarray) -> np.ndarray | None:
 def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) -> bool:
     closed, count = system.closed, len(system.free)
     steps = distance(closed, chain[1:], chain[:-1], count)
-    length = _LENGTH * closed.size
+    length = _STEP * closed.size
     scale = np.array([closed.size if c.is_angular else 1.0 for c in system.plane.coordinates])
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
     reached = float(distance(closed, chain[-1], chain[0], count))
     return (
-        bool(np.all(steps >= _APART * length)) and reached >= 0.5 * _STEPS * _APART * length and strayed <= _PLACE * closed.size
+        bool(np.all(steps >= _LEAST_DISTANCE * length))
+        and reached >= 0.5 * _COUNT * _LEAST_DISTANCE * length
+        and strayed <= _MOST_DRIFT * closed.size
     )

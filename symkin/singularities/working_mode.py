@@ -1,4 +1,4 @@
-"""Whether configurations belong to the working mode of another one: signs of the limbs' inverse problems.
+"""Decide whether configurations belong to the working mode of another one, by the signs of the limbs' inverse problems.
 
 With the pose given each limb is a problem of its own, F_i(q_i, x_i) = 0; where it is square, two of its solutions between
 which det dF_i/d(q_i, x_i) changes its sign are different working modes.
@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.position.mobility import whole_system
+from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.locus_system import LocusSystem
 
 
@@ -37,14 +38,10 @@ def _blocks(system: LocusSystem) -> list[ca.Function]:
         return []
     plane = system.plane
     closure, whole = plane.closure, whole_system(plane.closure)
-    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
-    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
     unknown = ca.vertcat(plane.stacked(system.free), plane.symbols)
     found = []
-    for limb in closure.mechanism.limbs:
-        rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
-        own = [k for k, c in enumerate(columns) if c.role != "pose" and pattern[rows, closure.slices[c.name]].any()]
-        if len(own) == len(rows) and limb.name != system.limb:
-            block = ca.substitute(whole.jacobian[rows, own], closure.variables, plane.values)
+    for limb in limb_blocks(closure):
+        if len(limb.joints) == len(limb.rows) and limb.limb != system.limb:
+            block = ca.substitute(whole.jacobian[limb.rows, limb.joints], closure.variables, plane.values)
             found.append(ca.Function("block", [unknown], [ca.densify(block)], {"cse": True}))
     return found

@@ -25,7 +25,7 @@ def check_types(mechanism: Any, grid: Any, directory: Any, **others: Any) -> Non
     _need(isinstance(directory, str | os.PathLike), "directory", directory, "the path of a folder is needed")
     for name in ("poses", "certify"):
         _need(isinstance(others[name], bool), name, others[name], "True or False is needed")
-    _need(not isinstance(others["at"], str | bytes | Mapping), "at", others["at"], "a list of numbers or a Pose is needed")
+    _need(not isinstance(others["at"], str | bytes), "at", others["at"], "a list of numbers, a mapping or a Pose is needed")
     executor, dask, progress = (others[name] for name in ("executor", "dask", "progress"))
     _need(executor is None or hasattr(executor, "submit"), "executor", executor, "a concurrent.futures.Executor is needed")
     _need(dask is None or isinstance(dask, str), "dask", dask, "the address of a scheduler is needed, a string")

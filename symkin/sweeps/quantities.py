@@ -17,9 +17,9 @@ from symkin.assembly.mode_table import COMPLETENESS, ModeTable
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.singularities.classification import TOLERANCE
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
-from symkin.singularities.singularity import TOLERANCE
 
 QUANTITIES = ("modes", "conditioning", "reach")
 

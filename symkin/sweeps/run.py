@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from contextlib import AbstractContextManager
 
+    from symkin.position.given import Joints
     from symkin.sweeps.executors import Crew
     from symkin.sweeps.plan import Plan
     from symkin.sweeps.space import Values
@@ -63,7 +64,7 @@ def sweep(
     directory: Path | str,
     *,
     poses: bool = False,
-    at: Sequence[float] | Pose | None = None,
+    at: Joints | Pose | None = None,
     random: int | None = None,
     seed: int | None = None,
     quantity: str = "modes",

@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import joint_values, pose_from
+from symkin.position.given import Joints, in_file_order, joint_values, pose_from
 from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_axes import check_poses, pose_units
@@ -87,7 +87,7 @@ class Space:
 
 
 def make_space(
-    mechanism: Mechanism, ranges: Mapping[str, Values], *, poses: bool = False, at: Sequence[float] | Pose | None = None,
+    mechanism: Mechanism, ranges: Mapping[str, Values], *, poses: bool = False, at: Joints | Pose | None = None,
     sample: int | None = None, seed: int = 0,
 ) -> Space:  # fmt: skip
     """A checked space. `ranges` maps joints, or coordinates of the platform's motion, to their values, in a sample to (least,
@@ -149,7 +149,7 @@ def _axis(mechanism: Mechanism, name: str, values: Values, units: Mapping[str, s
     return Axis(name, units[name], numbers)
 
 
-def _base(mechanism: Mechanism, poses: bool, at: Sequence[float] | Pose | None) -> tuple[float, ...]:
+def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[float, ...]:
     example = mechanism.example
     if poses:
         if at is None:
@@ -164,7 +164,7 @@ def _base(mechanism: Mechanism, poses: bool, at: Sequence[float] | Pose | None) 
     if isinstance(at, Pose):
         raise InputError("at: a pose is given; a sweep over inputs takes all actuated joints (poses=True sweeps over poses)")
     joint_values(mechanism, at, "at")
-    return tuple(float(v) for v in at)
+    return tuple(float(v) for v in in_file_order(mechanism, at, "at"))
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,18 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
+from symkin.result import Result, Summary
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
+from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
-from symkin.velocity.velocity import VelocityEquations, variables_of, velocity_equations
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
 
 
-@dataclass(frozen=True, eq=False)
-class Jacobian:
+@dataclass(frozen=True, eq=False, repr=False)
+class Jacobian(Result):
     """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed configuration.
 
     kind         matrix                                                              shape
@@ -174,10 +175,22 @@ class Jacobian:
         """Pickle as the mechanism and the kind, from which the expression is built anew."""
         return _built, (self.mechanism, self.kind, bool(self.parameters))
 
-    def __str__(self) -> str:
+    def to_dict(self) -> dict[str, Any]:
+        """What the matrix relates: kind, names of rows and columns, and what each entry reads."""
+        return {
+            "mechanism": self.mechanism.name,
+            "kind": self.kind,
+            "rows": list(self.rows),
+            "columns": list(self.columns),
+            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
+            "parameters": [v.source for v in self.parameters],
+        }
+
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
+        """The matrix' kind and shape, and the names of what it reads."""
         inputs = ", ".join(v.name for v in self.inputs) or "nothing"
         rows, columns = self.shape
-        return f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"
+        return Summary([f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"])
 
 
 def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:

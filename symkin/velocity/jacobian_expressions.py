@@ -23,8 +23,8 @@ from symkin.closure.closure import Closure
 from symkin.position.mobility import closed_configurations
 from symkin.velocity.differential import Differential, pose_rates
 from symkin.velocity.elimination import back_substituted, cofactors, factored, nonzero_rows, shortest, without_span
+from symkin.velocity.equations import VelocityEquations
 from symkin.velocity.limb_ranks import LimbPart
-from symkin.velocity.velocity import VelocityEquations
 
 _LARGEST_MINOR = 2
 """Passive joints of a limb up to which one remaining equation is made of minors, without divisions."""

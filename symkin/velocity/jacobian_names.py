@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import casadi as ca
 
 from symkin.model.names import identifier
-from symkin.velocity.velocity import VelocityEquations
+from symkin.velocity.equations import VelocityEquations
 
 JacobianKind = Literal["direct", "inverse", "analytic", "passive"]
 KINDS: tuple[JacobianKind, ...] = get_args(JacobianKind)

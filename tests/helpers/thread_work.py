@@ -21,11 +21,8 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.plots.calibration_plot import png, residual_figure
-from symkin.plots.loci_plot import draw_loci
-from symkin.plots.plot import draw_modes
-from symkin.plots.track_plot import draw_track
 from symkin.position.describe import describe
-from symkin.singularities.loci import singular_loci
+from symkin.singularities.singular_loci import singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8
@@ -92,13 +89,13 @@ def singularity(machine: symkin.Mechanism, folder: Path) -> Any:
 def loci(machine: symkin.Mechanism, folder: Path) -> Any:
     solution = symkin.solve(machine, joints=_JOINTS).solution
     found = singular_loci(solution, ("crank1", "crank2"), starts=2)
-    draw_loci(found, folder / f"{machine.name}.loci.png")
+    found.plot(folder / f"{machine.name}.loci.png")
     return [str(found), _digest(folder / f"{machine.name}.loci.png")]
 
 
 def track(machine: symkin.Mechanism, folder: Path) -> Any:
     found = symkin.track(machine, joints=[_JOINTS, (25.0, -30.0)])
-    draw_track(found, folder / f"{machine.name}.track.png")
+    found.plot(folder / f"{machine.name}.track.png")
     return [found.reached, found.certified, [s.radius for s in found.samples], _digest(folder / f"{machine.name}.track.png")]
 
 
@@ -126,7 +123,7 @@ def firmware(machine: symkin.Mechanism, folder: Path) -> Any:
 
 def plots(machine: symkin.Mechanism, folder: Path) -> Any:
     path = folder / f"{machine.name}.png"
-    draw_modes(symkin.modes(machine, joints=_JOINTS), path)
+    symkin.modes(machine, joints=_JOINTS).plot(path)
     return _digest(path)
 
 

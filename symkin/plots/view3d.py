@@ -1,36 +1,17 @@
-"""The box that a mechanism is seen in: limits and view shared by all panels, equal scales, ticks and labels."""
+"""Limits, direction of view, ticks and labels of 3-D panels: one `View` is shared by all panels of a figure."""
 
 from __future__ import annotations
 
 import math
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from symkin.caching import not_waiting
-from symkin.plots.skeleton import Skeleton
-
-COLOURS = {
-    "text": "#1f2933",
-    "quiet": "#52606d",
-    "base": "#9aa5b1",
-    "base edge": "#616e7c",
-    "platform": "#2f7fc1",
-    "platform edge": "#1b5a91",
-    "link": "#3e4c59",
-    "accent": "#e8743b",
-    "grid": "#dde3ea",
-    "pane": "#fafbfc",
-    "axis": "#9aa5b1",
-}
-_matplotlib = threading.RLock()
-_FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "WenQuanYi Micro Hei", "Microsoft YaHei", "PingFang SC")
-"""Fonts in order, as far as they are there: those after the first for titles in other scripts."""
+from symkin.plots.mechanism_lines import MechanismLines
+from symkin.plots.style import COLOURS
 
 _FLAT = 1e-6
 """Extent (of the largest) below which a mechanism is flat and is seen from above."""
@@ -49,7 +30,7 @@ class View:
     flat: bool
 
     @staticmethod
-    def around(bodies: Sequence[Skeleton], unit: str) -> View:
+    def around(bodies: Sequence[MechanismLines], unit: str) -> View:
         """The box that holds every body, with a margin and no side too thin."""
         points = np.vstack([body.points for body in bodies])
         low, high = points.min(axis=0), points.max(axis=0)
@@ -91,27 +72,6 @@ class View:
             np.array([[x1, y0, z0], [x1, y1, z0]]),
             np.array([[x1, y1, z0], [x1, y1, z1]]),
         )
-
-
-def style() -> Any:
-    """Matplotlib settings under which a figure is made and saved, whatever the user's own are."""
-    from matplotlib.font_manager import get_font_names
-
-    there = set(get_font_names())
-    panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
-    grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
-    fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
-    return panes | grid | fonts | {"savefig.bbox": None, "savefig.transparent": False}
-
-
-@contextmanager
-def drawing() -> Iterator[None]:
-    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and parsers belong to the
-    process."""
-    from matplotlib import rc_context
-
-    with _matplotlib, not_waiting(), rc_context(style()):
-        yield
 
 
 def set_axes(ax: Any, view: View, share: float) -> None:

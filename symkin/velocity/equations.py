@@ -18,33 +18,25 @@ import numpy as np
 from symkin.caching import cached_property, lru_cache
 from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations
 from symkin.position.solution import Solution
 from symkin.velocity.differential import Differential, differentiate, motion_columns
-from symkin.velocity.limb_ranks import LimbPart, genericity, structure
-from symkin.velocity.velocity_matrices import VelocityMatrices
+from symkin.velocity.limb_ranks import LimbRanks, LimbStructure, Matrices, ranks_at
+from symkin.velocity.matrices import VelocityMatrices
 
 
-@dataclass(frozen=True, eq=False)
-class VelocityEquations:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VelocityEquations(LimbStructure):
     """A (m, 6), P (m, p) and B (m, n) of a mechanism as expressions of the closure's variables and parameters.
 
     `twist`, `passive` and `actuated` are A, P and B; columns of A that the platform's motion does not have are zero. Rows
     have the closure's scale, a length. Rates are in the length unit or rad per unit of time; a passive unit quaternion has
-    three columns, its angular velocity in the frame before the joint, axes as at the reference. `columns` are the twist's
-    components that the motion has, `limbs` the blocks, `constraints` the generic number of twists that the limbs forbid
-    among them, `freedom` that of the twists that remain with the actuated joints held (0 where the direct Jacobian is
-    defined).
+    three columns, its angular velocity in the frame before the joint, axes as at the reference.
     """
 
     closure: Closure
     differential: Differential
-    columns: tuple[int, ...]
-    limbs: tuple[LimbPart, ...] = ()
-    constraints: int = 0
-    freedom: int = 0
 
     @cached_property
     def twist(self) -> ca.SX:
@@ -87,27 +79,28 @@ class VelocityEquations:
         outputs = [ca.densify(part) for part in (self.twist, self.passive, self.actuated)]
         return ca.Function("velocity", [self.closure.variables, self.closure.parameters], outputs, {"cse": True})
 
-    def is_generic(self, values: np.ndarray) -> bool:
-        """The ranks at a closed configuration are those of generic ones."""
-        return genericity(structure(self.at(values))) == genericity((self.limbs, self.constraints, self.freedom))
+    def ranks(self, values: np.ndarray) -> LimbRanks:
+        """The limbs' parts and ranks at a closed configuration."""
+        return ranks_at(self.closure, self.differential.limbs, self.at(values).scaled)
 
-    @cached_property
-    def scales(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for lengths."""
-        size = self.closure.size
-        rates = [np.array([size if _turns(c) else 1.0 for c in self.closure.role(role) for _ in range(c.freedom)])
-                 for role in ("passive", "actuated")]  # fmt: skip
-        return np.array([1.0, 1.0, 1.0, size, size, size]), rates[0], rates[1]
+    def is_generic(self, values: np.ndarray) -> bool:
+        """Whether the ranks at a closed configuration are those of generic ones."""
+        return self.ranks(values).genericity == self.genericity
 
 
 @lru_cache(maxsize=128)
 def velocity_equations(mechanism: Mechanism) -> VelocityEquations:
     """The velocity equations of a mechanism; ranks are judged at closed configurations near the reference (seed 0)."""
     closure = build_closure(mechanism)
-    blank = VelocityEquations(closure, differentiate(closure), tuple(motion_columns(closure)))
-    found = [structure(blank.at(values)) for values in closed_configurations(closure, 0)]
-    limbs, constraints, freedom = max(found, key=genericity)
-    return replace(blank, limbs=limbs, constraints=constraints, freedom=freedom)
+    blank = VelocityEquations(
+        mechanism=mechanism,
+        columns=tuple(motion_columns(closure)),
+        scales=_scales(closure),
+        closure=closure,
+        differential=differentiate(closure),
+    )
+    best = max((blank.ranks(values) for values in closed_configurations(closure, 0)), key=lambda ranks: ranks.genericity)
+    return replace(blank, limbs=best.limbs, constraints=best.constraints, freedom=best.freedom)
 
 
 def variables_of(
@@ -129,5 +122,11 @@ def variables_of(
     return vector
 
 
-def _turns(c: Coordinate) -> bool:
-    return c.is_angular or c.kind == "quaternion"
+def _scales(closure: Closure) -> Matrices:
+    """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for lengths."""
+    size = closure.size
+    passive, actuated = (
+        np.array([size if c.is_angular or c.kind == "quaternion" else 1.0 for c in closure.role(role) for _ in range(c.freedom)])
+        for role in ("passive", "actuated")
+    )
+    return np.array([1.0, 1.0, 1.0, size, size, size]), passive, actuated

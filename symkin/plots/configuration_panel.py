@@ -1,4 +1,4 @@
-"""One 3-D panel: a skeleton drawn on matplotlib's 3-D axes, nearer parts over farther ones."""
+"""Draw one configuration of a mechanism on matplotlib's 3-D axes, nearer parts over farther ones."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from symkin.plots.box import COLOURS, View, set_axes
-from symkin.plots.skeleton import Dot, Segment, SegmentKind, Skeleton, outline
+from symkin.plots.mechanism_lines import Dot, MechanismLines, Segment, SegmentKind, outline
+from symkin.plots.style import COLOURS
+from symkin.plots.view3d import View, set_axes
+from symkin.singularities.named_screw import NamedScrew
 
 FRAME_COLOURS = ("#c0392b", "#2e8b57", "#2c5fa8")
 """Axes x, y, z of a frame."""
 _FRAME = 0.1
 """Length of the axes of frames, of the box."""
+_TWIST: dict[str, Any] = {"color": "#8c2d9c", "linewidth": 1.8}
+"""Look of the axes of platform motions."""
 _LINES: dict[SegmentKind, tuple[tuple[float, str], ...]] = {
     "link": ((2.6, COLOURS["link"]),),
     "rod": ((1.8, COLOURS["link"]),),
@@ -24,7 +28,7 @@ _LINES: dict[SegmentKind, tuple[tuple[float, str], ...]] = {
 """Widths (points) and colours of each kind of segment, lowest first."""
 
 
-def draw_skeleton(ax: Any, body: Skeleton, view: View, share: float, scale: float = 1.0) -> None:
+def draw_lines(ax: Any, body: MechanismLines, view: View, share: float, scale: float = 1.0) -> None:
     """Draw one configuration on Axes3D; the box takes `share` of the axes' width, `scale` multiplies lines and dots."""
     set_axes(ax, view, share)
     painter = _Painter(ax, view, scale)
@@ -44,13 +48,32 @@ def _pad(view: View) -> np.ndarray:
     return 0.05 * float(view.extent.max()) * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(24)])
 
 
-def _segments(body: Skeleton) -> Iterator[Segment]:
+def _segments(body: MechanismLines) -> Iterator[Segment]:
     for limb in body.limbs:
         yield from limb.segments
         yield from limb.rods
 
 
-def legend_entries(bodies: Sequence[Skeleton]) -> dict[str, Any]:
+def draw_twist(ax: Any, twist: NamedScrew, body: MechanismLines, view: View) -> None:
+    """Draw a platform motion: its axis through the box, or an arrow at the platform's origin where it is a translation."""
+    length, point = float(view.extent.max()), twist.point
+    if point is None:
+        origin = np.asarray(body.pose.position)
+        ax.quiver(*origin, *(0.35 * length * twist.direction), zorder=40.0, arrow_length_ratio=0.25, **_TWIST)
+        return
+    middle = point + twist.direction * float((view.limits.mean(axis=1) - point) @ twist.direction)
+    ends = np.array([middle - 0.5 * length * twist.direction, middle + 0.5 * length * twist.direction])
+    ax.plot(*ends.T, linestyle="--", zorder=40.0, **_TWIST)
+
+
+def twist_handle() -> Any:
+    """What stands for platform motions in a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="--", **_TWIST)
+
+
+def legend_entries(bodies: Sequence[MechanismLines]) -> dict[str, Any]:
     """Names and handles for the kinds of parts that are drawn."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

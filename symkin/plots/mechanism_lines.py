@@ -11,7 +11,7 @@ import numpy as np
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.plots.links import link_displacements
+from symkin.plots.link_displacements import link_displacements
 from symkin.spatial.pose import Pose
 
 SegmentKind = Literal["link", "slide", "actuated slide", "rod"]
@@ -72,7 +72,7 @@ class LimbLines:
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton:
+class MechanismLines:
     """What is drawn of one configuration: the limbs, base and platform points (k, 3), and the platform's (tool's) pose."""
 
     limbs: tuple[LimbLines, ...]
@@ -88,7 +88,7 @@ class Skeleton:
         return np.array([np.zeros(3), np.asarray(self.pose.position), *self.base, *self.platform, *ends])
 
 
-def skeleton(mechanism: Mechanism, values: Mapping[str, Any], pose: Pose) -> Skeleton:
+def lines_at(mechanism: Mechanism, values: Mapping[str, Any], pose: Pose) -> MechanismLines:
     """The lines of a configuration: `values` of the closure coordinates by name (radians, length unit; those of cut joints
     are not among them) and the platform's pose, as in a Solution."""
     places = _joint_places(mechanism)
@@ -98,17 +98,17 @@ def skeleton(mechanism: Mechanism, values: Mapping[str, Any], pose: Pose) -> Ske
     )
     base = np.array([limb.base for limb in limbs])
     platform = np.array([end for limb in limbs for end in limb.ends])
-    return Skeleton(limbs, base, platform, pose, mechanism.serial)
+    return MechanismLines(limbs, base, platform, pose, mechanism.serial)
 
 
-def reference_skeleton(mechanism: Mechanism) -> Skeleton:
+def reference_lines(mechanism: Mechanism) -> MechanismLines:
     """The lines at the reference configuration."""
     values: dict[str, Any] = {}
     for limb in mechanism.limbs:
         if isinstance(limb, Limb):
             for c in (c for joint in limb.joints for c in joint.coordinates):
                 values[c.name] = c.reference[0] if c.width == 1 else c.reference
-    return skeleton(mechanism, values, mechanism.reference_pose)
+    return lines_at(mechanism, values, mechanism.reference_pose)
 
 
 def outline(points: np.ndarray) -> np.ndarray:

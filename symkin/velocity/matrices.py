@@ -7,16 +7,13 @@ eliminates passive joints by the ranks at the configuration itself, for what hol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.caching import cached_property
 from symkin.numeric.rank import RANK_TOLERANCE
 from symkin.position.solve_result import SolveError
-
-if TYPE_CHECKING:
-    from symkin.velocity.velocity import VelocityEquations
+from symkin.velocity.limb_ranks import LimbStructure, Matrices, span_projector
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +25,7 @@ class VelocityMatrices:
     1e-8 of the largest).
     """
 
-    equations: VelocityEquations
+    equations: LimbStructure
     twist: np.ndarray
     passive: np.ndarray
     actuated: np.ndarray
@@ -40,7 +37,7 @@ class VelocityMatrices:
         e = self.equations
         if e.freedom:
             raise SolveError(
-                f"{e.closure.mechanism.name}: the direct Jacobian is not defined; with its {self.actuated.shape[1]} actuated "
+                f"{e.mechanism.name}: the direct Jacobian is not defined; with its {self.actuated.shape[1]} actuated "
                 f"joints held, the platform keeps {e.freedom} of its freedoms: actuate more joints, or declare its motion"
             )
         twist = np.vstack([limb.twist for limb in self._eliminated])
@@ -88,11 +85,9 @@ class VelocityMatrices:
         return np.asarray(np.eye(len(e.columns)) - self._inverse(constraints, e.constraints, what) @ constraints)
 
     @cached_property
-    def scaled(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def scaled(self) -> Matrices:
         """A (the motion's columns), P and B by rates in lengths."""
-        e = self.equations
-        twist, passive, actuated = e.scales
-        return self.twist[:, e.columns] / twist[list(e.columns)], self.passive / passive, self.actuated / actuated
+        return self.equations.scaled(self.twist, self.passive, self.actuated)
 
     @cached_property
     def _eliminated(self) -> tuple[_Eliminated, ...]:
@@ -112,7 +107,7 @@ class VelocityMatrices:
             return np.zeros(matrix.shape[::-1])
         left, singular, right = np.linalg.svd(matrix, full_matrices=False)
         if len(singular) < rank or not singular[rank - 1] > RANK_TOLERANCE * singular[0]:
-            raise SolveError(f"{self.equations.closure.mechanism.name}: {what}")
+            raise SolveError(f"{self.equations.mechanism.name}: {what}")
         return np.asarray((right[:rank].T / singular[:rank]) @ left[:, :rank].T)
 
     def _unscaled(
@@ -132,9 +127,3 @@ class _Eliminated:
     twist: np.ndarray
     actuated: np.ndarray
     passive_inverse: np.ndarray
-
-
-def span_projector(matrix: np.ndarray, rank: int) -> np.ndarray:
-    """The orthogonal projector onto the span of the columns."""
-    left = np.linalg.svd(matrix, full_matrices=False)[0][:, :rank] if rank else np.zeros((len(matrix), 0))
-    return np.asarray(left @ left.T)

@@ -1,0 +1,223 @@
+"""Follow one block's branch along an interval of a trajectory, step by step with a proof, up to the first stop.
+
+Each step goes from u to u + h of one interval: Newton at the far end, a cubic with the branch's slopes at both ends, and a
+tube about it in which there is exactly one solution for every u (see `step_certificate`). Consecutive tubes are joined at
+a point whose own box lies in both. Where steps shrink, a singular point is looked for ahead; a turning point is reached by
+a last tube in the direction of the branch, which is regular there (see `last_tube`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from symkin.following.cubic import Cubic
+from symkin.following.joint_limits import Limit, LimitWatch
+from symkin.following.last_tube import LastTube, prove_last_tube
+from symkin.following.path_system import PathSystem
+from symkin.following.series_tube import series_tube
+from symkin.following.singular_point import SingularPoint, find_singular_point
+from symkin.following.station import Station, along_parameter, interval_of, redundant_rows_bound, station_at, station_near
+from symkin.following.step_certificate import Interval, Tube
+from symkin.following.trajectory import Trajectory
+from symkin.position.problem import Problem
+from symkin.position.solution import ACCEPTED
+
+Ending = Literal["reached", "singular", "limit", "open", "unproved"]
+
+_FIRST_CHANGE = 0.05
+"""Change of the unknowns (over the size, or rad) that the first step aims at."""
+_SHORTEST_STEP = 1e-12
+"""A step of less than this share of an interval is given up."""
+_MOST_EFFORT = 20_000
+"""Steps on one interval after which it is given up; those with power series count `_SERIES_EFFORT`."""
+_SERIES_EFFORT = 10
+"""What a step with a proof by power series counts, about its time over a plain one's."""
+_GROWTH_WITH_ROOM, _GROWTH = 1.6, 1.1
+"""Factors of the next step after a proof with room to spare, and after one without."""
+_ROOM = 0.75
+"""A tube whose image fills less of it than this leaves room to spare."""
+_SEARCH_AT = 0.3
+"""A singular point is looked for whenever the step is below this times the one of the last search."""
+_SHORT_CHANGE = 0.05
+"""Where steps that change the unknowns by less than this (over the size, or rad) have no plain tube, power series are tried."""
+_HALVINGS = 40
+"""Halvings of a step to the place where loops open: to 1e-12 of it."""
+_AT_TURNING_POINT = 1e-9
+"""So near a turning point (share of an interval) it is taken without a last tube."""
+_AT_BIFURCATION = 1e-4
+"""So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad), to which no tube leads, the
+branch stops."""
+SAME_PLACE = 1e-9
+"""Blocks that stop within this share of an interval stop at the same place."""
+
+
+@dataclass(frozen=True, eq=False)
+class BlockStop:
+    """Why and where (u) a block's branch ends. `last_tube` leads to a turning point. `residual` (length unit) is what
+    is left open."""
+
+    ending: Ending
+    u: float
+    singular: SingularPoint | None = None
+    last_tube: LastTube | None = None
+    limit: Limit | None = None
+    residual: float = 0.0
+
+
+@dataclass(eq=False)
+class BlockFollower:
+    """One block's branch as far as it has been followed.
+
+    `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images fill at most `tightest`; `link` is
+    the last one, `curves` are the cubics of the present interval. `redundant_bound` bounds redundant rows at the ends of steps
+    (length unit); `is_clear`: the last search has found no singular point ahead."""
+
+    system: PathSystem
+    trajectory: Trajectory
+    watch: LimitWatch
+    interval: Interval
+    station: Station
+    pace: float = _FIRST_CHANGE
+    steps: int = 0
+    tightest: float = 0.0
+    link: Tube | None = None
+    curves: list[Cubic] = field(default_factory=list)
+    is_clear: bool = False
+    stop: BlockStop | None = None
+    passed: list[Station] = field(default_factory=list)
+    redundant_bound: float = 0.0
+
+    @staticmethod
+    def begin(system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray) -> BlockFollower:
+        """Stand at the first sample, whose unknowns (in radians and the length unit) are given."""
+        interval = interval_of(system, trajectory, 0)
+        return BlockFollower(
+            system, trajectory, watch, interval, station_near(interval, 0, unknown[system.places] / system.scale, 0.0)
+        )
+
+    def enter(self, row: int) -> None:
+        """Stand at the beginning of an interval, where the branch may have a corner."""
+        self.interval, self.curves = interval_of(self.system, self.trajectory, row), []
+        y = np.append(self.station.z, 0.0)
+        self.station = station_at(self.interval, row, y, self.interval.evaluate(y)[1])
+        self._record()
+        if self.link is not None and not self.link.holds(self.station.half):
+            self.stop = BlockStop("unproved", 0.0)
+
+    def go(self, until: float) -> None:
+        """Follow the branch to u = `until` of the interval, or the first stop before."""
+        h = min(1.0, self.pace / self.station.speed)
+        searched = h / _SEARCH_AT
+        effort = 0
+        while self.station.u < until and self.stop is None:
+            station = self.station
+            if h < _SHORTEST_STEP or effort > _MOST_EFFORT or not station.is_regular:
+                if not (station.is_regular and self._meets_singular_point(until)):
+                    self.stop = BlockStop("unproved", station.u)
+                return
+            if h < _SEARCH_AT * searched and h < 0.5 * (until - station.u):
+                searched = h
+                if self._meets_singular_point(until):
+                    return
+            end = until if station.u + 1.01 * h >= until else station.u + h
+            found = _step(self.interval, station, end, with_series=self.is_clear)
+            if found is None:
+                h = 0.5 * (end - station.u)
+                continue
+            self._accept(*found)
+            effort += 1 if found[2].frame is None else _SERIES_EFFORT
+            h = (end - station.u) * (_GROWTH_WITH_ROOM if self.link is not None and self.link.tightness < _ROOM else _GROWTH)
+            searched = max(searched, h)
+            self.pace = h * self.station.speed
+
+    def at(self, u: float) -> np.ndarray:
+        """z of the branch at a u of the interval that it has passed, or at which it stops."""
+        if self.stop is not None and self.stop.singular is not None:
+            point = self.stop.singular
+            if abs(point.u - u) <= SAME_PLACE:
+                return point.y[:-1]
+            if u > self.station.u:
+                share = (u - self.station.u) / (point.u - self.station.u)
+                return station_near(self.interval, 0, self.station.z + share * (point.y[:-1] - self.station.z), u).z
+        for curve in self.curves:
+            if curve.control[0, -1] <= u < curve.control[-1, -1]:
+                return station_near(self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u).z
+        return self.station.z
+
+    def _accept(self, reached: Station, curve: Cubic, tube: Tube) -> None:
+        """Accept a proved step, up to a limit or to the place where loops open."""
+        before, self.station = self.station, reached
+        self.steps, self.link, self.tightest = self.steps + 1, tube, max(self.tightest, tube.tightness)
+        self.curves.append(curve)
+        if not self.system.is_square:
+            self.redundant_bound = max(self.redundant_bound, redundant_rows_bound(self.interval, reached.y))
+        met = self.watch.unknown(self.interval, curve)
+        if met is not None:
+            self.station = station_near(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))
+            self.stop = BlockStop("limit", self.station.u, limit=met[1])
+        left = self._closure_error(self.station)
+        if left > ACCEPTED * self.system.problem.closure.size:
+            self.station = self._opening(before, self.station)
+            self.stop = BlockStop("open", self.station.u, residual=left)
+        self._record()
+
+    def _record(self) -> None:
+        """Keep the station among the ends of steps."""
+        if math.isfinite(self.station.sigma):
+            self.passed.append(self.station)
+
+    def _closure_error(self, station: Station) -> float:
+        """The largest closure error at a station (length unit), redundant rows and whole rotations included, and those that
+        given values alone must satisfy."""
+        known = self.trajectory.at(station.row, station.u)
+        own = self.system.system.residual(self.system.unknown(station.z), known)
+        return max(own, given_error(self.system.problem, known))
+
+    def _opening(self, closed: Station, opened: Station) -> Station:
+        """The last station between the two at which the loops close, by halving."""
+        low, high = closed.u, opened.u
+        for _ in range(_HALVINGS):
+            middle = station_near(self.interval, closed.row, closed.z, 0.5 * (low + high))
+            if self._closure_error(middle) <= ACCEPTED * self.system.problem.closure.size:
+                closed, low = middle, middle.u
+            else:
+                high = middle.u
+        return closed
+
+    def _meets_singular_point(self, until: float) -> bool:
+        """Whether a singular point lies ahead on this interval, and near enough to stop there."""
+        a = self.station
+        found = find_singular_point(self.interval.system, self.interval.c, a.y, a.slope)
+        self.is_clear = found is None or found.u > until + SAME_PLACE
+        if found is None or self.is_clear:
+            return False
+        tube = prove_last_tube(self.interval, a.y, a.slope, a.half, found) if found.kind == "turning point" else None
+        away = found.u - a.u
+        moves = away * min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
+        near = moves <= _AT_BIFURCATION if found.kind == "bifurcation" else away <= _AT_TURNING_POINT
+        if tube is None and not near:
+            return False
+        self.stop = BlockStop("singular", found.u, singular=found, last_tube=tube)
+        return True
+
+
+def given_error(problem: Problem, known: np.ndarray) -> float:
+    """The largest error (length unit) of the conditions on given values alone."""
+    return problem.conditions.residual(np.zeros(0), known) if problem.conditions.errors.numel() else 0.0
+
+
+def _step(interval: Interval, a: Station, end: float, *, with_series: bool) -> tuple[Station, Cubic, Tube] | None:
+    """A proved step to u = end, or None; with power series, where they are allowed and steps are short."""
+    h = end - a.u
+    b = station_near(interval, a.row, a.z + h * a.slope, end)
+    if not b.is_regular:
+        return None
+    curve = Cubic.hermite(a.y, np.append(a.slope, 1.0), b.y, np.append(b.slope, 1.0), h)
+    tube = interval.tube(curve, along_parameter(len(a.y)), a.half, b.half)
+    if tube is None and with_series and h * a.speed < _SHORT_CHANGE:
+        tube = series_tube(interval, curve, a.half, b.half)
+    return None if tube is None else (b, curve, tube)

@@ -1,0 +1,138 @@
+"""Where and why a track ends before its path does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.following.follow import Branch
+from symkin.following.joint_limits import Limit
+from symkin.following.meeting_modes import Meeting, meeting_modes
+from symkin.following.sample import Sample, make_sample
+from symkin.following.trajectory import Trajectory
+from symkin.position.problem import Problem
+from symkin.singularities.classification import classify
+
+_SINGULAR_START = 1e6
+"""Condition of a start from which no step is proved above which it is called singular: double roots are known to 1e-8."""
+_AT_START = 1e-6
+"""A singular point found at a smaller parameter than this is that of the start."""
+_SINGULAR_TEXT = "the start is singular: modes meet there, and which one to follow is not defined"
+
+
+@dataclass(frozen=True, eq=False)
+class Stop:
+    """Where and why a track ended before the path.
+
+    `kind`: turning point, bifurcation, degenerate, limit, open loops, unproved, singular start, no start. `row` and `u` are the
+    interval and the share of it, `place` the configuration there, `text` a sentence where the stop is no singularity. `type` is
+    what the followed problem loses, `kinds` all that `symkin.singularity` names there, `meeting` the modes that meet there;
+    `error` bounds the place on its interval (share of it) where that is proved; `blocks` counts the independent parts (limbs
+    whose platform pose is given) that stop there together.
+    """
+
+    kind: str
+    row: int
+    u: float
+    place: Sample | None
+    text: str
+    type: str | None = None
+    kinds: tuple[str, ...] = ()
+    meeting: Meeting | None = None
+    error: float | None = None
+    limit: Limit | None = None
+    blocks: int = 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """The stop in the JSON of `symkin track`."""
+        return {
+            "kind": self.kind,
+            "type": self.type,
+            "kinds": list(self.kinds),
+            "row": self.row + 1,
+            "share": self.u,
+            "place": None if self.place is None else self.place.to_dict(),
+            "error": self.error,
+            "limit": None if self.limit is None else self.limit.name,
+            "meeting": None if self.meeting is None else self.meeting.to_dict(),
+            "text": str(self),
+        }
+
+    def __str__(self) -> str:
+        """Why the track ended, in words."""
+        if self.text:
+            return self.text
+        place = "" if self.place is None else f" at {self.place.parameter:.12g} of the path"
+        kinds = ", ".join(self.kinds or ([self.type] if self.type else []))
+        named = f"{self.kind} ({kinds})" if kinds else self.kind
+        named += f" of {self.blocks} limbs at once" if self.blocks > 1 else ""
+        what = {
+            "turning point": "the mode ends there",
+            "bifurcation": "branches meet there, and which one goes on is not defined",
+        }.get(self.kind, "the Jacobian loses rank and the branch is flat there")
+        return f"{named}{place}: {what}" + (f"; {self.meeting}" if self.meeting is not None else "")
+
+
+def stop_of(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop | None:
+    """Why a branch ends before its path; None where it does not. `kept` are the samples before the end."""
+    if branch.ending == "reached":
+        return None
+    last, singular = branch.last, branch.ending == "singular" and bool(branch.stopped)
+    if singular and trajectory.parameter(last.row, last.u) > _AT_START:
+        return _singular_stop(trajectory, problem, branch, kept, name_modes)
+    last = branch.places[0] if singular else last
+    place = make_sample(trajectory, problem, last, kept[-1])
+    reasons = {"singular": "singular start", "limit": "limit", "open": "open loops", "unproved": "unproved"}
+    kind, text = reasons[branch.ending], _why(branch, trajectory)
+    if branch.ending == "unproved" and branch.steps == 0 and place.condition > _SINGULAR_START:
+        kind, text = "singular start", _SINGULAR_TEXT
+    return Stop(kind, last.row, last.u, place, text, limit=branch.limit)
+
+
+def _why(branch: Branch, trajectory: Trajectory) -> str:
+    unit = trajectory.mechanism.length_unit
+    match branch.ending:
+        case "singular":
+            return _SINGULAR_TEXT
+        case "open":
+            left = max(b.stop.residual for b in branch.stopped if b.stop is not None)
+            return f"the loops open: a step further {left:.3g} {unit} are left; the mechanism cannot take what the path asks"
+        case "unproved":
+            return "no further step could be proved, and no singular point was located: a singularity is very near"
+        case _:
+            return "" if branch.limit is None else branch.limit.text(trajectory.mechanism)
+
+
+def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop:
+    stops = [b.stop for b in branch.stopped if b.stop is not None]
+    points = [s.singular for s in stops if s.singular is not None]
+    place = make_sample(trajectory, problem, branch.last, kept[-1])
+    errors = [None if s.last_tube is None else s.last_tube.error for s in stops]
+    return Stop(
+        kind=next((k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)), "turning point"),
+        row=branch.last.row,
+        u=branch.last.u,
+        place=place,
+        text="",
+        type=_type(branch),
+        kinds=classify(place.solution).kinds,
+        meeting=meeting_modes(problem, trajectory, branch) if name_modes else None,
+        error=None if None in errors else max(e for e in errors if e is not None),
+        blocks=len(points),
+    )
+
+
+def _type(branch: Branch) -> str:
+    """Type 2 (direct problem) or type 1 (inverse problem), or passive where neither platform nor actuated joints move."""
+    largest = 0.0
+    for block in branch.stopped:
+        problem, system = block.system.problem, block.system.system
+        moving = "pose" if problem.kind == "direct" else "actuated"
+        for c, place in zip(system.unknowns, system.slices, strict=True):
+            if c.role == moving and block.stop is not None and block.stop.singular is not None:
+                largest = max(largest, float(np.max(np.abs(block.stop.singular.null[place]))))
+    if largest < 1e-6:
+        return "passive"
+    return "type 2" if problem.kind == "direct" else "type 1"

@@ -1,0 +1,63 @@
+"""The picture of a Jacobian: its matrix at one configuration, with the names of its rows and columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.plots.style import COLOURS, drawing
+from symkin.text import matplotlib_text
+from symkin.velocity.jacobian import Jacobian, Values
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MOST_WRITTEN = 144
+"""Entries whose numbers are written into their cells."""
+
+
+def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figure:
+    """The entries with their numbers, colours by their size with angles times the mechanism's size; `at` is the configuration
+    (default: the reference). Raises InputError where the matrix is not finite there."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    matrix = jacobian.at(jacobian.closure.reference if at is None else at)
+    if not np.isfinite(matrix).all():
+        where = "reference configuration" if at is None else "configuration"
+        raise InputError(f"plot: the {jacobian.kind} Jacobian is not defined at the {where}; give a regular one with at=...")
+    rows, columns = jacobian.shape
+    with drawing():
+        figure = Figure(figsize=(2.6 + 0.75 * columns, 1.9 + 0.42 * rows), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        ax: Any = figure.add_subplot()
+        shade = matrix * np.array(_weights(jacobian, jacobian.rows))[:, None] / _weights(jacobian, jacobian.columns)
+        reach = float(np.max(np.abs(shade), initial=0.0)) or 1.0
+        image = ax.imshow(shade, cmap="RdBu_r", vmin=-reach, vmax=reach, aspect="auto")
+        ax.set_xticks(range(columns), [matplotlib_text(name) for name in jacobian.columns], rotation=45, ha="right")
+        ax.set_yticks(range(rows), [matplotlib_text(name) for name in jacobian.rows])
+        if matrix.size <= _MOST_WRITTEN:
+            for (i, j), value in np.ndenumerate(matrix):
+                colour = "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]
+                ax.text(j, i, f"{value + 0.0:.3g}", ha="center", va="center", fontsize=7.5, color=colour)
+        figure.colorbar(image, ax=ax, shrink=0.9, label="colours: angles times the size")
+        title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian"
+        ax.set_title(title + (" at the reference" if at is None else ""), fontsize=11, color=COLOURS["text"], parse_math=False)
+    return figure
+
+
+def _weights(jacobian: Jacobian, names: Sequence[str]) -> list[float]:
+    """The size for each angle or part of a quaternion, 1 for each length."""
+    lengths = {
+        "vx",
+        "vy",
+        "vz",
+        "x",
+        "y",
+        "z",
+        *(c.name.removeprefix("pose.") for c in jacobian.closure.coordinates if c.kind == "length"),
+    }
+    return [1.0 if name in lengths else jacobian.mechanism.size for name in names]

@@ -1,0 +1,48 @@
+"""Colours, fonts and settings of every picture, and the lock under which pictures are drawn."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from symkin.caching import not_waiting
+
+COLOURS = {
+    "text": "#1f2933",
+    "quiet": "#52606d",
+    "base": "#9aa5b1",
+    "base edge": "#616e7c",
+    "platform": "#2f7fc1",
+    "platform edge": "#1b5a91",
+    "link": "#3e4c59",
+    "accent": "#e8743b",
+    "grid": "#dde3ea",
+    "pane": "#fafbfc",
+    "axis": "#9aa5b1",
+}
+_matplotlib = threading.RLock()
+_FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "WenQuanYi Micro Hei", "Microsoft YaHei", "PingFang SC")
+"""Fonts in order, as far as they are there: those after the first for titles in other scripts."""
+
+
+def style() -> Any:
+    """Matplotlib settings under which a figure is made and saved, whatever the user's own are."""
+    from matplotlib.font_manager import get_font_names
+
+    there = set(get_font_names())
+    panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
+    grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
+    fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
+    return panes | grid | fonts | {"savefig.bbox": None, "savefig.transparent": False}
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and parsers belong to the
+    process."""
+    from matplotlib import rc_context
+
+    with _matplotlib, not_waiting(), rc_context(style()):
+        yield

@@ -1,0 +1,222 @@
+"""Classify a configuration: which kind of singularity, how near, and the motion or wrench that shows it.
+
+With the limbs' velocity equations A t + B q' = 0 (passive joints eliminated, rows orthonormal limb by limb, see
+`limb_equations`) the feasible motions are the pairs (t, q') of their null space. Compared with a generic configuration
+of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton and Benhabib 1995)
+
+    RI   redundant input: q' != 0 with t = 0                      type 1 (Gosselin and Angeles 1990; B loses rank)
+    RO   redundant output: t != 0 with q' = 0                     type 2 (A loses rank)
+    II   impossible input: some q' belong to no motion
+    IO   impossible output: some t belong to no motion
+    RPM  redundant passive motion: passive joints move alone      P loses rank
+    IIM  increased instantaneous mobility: more motions in all
+
+and where the limbs' constraint wrenches lose rank it is a constraint singularity (Zlatanov, Bonev and Gosselin 2002).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.position.given import Joints
+from symkin.position.solution import Solution
+from symkin.quiet import without_float_warnings
+from symkin.singularities.configuration import configuration
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
+from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
+from symkin.singularities.output import Output, OutputEquations, make_output, output_equations, output_twists
+from symkin.singularities.singularity import Singularity
+from symkin.spatial.pose import Pose
+from symkin.spatial.screw import tidy_rows
+from symkin.velocity.equations import variables_of
+
+TOLERANCE = 1e-6
+"""A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
+
+
+@without_float_warnings
+def singularity(
+    mechanism: Mechanism | Solution,
+    *,
+    joints: Joints | None = None,
+    pose: Sequence[float] | Pose | None = None,
+    start: Joints | Pose | None = None,
+    tolerance: float = TOLERANCE,
+    output: Sequence[str] | None = None,
+    point: Sequence[float] | None = None,
+) -> Singularity:
+    """Classify the configuration that `solve` reaches from the same arguments, or a Solution that is there already:
+
+        symkin.singularity(mechanism, joints=[...])
+        symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
+
+    `output` names what type 1 and type 2 are about, in place of the platform's position and orientation together: some of x, y, z
+    (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame.
+    At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
+    SolveError where no configuration is reached, InputError for values that do not fit.
+    """
+    wanted = make_output(output, point)
+    if isinstance(mechanism, Solution):
+        if not (joints is None and pose is None and start is None):
+            raise InputError("a Solution is classified as it is: give joints, pose and start with a mechanism only")
+        return classify(mechanism, tolerance, wanted)
+    if not isinstance(mechanism, Mechanism):
+        raise InputError(
+            f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as `symkin.solve(...).solution` "
+            "or one of `symkin.modes(...)`"
+        )
+    return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance, wanted)
+
+
+@without_float_warnings
+def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | None = None) -> Singularity:
+    """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
+    if not 0.0 < tolerance < 1e-2:
+        raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
+    closure = build_closure(solution.mechanism)
+    values = variables_of(closure, solution)
+    whole = limbwise_equations(closure, values, tolerance)
+    reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
+    equations = whole if reduced is None else reduced.equations
+    ranks = Ranks.of(equations, tolerance)
+    generic = generic_ranks(solution.mechanism, output).at_other_assembly(ranks)
+    conditions = _conditions(ranks, generic)
+    kinds = _kinds(closure, ranks, generic, conditions)
+    feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]
+    wrenches = _borne_wrenches(feasible, reduced, tolerance) if "IO" in conditions else feasible[:0]
+    inputs = small_null_space(equations.rates, tolerance) if "type 1" in kinds else equations.rates[:0]
+    return Singularity(
+        solution=solution,
+        equations=equations,
+        ranks=ranks,
+        generic=generic,
+        conditions=conditions,
+        kinds=kinds,
+        distances=distances(closure, equations, generic),
+        singular_values=_direct_map(equations, ranks, generic, tolerance),
+        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance)),
+        wrenches=tuple(named_wrench(solution, row) for row in tidy_rows(wrenches @ whole.motion.T)),
+        inputs=tuple(joint_rates(solution, row) for row in tidy_rows(inputs)),
+        feasible_twists=_twists(solution, whole, _row_span(feasible, tolerance)),
+        notes=_notes(closure, ranks, generic, output),
+        output=output,
+    )
+
+
+# --- kinds ---------------------------------------------------------------------------------------------------------
+
+
+def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
+    """Zlatanov's names, each a count beside the generic one. RI and RO are the ranks of B and A, whose singular values are the
+    distances of type 1 and type 2, so that one tolerance decides both."""
+    tests = {
+        "RI": ranks.rates < generic.rates,
+        "RO": ranks.twist < generic.twist,
+        "II": ranks.inputs < generic.inputs,
+        "IO": ranks.outputs < generic.outputs,
+        "RPM": ranks.idle > generic.idle,
+        "IIM": ranks.freedoms > generic.freedoms,
+    }
+    return tuple(name for name, holds in tests.items() if holds)
+
+
+def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...]) -> tuple[str, ...]:
+    tests = {
+        "type 1": "RI" in conditions,
+        "type 2": "RO" in conditions,
+        "constraint": closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints,
+        "passive": "RPM" in conditions,
+    }
+    return tuple(name for name, holds in tests.items() if holds)
+
+
+def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tolerance: float) -> np.ndarray:
+    """Singular values of q' -> t on the feasible motions; infinite where a platform motion needs no joint rate."""
+    motions = feasible_motions(equations, tolerance)
+    outputs, inputs = np.split(motions, [equations.twist.shape[1]], axis=1)
+    count = min(generic.outputs, generic.inputs)
+    if ranks.motions > ranks.inputs or ranks.twist < generic.twist or ranks.inputs < generic.inputs:
+        return np.full(count, np.inf)
+    jacobian = np.linalg.pinv(inputs, rcond=RANK_TOLERANCE) @ outputs
+    values = np.linalg.svd(jacobian, compute_uv=False)[:count]
+    return np.asarray(np.where(values > tolerance, values, 0.0))
+
+
+# --- the screws that show it -----------------------------------------------------------------------------------------
+
+
+def _free_twists(
+    whole: LimbwiseEquations, reduced: OutputEquations | None, ranks: Ranks, kinds: tuple[str, ...], tolerance: float
+) -> np.ndarray:
+    """Twists (n, r) with the actuated joints held, or with all joints free where a constraint is lost; none where no such motion
+    is told."""
+    if "type 2" in kinds or ("constraint" not in kinds and ranks.motions > ranks.inputs):
+        return small_null_space(whole.twist, tolerance) if reduced is None else output_twists(whole, reduced, tolerance)
+    return small_null_space(whole.constraints, tolerance) if "constraint" in kinds else whole.twist[:0]
+
+
+def _borne_wrenches(feasible: np.ndarray, reduced: OutputEquations | None, tolerance: float) -> np.ndarray:
+    """Wrenches (n, r), as work on twists, that do no work on any feasible twist (or on the output's part of it): the platform
+    bears them without the actuated joints."""
+    if reduced is None:
+        return small_null_space(feasible, tolerance)
+    return np.asarray(small_null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows)
+
+
+def _twists(solution: Solution, equations: LimbwiseEquations, rows: np.ndarray) -> tuple[NamedScrew, ...]:
+    return tuple(named_twist(solution, row) for row in tidy_rows(rows @ equations.motion.T))
+
+
+def _row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
+    """Orthonormal rows of the same span, singular values below `tolerance` taken as zero."""
+    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    return np.asarray(right[singular > tolerance])
+
+
+# --- notes -----------------------------------------------------------------------------------------------------------
+
+_PERMANENT = {
+    "type 1": "freedoms of the actuated joints with the platform at rest",
+    "type 2": "freedoms that are not actuated",
+    "passive": "freedoms of passive joints alone",
+}
+"""What a mechanism has of each kind at every configuration."""
+
+
+def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None) -> tuple[str, ...]:
+    """Sentences on what is not looked for or counted, and where the freedoms differ from those elsewhere."""
+    mechanism, full = closure.mechanism, sum(c.freedom for c in closure.role("pose"))
+    notes = []
+    if mechanism.motion != "spatial":
+        notes.append(f"the platform's motion is declared {mechanism.motion}: constraint singularities are not looked for")
+    if output is None and generic.outputs < full:
+        few = _of_short_arm(len(mechanism.actuated), generic.outputs, full) if mechanism.serial else None
+        notes.append(few or _of_few_freedoms(generic.outputs, full))
+    if generic.inputs < len(mechanism.actuated):
+        notes.append(f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent")
+    notes += [f"{_PERMANENT[kind]}, everywhere: {count}" for kind, count in generic.permanent_freedoms.items()]
+    if ranks.freedoms != generic.freedoms:
+        notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
+    return tuple(notes)
+
+
+def _of_short_arm(joints: int, freedoms: int, full: int) -> str:
+    return (
+        f"with {joints} joint{'' if joints == 1 else 's'} the tool has {freedoms} of {full} freedoms: type 1 means that joints move "
+        "while position and orientation of the tool both stand; where only its position loses a direction, as a stretched arm's "
+        "may, is not named without an output, such as --output x,y,z"
+    )
+
+
+def _of_few_freedoms(freedoms: int, full: int) -> str:
+    return (
+        f"the platform has {freedoms} of {full} freedoms; type 1 and type 2 are about its position and orientation together: joints that "
+        "turn it about a point at rest are no type 1; for a point or some coordinates name the output, such as --output x,y"
+    )

@@ -1,0 +1,143 @@
+"""Find singularity loci over a plane of two coordinates: curves of true zeros, met from random configurations and traced.
+
+Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions in which the number of
+real assembly modes is constant, and have cusps where three modes meet. Seeds: random configurations over the plane are
+closed, lifted by null vectors of small singular values (`locus_system`) and brought onto the curve by
+Levenberg-Marquardt; then the curve is traced (`curve`). A closed curve that no seed reaches is missed: `starts` says how
+many random configurations there were, `hits` how many of them led to each curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.position.pose_conditions import condition_sentence
+from symkin.position.solution import Solution
+from symkin.quiet import without_float_warnings
+from symkin.singularities.loci import LOST_OVER_PLANE, MISSING, NONE_MET, Loci
+from symkin.singularities.locus import Locus, make_locus, merged
+from symkin.singularities.locus_search import seeds_of, traced_curves
+from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
+from symkin.singularities.motion_ranks import generic_ranks
+
+DEFAULT_STARTS = 200
+MOST_STARTS = 100_000
+_FEW_HITS = 2
+"""Where some curve was met by no more starts than this, another may have been met by none."""
+
+
+@without_float_warnings
+def singular_loci(
+    solution: Solution,
+    plane: Sequence[str],
+    *,
+    ranges: Sequence[Sequence[float]] | None = None,
+    kinds: Sequence[LocusKind] = ("type 1", "type 2"),
+    starts: int = DEFAULT_STARTS,
+    seed: int = 0,
+) -> Loci:
+    """Curves of singular configurations over two coordinates, all other pose coordinates (or actuated joints) as in
+    `solution`, whose working mode is the one that `in_mode` names.
+
+    `plane` names two actuated joints or two pose coordinates, those that `symkin.sweep` takes with the same meaning: x, y, z,
+    gamma (about z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`);
+    `ranges` are two pairs in the mechanism's units, by default half the size or half a turn to both sides. Raises InputError.
+    """
+    chosen = plane_of(solution, plane)
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
+    if not 1 <= starts <= MOST_STARTS:
+        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
+    if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
+        raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
+    if chosen.of_pose:
+        _check_pose(chosen)
+    window = _window(chosen, ranges)
+    curves: list[Locus] = []
+    notes: list[str] = []
+    for system in locus_systems(chosen, kinds):
+        found, said = _curves(system, window, starts, np.random.default_rng(seed))
+        curves.extend(found)
+        notes.extend(said)
+    outside = tuple(
+        (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
+        for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
+    )
+    found_sides = np.ptp(np.array(outside), axis=1)
+    kept = merged(curves, found_sides)
+    if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
+        notes.append(MISSING)
+    if not kept and not any(note.endswith(LOST_OVER_PLANE) for note in notes):
+        notes.append(NONE_MET)
+    return Loci(chosen, (outside[0], outside[1]), kept, starts, seed, tuple(dict.fromkeys(notes)))
+
+
+def _check_pose(plane: Plane) -> None:
+    """Every pose near the configuration must be one that the mechanism takes."""
+    freedoms = generic_ranks(plane.mechanism).outputs
+    wanted = sum(c.freedom for c in plane.closure.role("pose"))
+    if freedoms < wanted:
+        sentence = condition_sentence(plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted)
+        raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
+
+
+def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
+    """Sides (2, 2) in inside units."""
+    if ranges is None:
+        half = [np.pi if c.is_angular else 0.5 * plane.closure.size for c in plane.coordinates]
+        sides = np.array([[m - h, m + h] for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)])
+    else:
+        sides = np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == 2 else np.zeros((0, 2))
+        if len(sides) != 2:
+            raise InputError(f"ranges: {len(ranges)} given, two are needed, one for each of {', '.join(plane.names)}")
+    for k, c in enumerate(plane.coordinates):
+        if c.least is not None:
+            sides[k, 0] = max(sides[k, 0], c.least) + 0.0
+            if not sides[k, 0] < sides[k, 1]:
+                raise InputError(
+                    f"range of {plane.names[k]} ends at {sides[k, 1]:g} {plane.mechanism.length_unit}; allowed: above "
+                    f"{c.least + 0.0:g}, where the rod has no length"
+                )
+    return sides
+
+
+def _side(plane: Plane, k: int, given: Sequence[float]) -> tuple[float, float]:
+    low, high = (float(v) for v in given) if len(given) == 2 else (0.0, 0.0)
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise InputError(f"range of {plane.names[k]} = {list(given)}; two numbers are needed, the lower one first")
+    if plane.coordinates[k].is_angular:
+        return plane.mechanism.angle_in(low), plane.mechanism.angle_in(high)
+    return low, high
+
+
+# --- curves ----------------------------------------------------------------------------------------------
+
+
+def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> tuple[list[Locus], list[str]]:
+    """Distinct curves through the seeds, and what to say of the search."""
+    found = seeds_of(system, window, starts, rng)
+    if not found.closed:
+        return [], [f"{system.name}: none of {starts} starts closes over the window"]
+    notes = _permanent_motions(system)
+    if found.lost_everywhere:
+        return [], [*notes, f"{system.name}: {LOST_OVER_PLANE}"]
+    traced, isolated = traced_curves(system, found, window)
+    if isolated:
+        notes.append(
+            f"{system.name}: {isolated} starts ended on no curve (crossings, isolated points, or sets of more than one dimension)"
+        )
+    return [make_locus(t.system, t.curve, t.cusps, t.in_mode, len(t.starts)) for t in traced], notes
+
+
+def _permanent_motions(system: LocusSystem) -> list[str]:
+    """What moves at every configuration: curves are where more does."""
+    count = system.loss.free_motions
+    if not count:
+        return []
+    motions = f"{count} freedom{'' if count == 1 else 's'} everywhere; curves are where there are more"
+    if system.kind == "type 1":
+        return [f"{system.name}: its joints move with the platform at rest in {motions}"]
+    return [f"{system.name}: the mechanism moves with the actuated joints held in {motions}"]

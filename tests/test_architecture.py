@@ -1,0 +1,149 @@
+"""The house stays as docs/architecture.md draws it: imports run down its layers and in no circle, functions take few parameters,
+and every path and function that the page names exists."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "symkin"
+PAGE = ROOT / "docs" / "architecture.md"
+MOST_PARAMETERS = 8
+COMMANDS = "symkin.cli"
+"""Typer makes an option of each parameter of a command: these functions have as many as the command line has options."""
+
+
+@lru_cache(maxsize=1)
+def modules() -> dict[str, ast.Module]:
+    """Every module of the package, parsed, by its dotted name."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+@lru_cache(maxsize=1)
+def imports() -> dict[str, set[str]]:
+    """Modules that each module imports: at its top, within functions and for type checkers alike."""
+    return {name: set(_imported(tree)) - {name} for name, tree in modules().items()}
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in modules())
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            below = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (name for name in below if name in modules())
+            if node.module in modules() and any(name not in modules() for name in below):
+                yield node.module
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "import_module" and node.args:
+            yield from (v for v in [getattr(node.args[0], "value", None)] if v in modules())
+
+
+def layers() -> list[list[str]]:
+    """Packages of each line of the page's table of layers, the lowest first; the public names and commands are above them."""
+    (table,) = re.findall(r"^```layers\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+    return [line.split(":")[0].split() for line in table.splitlines()]
+
+
+def layer_of(module: str) -> int:
+    """The number of a module's layer: 0 for modules that stand alone in symkin/, the last for symkin itself."""
+    parts = module.split(".")
+    if len(parts) == 1 or parts[1] == "__main__":
+        return len(layers())
+    packages = [name for line in layers()[1:] for name in line]
+    return next((k for k, line in enumerate(layers()) if k and parts[1] in line), 0) if parts[1] in packages else 0
+
+
+def test_the_page_lists_every_package_once() -> None:
+    listed = sorted(name for line in layers()[1:] for name in line)
+    assert listed == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+
+
+@pytest.mark.parametrize("module", sorted(modules()))
+def test_imports_run_down_the_layers(module: str) -> None:
+    """No module imports one of a layer above its own, deferred imports and those for type checkers included."""
+    up = [other for other in imports()[module] if layer_of(other) > layer_of(module)]
+    assert not up
+
+
+def test_no_two_modules_import_each_other() -> None:
+    """Nor do three or more in a ring."""
+    left = {name: set(others) for name, others in imports().items()}
+    while free := [name for name, others in left.items() if not others]:
+        left = {name: others - set(free) for name, others in left.items() if name not in free}
+    rings = {name: sorted(others) for name, others in left.items() if any(name in left.get(o, ()) for o in others)}
+    assert not left, f"circular imports: {rings or sorted(left)}"
+
+
+def functions(tree: ast.Module) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    return (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
+
+
+def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> list[str]:
+    a = function.args
+    given = [*a.posonlyargs, *a.args, *a.kwonlyargs, *(arg for arg in (a.vararg, a.kwarg) if arg is not None)]
+    return [arg.arg for arg in given if arg.arg not in ("self", "cls")]
+
+
+@pytest.mark.parametrize("module", sorted(modules()))
+def test_functions_take_few_parameters(module: str) -> None:
+    """At most eight; commands of Typer are excepted, whose options are their parameters."""
+    if module.startswith(COMMANDS):
+        return
+    many = [f"{f.name}: {len(parameters(f))}" for f in functions(modules()[module]) if len(parameters(f)) > MOST_PARAMETERS]
+    assert not many
+
+
+# --- the page ------------------------------------------------------------------------------------------------------
+
+
+def named_paths() -> list[str]:
+    """Paths in backticks on the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    return sorted(set(re.findall(r"`([\w.-]+(?:/[\w.-]+)*/?)`", text)) & set(_paths(text)))
+
+
+def _paths(text: str) -> Iterator[str]:
+    return (name for name in re.findall(r"`([\w./-]+)`", text) if "/" in name or re.search(r"\.(py|md|toml|yaml|npz)$", name))
+
+
+@pytest.mark.parametrize("path", named_paths())
+def test_paths_on_the_page_exist(path: str) -> None:
+    assert any((folder / path).exists() for folder in (ROOT, PACKAGE))
+
+
+def named_functions() -> list[tuple[str, str]]:
+    """Pairs `file.py`: `function` on the page."""
+    return re.findall(r"`([\w/]+\.py)`: `([\w.]+)`", PAGE.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(("path", "name"), named_functions())
+def test_functions_on_the_page_exist(path: str, name: str) -> None:
+    tree = ast.parse((PACKAGE / path).read_text(encoding="utf-8"))
+    defined = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+    assigned = {t.id for n in ast.walk(tree) if isinstance(n, ast.Assign | ast.AnnAssign) for t in _targets(n)}
+    assert set(name.split(".")) <= defined | assigned
+
+
+def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return [t for t in targets if isinstance(t, ast.Name)]
+
+
+def test_the_way_of_the_data_has_at_most_eight_steps() -> None:
+    """Numbered from 1, each with a file and a function."""
+    text = PAGE.read_text(encoding="utf-8").split("## From a file to the printed table")[1].split("\n## ")[0]
+    steps = re.findall(r"^(\d)\. .*$", text, re.M)
+    assert 1 <= len(steps) <= 8
+    assert all(int(b) - int(a) == 1 for a, b in pairwise(steps))
+    assert all(re.search(r"`[\w/]+\.py`: `\w+`", line) for line in re.findall(r"^\d\. .*(?:\n   .*)*", text, re.M))
