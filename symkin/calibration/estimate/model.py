@@ -56,6 +56,7 @@ class Evaluation:
         derivative dh/dp (n, K, P) with the configurations following, and what an overconstrained closure leaves of F and
         dF/dp."""
         if self.rows_z.shape[1] == self.rows_z.shape[2]:
+            # A = h_z F_z^-1 from the transposed system: K right sides in place of P
             weights = solve_systems(self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
             return self.readings - (weights @ self.rows[:, :, None])[:, :, 0], self.readings_p - weights @ self.rows_p, None
         follow = self.following

@@ -128,6 +128,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         for _ in range(2):  # the second time takes away what rounding left
             made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
         columns[rows], residuals[rows] = made, r
+    # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
     flat_columns = columns.reshape(count, -1)
     if len(known):
