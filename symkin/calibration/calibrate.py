@@ -75,7 +75,7 @@ class CalibrationKeywords(TypedDict, total=False):
 class CalibrationOptions:
     """`parameters` are names (default: all that the closure uses; see `parameter_names` for factors of readings and
     measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
-    `joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
+    `joint_frames`); whatever else no reading determines is held by the least change from nominal. `tolerance` is the standard deviation
     to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
     "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
     or "cauchy" (see `robust`); `outliers`: "remove", "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for
@@ -211,7 +211,7 @@ class _Fitting:
 
     def _improved(self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, result: Estimate) -> Estimate:
         """The estimate by another method where one does not converge, continued where it nearly has, by descent alone where that
-        leads lower, with the least change along what no reading tells, and with the robust loss that is asked for."""
+        leads lower, with the least change along what no reading determines, and with the robust loss that is asked for."""
         method, limit = self.options.method, self.options.max_iterations
         if result.status != "ok" and method in _OTHER_METHOD:
             other = self._estimate(part, solved, p, _OTHER_METHOD[method])

@@ -127,7 +127,7 @@ class PlanOptions:
 def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, **options: Unpack[PlanKeywords]) -> Plan:
     """Choose `configurations` of a workspace to be measured, for the noise and the `options` given (see `PlanOptions`).
 
-    Raises InputError for counts that cannot be, and where readings tell nothing of the geometry."""
+    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry."""
     chosen = PlanOptions(**options)
     chosen.check(configurations)
     task = _Task(workspace, configurations, noise, chosen)
@@ -220,7 +220,7 @@ class _Task:
         """Keep the directions of parameter space that all candidates together determine."""
         self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
         if self.directions.shape[1] == 0:
-            raise InputError(f"{self.mechanism.name}: these readings tell nothing of the geometry; name other readings")
+            raise InputError(f"{self.mechanism.name}: these readings determine nothing of the geometry; name other readings")
 
     def reduced(self, slopes: Candidates) -> Candidates:
         return Candidates(slopes.rows @ self.directions, slopes.group, slopes.wedge)

@@ -1,6 +1,6 @@
 """Descend from where the solver ended to a minimum over all directions that the readings determine there.
 
-The solver holds what no reading tells where it begins. Some of it is told later: the offset between axes
+The solver holds what no reading determines where it begins. Some of it is determined later: the offset between axes
 that are parallel at nominal and not at the fit, of which a hundred metres may be needed. From where the solver ends the descent
 goes on with the directions that are null where it stands, judged anew at every step: Levenberg-Marquardt with geodesic
 acceleration (Transtrum and Sethna 2012), damped in the metric of the columns' lengths, along valleys as curved as these.
@@ -44,8 +44,8 @@ _MIN_COLUMN_LENGTH = 1e-3
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.1875
 """Share of a step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-8, 20
-"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that
-readings tell to second order only lets the linear model promise more for ever."""
+"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that readings determine to second order only lets the linear model
+promise more at every step."""
 
 
 def undetermined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:

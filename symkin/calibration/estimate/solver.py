@@ -3,7 +3,7 @@
 Steps solve the small problem of the parameters (see `state`) by QR of columns that count lengths alike (see `model`). "nested"
 solves the direct problem of every configuration before a step is judged; "lifted" treats the poses as unknowns and lets closure and
 readings converge together. Rows that the unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step
-keeps C dp = -c. Along directions that no reading tells, parameters are moved nearest to nominal afterwards.
+keeps C dp = -c. Along directions that no reading determines, parameters are moved nearest to nominal afterwards.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _STEPS_AFTER_REFUSAL = 3
 """Steps during which the damping stays after less of it was refused: trying again costs an evaluation each time."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-7, 4
 """The iteration ends, too, when so many damped steps in a row each lower the cost by less than this share, far below its chance
-fluctuation: a parameter that readings tell to second order only lets the linear model promise more for ever."""
+fluctuation: a parameter that readings determine to second order only lets the linear model promise more at every step."""
 _MAX_DESCENT_STEPS = 600
 """Most steps of the descent from where the iteration ended."""
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.4

@@ -1,4 +1,4 @@
-"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels, another Euler sequence.
+"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels (another Euler sequence: see `euler_sequence`).
 
 `RULES` is the table of the mistakes that are looked for. The readings alone show some; for the others the readings are put right and the
 direct problems solved again at the nominal geometry, and a mistake is named when the readings then agree with it many times better.

@@ -1,5 +1,7 @@
-"""Diagnose wrong labels of groups by the inclinations at the nominal geometry: configurations in a wrong group, two groups under one
-label, labels that have nothing to do with the inclinations."""
+"""Diagnose wrong labels of groups by the inclinations at the nominal geometry.
+
+A configuration may stand in a wrong group, two groups under one label, or the labels have nothing to do with the inclinations.
+"""
 
 from __future__ import annotations
 

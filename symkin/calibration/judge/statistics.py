@@ -7,7 +7,7 @@ are parameters. In the linear range |e|^2 has the chi-square distribution with a
 left, whichever form of the residuals was minimised.
 
 Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
-combination of parameters that the readings tell least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
+combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
 the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure of its error
 (curvature by the parameters, Bates and Watts 1980).
 """
