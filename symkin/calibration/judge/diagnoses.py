@@ -20,8 +20,7 @@ from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import has_home, with_starts
-from symkin.calibration.judge.column_order import best_column_order, is_possible, like_pairs, sign_change, swapped
-from symkin.calibration.judge.group_labels import diagnose_groups
+from symkin.calibration.judge.assignments import best_column_order, diagnose_groups, is_possible, like_pairs, sign_change, swapped
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
