@@ -40,7 +40,6 @@ __all__ = [
     "METHODS",
     "OUTLIER_RULES",
     "Calibration",
-    "CalibrationKeywords",
     "CalibrationOptions",
     "Parameter",
     "Residual",
@@ -56,30 +55,35 @@ deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
-class CalibrationKeywords(TypedDict, total=False):
-    """Keywords of `calibrate`; see `CalibrationOptions`."""
+class CalibrationOptions(TypedDict, total=False):
+    """What `calibrate` takes beside mechanism and measurements; the values in brackets stand where nothing is given."""
 
     parameters: Sequence[str] | None
+    """Names of parameters to identify (see `parameter_names`, for factors of readings and measuring frames too). [all that matter]"""
     fixed: Sequence[str]
+    """Those among them that keep their nominal values, which is one way to choose frames (see `joint_frames`). [none]"""
     residual: str
+    """"means", "differences" or "maximum likelihood" (see `residuals`). ["means"]"""
     tolerance: tuple[float, float] | None
+    """Standard deviations to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a
+    posteriori. [none]"""
     method: str
+    """"nested", "lifted" or "ipopt". ["nested"]"""
     loss: str
+    """"squared", "huber" or "cauchy" (see `robust`). ["squared"]"""
     outliers: str
+    """"remove", "report" or "ignore". ["remove"]"""
     level: float | None
+    """Share of clean data sets in which a reading may be called an outlier. [0.02]"""
     max_iterations: int
+    """Most steps of an iteration. [60]"""
     seed: int
+    """Seed of random starts of direct problems. [0]"""
 
 
 @dataclass(frozen=True)
-class CalibrationOptions:
-    """`parameters` are names (default: all that the closure uses; see `parameter_names` for factors of readings and
-    measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
-    `joint_frames`); whatever else no reading determines is held by the least change from nominal. `tolerance` is the standard deviation
-    to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
-    "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
-    or "cauchy" (see `robust`); `outliers`: "remove", "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for
-    random starts of direct problems."""
+class _Options:
+    """The options of one call of `calibrate`, with their defaults."""
 
     parameters: Sequence[str] | None = None
     fixed: Sequence[str] = ()
@@ -119,12 +123,32 @@ class CalibrationOptions:
 
 
 @without_float_warnings
-def calibrate(mechanism: Mechanism, measurements: Measurements, **keywords: Unpack[CalibrationKeywords]) -> Calibration:
-    """Identify a mechanism's geometry from measurements; the keywords are those of `CalibrationOptions`.
+def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrationOptions]) -> Calibration:
+    """Identify a mechanism's geometry from measurements.
+
+    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights W from
+    the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at the joint
+    readings q_i. What no reading determines is held by the least change from nominal. `options` are those of `CalibrationOptions`:
+    parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
+
+        >>> import numpy as np
+        >>> import symkin
+        >>> from symkin.calibration.design.simulation import Noise, random_configurations, simulate_readings
+        >>> from symkin.calibration.estimate.workspace import Workspace
+        >>> arm, noise, rng = symkin.load("gluon_6l3"), Noise(position=0.01), np.random.default_rng(0)
+        >>> ungrouped = np.full(20, -1)
+        >>> taken = random_configurations(Workspace.about(arm), ungrouped, noise, rng)
+        >>> readings = simulate_readings(arm, taken, ungrouped, ["position"], noise, rng)
+        >>> fit = symkin.calibrate(arm, readings, parameters=["dh.2.a", "dh.4.d"])
+        >>> fit.believable, fit.rank
+        (True, 2)
     """
-    options = CalibrationOptions(**keywords)
+    return _calibrate(mechanism, measurements, _Options(**options))
+
+
+def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Options) -> Calibration:
     begin = time.perf_counter()
     measurements.check(mechanism)
     _check_residual_form(options.residual, measurements)
@@ -158,9 +182,7 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 # --- fitting -------------------------------------------------------------------------------------------------------
 
 
-def _fit_measurements(
-    mechanism: Mechanism, measurements: Measurements, options: CalibrationOptions, near: StartValues | None
-) -> Fit:
+def _fit_measurements(mechanism: Mechanism, measurements: Measurements, options: _Options, near: StartValues | None) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
     if read.all() or not read.any():
@@ -175,7 +197,7 @@ class _Fitting:
     """The fit of one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
     estimate."""
 
-    def __init__(self, options: CalibrationOptions, problem: CalibrationProblem) -> None:
+    def __init__(self, options: _Options, problem: CalibrationProblem) -> None:
         self.options, self.problem = options, problem
         self.notes: list[str] = []
 

@@ -84,23 +84,28 @@ def corner_wedges(tilt: float) -> np.ndarray:
     return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2)) if tilt > 0 else np.zeros((1, 2))
 
 
-class PlanKeywords(TypedDict, total=False):
-    """Keywords of `plan_measurements`; see `PlanOptions`."""
+class PlanOptions(TypedDict, total=False):
+    """What `plan_measurements` takes beside workspace, count and noise; the values in brackets stand where nothing is given."""
 
     groups: int
+    """Most groups of equal inclination, 0 for none. [5]"""
     readings: Sequence[str]
+    """What is read beside the joints (see `READING_CHOICES`). [nothing but groups]"""
     wedges: np.ndarray | None
+    """Inclinations (W, 2) that groups may have, radians. [level, edges and corners of the workspace's tilt]"""
     criterion: Criterion
+    """"D", "A" or "I" (see `exchange_algorithm`). ["I"]"""
     parameters: Sequence[str] | None
+    """Names of the parameters to identify. [all that matter]"""
     aligned: bool
+    """Whether poses are judged after the best alignment of constant base and tool frames. [True]"""
     seed: int
+    """Seed of the random candidates. [0]"""
 
 
 @dataclass(frozen=True, eq=False)
-class PlanOptions:
-    """Most groups of equal inclination (0: none), what is read beside the joints, inclinations (W, 2) that groups may have (radians;
-    default: level, edges and corners of the workspace's tilt), the criterion, names of parameters (default: all), whether poses are
-    judged after the best alignment of constant base and tool frames, and the seed of random candidates."""
+class _Options:
+    """The options of one call of `plan_measurements`, with their defaults."""
 
     groups: int = 5
     readings: Sequence[str] = ()
@@ -124,11 +129,15 @@ class PlanOptions:
             refuse_ignored({"wedges": self.wedges}, "there are no groups that stand on them", "ask for groups")
 
 
-def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, **options: Unpack[PlanKeywords]) -> Plan:
-    """Choose `configurations` of a workspace to be measured, for the noise and the `options` given (see `PlanOptions`).
+def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, **options: Unpack[PlanOptions]) -> Plan:
+    """Choose `configurations` of a workspace to be measured, for the noise of the readings.
+
+    With M = sum a^T a over the rows a of all readings, in standard deviations, C = M^-1 is the covariance of the parameters; the
+    configurations make a criterion of C least (Fedorov 1972; see `exchange_algorithm`). `options` are those of `PlanOptions`: groups,
+    readings, wedges, criterion, parameters, aligned, seed. Lengths are in the length unit, angles in radians.
 
     Raises InputError for counts that cannot be, and where readings determine nothing of the geometry."""
-    chosen = PlanOptions(**options)
+    chosen = _Options(**options)
     chosen.check(configurations)
     task = _Task(workspace, configurations, noise, chosen)
     pool = task.chosen_candidates()
@@ -157,7 +166,7 @@ class _Pool:
 class _Task:
     """What stays the same while configurations are chosen: readings, noise, parameters, test poses, the observable directions."""
 
-    def __init__(self, workspace: Workspace, count: int, noise: Noise, options: PlanOptions) -> None:
+    def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
         self.names = default_parameters(self.mechanism) if options.parameters is None else tuple(options.parameters)
