@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.certificate.disc_arithmetic import TINY, UNIT, UP, modulus
+from symkin.certificate.disc_arithmetic import LARGEST, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
@@ -29,6 +29,8 @@ _MOST_UNKNOWNS = 64
 """Up to which the rounding of sums is allowed for."""
 _WORTH_NUMPY = 250
 """Points from which on the test in NumPy takes less time than balls."""
+_FLOOR = 2.0**-600
+"""Allowance for underflow in sums, with entries of the inverse below 2^400."""
 _MANY = 1.0 + 2.0**-44
 """Outweighs the roundings of sums of numbers that are not negative, for that many unknowns."""
 
@@ -120,12 +122,14 @@ def _test_in_numpy(
     centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
     f = function.evaluate(0, Discs.exact(centre), prepared, instance)
     step = modulus(np.einsum("nij,nj->ni", inverse[:, :, :rows], f.middle))
-    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + TINY) * _MANY
+    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + _FLOOR) * _MANY
     off = np.sum(modulus(np.einsum("nij,njk->nik", inverse, middle) - np.eye(width)), axis=2)
-    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + TINY) * _MANY
+    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + _FLOOR) * _MANY
     half = np.max(s / (0.98 - 1.5 * e), axis=1) * (1.0 + 2.0**-40)
     away = modulus(centre - points) + 1.5 * half[:, None]
-    inside = (e < 0.6) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+    inside = (
+        (e < 0.6) & (weights.max(axis=2) < LARGEST) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+    )
     return centre, np.where(inside.all(axis=1), half, np.inf)
 
 
