@@ -30,13 +30,13 @@ Solver = str | Newton | LeastSquares | None
 
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Sequence[float] | None = None, pose: Sequence[float] | Pose | None = None,
+    mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
     method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
     progress: Progress | None = None,
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Sequence[Sequence[float]] | None = None, pose: Sequence[Sequence[float] | Pose] | None = None,
+    mechanism: Mechanism, *, joints: Sequence[Joints] | None = None, pose: Sequence[Sequence[float] | Pose] | None = None,
     method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
     progress: Progress | None = None,
 ) -> tuple[Modes, ...]: ...  # fmt: skip

@@ -138,13 +138,16 @@ class CertificateBatch:
         proved = np.flatnonzero(self.real == "real")
         return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[:, 0]
 
-    def find(self, points: np.ndarray, instance: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def find(
+        self, points: np.ndarray, instance: np.ndarray | None = None, expected: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The certified real roots at real points (width, p) of instances (p,), ascending: their indices, -1 where there is
-        none, and `radius` about these points, NaN where there is none."""
+        none, and `radius` about these points, NaN where there is none. `expected` (p,) are the indices of the roots that the
+        points come from, where they are known."""
         count = points.shape[1]
         instance = np.zeros(count, dtype=int) if instance is None else np.asarray(instance)
         index, radius = np.full(count, -1), np.full(count, np.nan)
-        nearest = self._nearest(points, instance)
+        nearest = self._nearest(points, instance) if expected is None else np.where(self.real[expected] == "real", expected, -1)
         some = np.flatnonzero(nearest >= 0)
         if not some.size:
             return index, radius

@@ -12,15 +12,12 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
-ACCEPTED = 1e-9
-"""A configuration is a solution when no closure error exceeds this times the size."""
-SINGULAR = 1e8
-"""Condition above which a solution is called singular."""
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 
 
@@ -158,7 +155,7 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
         condition,
         None if inside is None else bool(inside[0]),
         hits,
-        notes=notes if condition < SINGULAR else (*notes, SINGULAR_NOTE),
+        notes=notes if condition < SINGULAR_CONDITION else (*notes, SINGULAR_NOTE),
     )
 
 

@@ -12,6 +12,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
@@ -23,7 +24,7 @@ from symkin.position.moved_starts import (
 )
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import ACCEPTED, Solution, make_solution, pose_of
+from symkin.position.solution import Solution, make_solution, pose_of
 from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
@@ -196,7 +197,7 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= ACCEPTED * system.size:
+    if left <= CLOSURE_TOLERANCE * system.size:
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
@@ -213,7 +214,7 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
     system = problem.system
     z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
-    return (solution, solution.residual) if solution.residual <= ACCEPTED * system.size else (None, solution.residual)
+    return (solution, solution.residual) if solution.residual <= CLOSURE_TOLERANCE * system.size else (None, solution.residual)
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:

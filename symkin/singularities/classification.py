@@ -23,12 +23,13 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.given import Joints
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import Output, OutputEquations, make_output, output_equations, output_twists
@@ -91,7 +92,7 @@ def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | 
     kinds = _kinds(closure, ranks, generic, conditions)
     feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]
     wrenches = _borne_wrenches(feasible, reduced, tolerance) if "IO" in conditions else feasible[:0]
-    inputs = small_null_space(equations.rates, tolerance) if "type 1" in kinds else equations.rates[:0]
+    inputs = null_space(equations.rates, tolerance) if "type 1" in kinds else equations.rates[:0]
     return Singularity(
         solution=solution,
         equations=equations,
@@ -158,16 +159,16 @@ def _free_twists(
     """Twists (n, r) with the actuated joints held, or with all joints free where a constraint is lost; none where no such motion
     is told."""
     if "type 2" in kinds or ("constraint" not in kinds and ranks.motions > ranks.inputs):
-        return small_null_space(whole.twist, tolerance) if reduced is None else output_twists(whole, reduced, tolerance)
-    return small_null_space(whole.constraints, tolerance) if "constraint" in kinds else whole.twist[:0]
+        return null_space(whole.twist, tolerance) if reduced is None else output_twists(whole, reduced, tolerance)
+    return null_space(whole.constraints, tolerance) if "constraint" in kinds else whole.twist[:0]
 
 
 def _borne_wrenches(feasible: np.ndarray, reduced: OutputEquations | None, tolerance: float) -> np.ndarray:
     """Wrenches (n, r), as work on twists, that do no work on any feasible twist (or on the output's part of it): the platform
     bears them without the actuated joints."""
     if reduced is None:
-        return small_null_space(feasible, tolerance)
-    return np.asarray(small_null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows)
+        return null_space(feasible, tolerance)
+    return np.asarray(null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows)
 
 
 def _twists(solution: Solution, equations: LimbwiseEquations, rows: np.ndarray) -> tuple[NamedScrew, ...]:

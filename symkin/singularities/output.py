@@ -18,8 +18,9 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
+from symkin.numeric.linear_algebra import null_space
 from symkin.position.solution import pose_of
-from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated, small_null_space
+from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated
 
 OUTPUT_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 """Velocity of the point and angular velocity, components in the base frame."""
@@ -99,7 +100,7 @@ def output_equations(
 
 def output_twists(equations: LimbwiseEquations, reduced: OutputEquations, tolerance: float) -> np.ndarray:
     """Twists (n, r) with the actuated joints held that move the output."""
-    return reduced.moving(small_null_space(equations.twist, tolerance))
+    return reduced.moving(null_space(equations.twist, tolerance))
 
 
 def _about_point(closure: Closure, values: np.ndarray, output: Output) -> np.ndarray:

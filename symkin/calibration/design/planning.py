@@ -27,7 +27,7 @@ from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes, unk
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""

@@ -35,7 +35,7 @@ from symkin.calibration.estimate.state import (
     joint_covariance_at,
     spectrum,
 )
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 if TYPE_CHECKING:
     pass
