@@ -51,20 +51,22 @@ class Enclosures:
 
 def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray) -> Enclosures:
     """The test at points z (width, n) of instances (n,), of their real parts in real numbers where `real` (n,)."""
-    n = z.shape[1]
-    result = Enclosures(z.copy(), np.full(n, np.inf), real & knowns.discs.is_real)
+    n, is_real = z.shape[1], real & knowns.discs.is_real
     function = disc_function(system)
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
     if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
-        return result
-    prepared, reals = function.prepare(knowns.discs), int(np.count_nonzero(result.is_real))
-    for is_real, count in ((True, reals), (False, n - reals)):
-        if count:
-            among = slice(None) if count == n else result.is_real == is_real
-            points, ready = (z[:, among].real, prepared) if is_real else (z[:, among], prepared.as_complex())
-            centre, half = _enclose(function, system.projective, points, ready, instance[among])
-            result.centre[:, among], result.half_width[among] = centre, half
-    return result
+        return Enclosures(z.copy(), np.full(n, np.inf), is_real)
+    points, prepared, reals = np.ascontiguousarray(z.T), function.prepare(knowns.discs), int(np.count_nonzero(is_real))
+    if reals == 0:
+        centre, half = _enclose(function, system.projective, points, prepared.as_complex(), instance)
+    elif reals == n:
+        centre, half = _enclose(function, system.projective, points.real, prepared, instance)
+    else:
+        centre, half = np.empty_like(points), np.empty(n)
+        for among, ready in ((is_real, prepared), (~is_real, prepared.as_complex())):
+            chosen = points[among].real if ready is prepared else points[among]
+            centre[among], half[among] = _enclose(function, system.projective, chosen, ready, instance[among])
+    return Enclosures(centre.T.astype(complex), half, is_real)
 
 
 @lru_cache(maxsize=128)
@@ -77,20 +79,20 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
 
 
 def _enclose(
-    function: DiscFunction, ray: tuple[int, ...], z: np.ndarray, prepared: Discs, instance: np.ndarray
+    function: DiscFunction, ray: tuple[int, ...], points: np.ndarray, prepared: Discs, instance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (width, n) and half widths of points of one kind; trials about what the one before has come to."""
-    points = np.ascontiguousarray(z.T)
+    """Centres (n, width) and half widths for points of one kind; trials about what the one before has come to."""
+    points = np.ascontiguousarray(points)
     patch = np.zeros(points.shape, dtype=points.dtype)
     if ray:
-        patch[:, ray[0] : ray[-1] + 1] = np.conj(points[:, ray[0] : ray[-1] + 1])
+        patch[:, ray[0] : ray[-1] + 1] = points[:, ray[0] : ray[-1] + 1].conj()
     centre, half = _test(function, points, patch, prepared, instance, _WIDE[0])
     for wide in _WIDE[1:]:
         todo = ~np.isfinite(half)
         if not todo.any():
             break
         centre[todo], half[todo] = _test(function, centre[todo], patch[todo], prepared, instance[todo], wide)
-    return centre.T, half
+    return centre, half
 
 
 def _test(
