@@ -53,18 +53,29 @@ def main() -> int:
     options = arguments()
     if options.engine == "numpy":
         os.environ["SYMKIN_ENGINE"] = "numpy"
-    rng, counts, begin = np.random.default_rng(options.seed), dict[str, list[int]](), time.perf_counter()
+    counts: dict[str, list[int]] = {}
+    begin = time.perf_counter()
+    try:
+        judge(options, counts)
+    except KeyboardInterrupt:
+        print("interrupted; so far:")
+    everything = [sum(column) for column in zip(*counts.values(), strict=True)] or [0, 0, 0]
+    print(f"{'case':20}{'points':>10}{'certified':>11}{'failures':>10}")
+    for name, (tried, certified, failures) in [*counts.items(), ("all", everything)]:
+        print(f"{name:20}{tried:10d}{certified:11d}{failures:10d}")
+    print(f"{time.perf_counter() - begin:.0f} s")
+    return min(1, everything[2])
+
+
+def judge(options: argparse.Namespace, counts: dict[str, list[int]]) -> None:
+    """Fill, for each case, points, certified ones and failures."""
+    rng = np.random.default_rng(options.seed)
     for roots in families(rng, options.seed, options.cases.split(",")):
         if sum(tried for tried, *_ in counts.values()) >= options.points:
-            break
+            return
         counted = counts.setdefault(roots.name, [0, 0, 0])
         for i, value in enumerate(count_failures(roots, rng)):
             counted[i] += value
-    print(f"{'case':20}{'points':>10}{'certified':>11}{'failures':>10}")
-    for name, (tried, certified, failures) in [*counts.items(), ("all", [sum(c) for c in zip(*counts.values(), strict=True)])]:
-        print(f"{name:20}{tried:10d}{certified:11d}{failures:10d}")
-    print(f"{time.perf_counter() - begin:.0f} s")
-    return min(1, sum(failures for _, _, failures in counts.values()))
 
 
 def arguments() -> argparse.Namespace:

@@ -73,10 +73,8 @@ def in_phase(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
         x = z[ray]
         with np.errstate(all="ignore"):
             squares = x.real**2 + x.imag**2
-            largest = squares.argmax(axis=0)[None]
-            pivot = np.take_along_axis(x, largest, axis=0)[0]
-            sizes = np.take_along_axis(squares, largest, axis=0)[0] * squares.sum(axis=0)
-            z[ray] = x * (np.conj(pivot) / np.sqrt(sizes))
+            largest = (squares.argmax(axis=0), np.arange(x.shape[1]))
+            z[ray] = x * (x[largest].conj() / np.sqrt(squares[largest] * squares.sum(axis=0)))
     return z
 
 

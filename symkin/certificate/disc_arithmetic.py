@@ -18,7 +18,7 @@ TINY = 2.0**-1000
 """Allowance for underflow, whose errors are below 2^-1073."""
 UP = 1.0 + 2.0**-48
 """Outweighs 30 roundings of numbers that are not negative."""
-_SMALLEST, _LARGEST = 2.0**-400, 2.0**400
+_SMALLEST, LARGEST = 2.0**-400, 2.0**400
 """Sizes between which a square neither underflows nor overflows."""
 _MOST_RADIANS, _MOST_EXPONENT = 1e5, 300.0
 """Arguments up to which sine, cosine and exponential keep their bounds."""
@@ -81,9 +81,9 @@ def _subtract(x: Disc, y: Disc) -> Disc:
 
 
 def _multiply(x: Disc, y: Disc) -> Disc:
-    a, b = modulus(x[0]), modulus(y[0])
-    unit = 4.0 * UNIT if np.iscomplexobj(x[0]) else UNIT
-    return x[0] * y[0], (a * (y[1] + unit * b) + x[1] * (b + y[1]) + TINY) * UP
+    m, a, b = x[0] * y[0], modulus(x[0]), modulus(y[0])
+    rounding = 4.0 * UNIT * (a * b) if np.iscomplexobj(m) else UNIT * np.abs(m)
+    return m, (a * y[1] + x[1] * (b + y[1]) + rounding + TINY) * UP
 
 
 def _invert(x: Disc) -> Disc:
@@ -92,7 +92,7 @@ def _invert(x: Disc) -> Disc:
     room = size - r
     square = m.real * m.real + m.imag * m.imag
     middle = _joined(m.real / square, -m.imag / square) if np.iscomplexobj(m) else 1.0 / m
-    fine = (size > _SMALLEST) & (size < _LARGEST) & (room > 0.0)
+    fine = (size > _SMALLEST) & (size < LARGEST) & (room > 0.0)
     return middle, np.where(fine, (r / (size * room) + 8.0 * UNIT / size + TINY) * UP, np.inf)
 
 
@@ -110,11 +110,11 @@ def _root(x: Disc) -> Disc:
         middle, away = np.sqrt(m), m
         error = UNIT * middle
     room = away - r
-    fine = (away > _SMALLEST) & (modulus(m) < _LARGEST) & (room > 0.0)
+    fine = (away > _SMALLEST) & (modulus(m) < LARGEST) & (room > 0.0)
     return middle, np.where(fine, (0.5 * r / np.sqrt(room) + error + TINY) * UP, np.inf)
 
 
-def _turn(x: Disc) -> tuple[Disc, Disc]:
+def _sine_and_cosine(x: Disc) -> tuple[Disc, Disc]:
     """Sine and cosine."""
     m, r = x
     s, c = sine_and_cosine(m.real)
@@ -145,10 +145,10 @@ def _angle(y: Disc, x: Disc) -> Disc:
     if np.iscomplexobj(y[0]):
         return x[0], np.full(x[1].shape, np.inf)
     t = np.arctan2(y[0], x[0])
-    (s, error), (c, _) = _turn((t, np.zeros(t.shape)))
+    (s, error), (c, _) = _sine_and_cosine((t, np.zeros(t.shape)))
     across, along = np.abs(y[0] * c - x[0] * s), y[0] * s + x[0] * c
     total, size, spread = np.abs(x[0]) + np.abs(y[0]), np.maximum(np.abs(x[0]), np.abs(y[0])), x[1] + y[1]
-    fine = (size > _SMALLEST) & (total < _LARGEST) & (along > 0.25 * size) & (spread < 0.25 * size)
+    fine = (size > _SMALLEST) & (total < LARGEST) & (along > 0.25 * size) & (spread < 0.25 * size)
     return t, np.where(fine, (2.0 * (across + total * (error + 4.0 * UNIT) + spread) / size + TINY) * UP, np.inf)
 
 
@@ -197,6 +197,6 @@ _BINARY: dict[int, Callable[[Disc, Disc], Disc]] = {
 }  # fmt: skip
 _UNARY: dict[int, Callable[[Disc], Disc]] = {
     Op.SQUARE: lambda x: _multiply(x, x), Op.NEGATE: lambda x: (-x[0], x[1]), Op.TWICE: lambda x: (2.0 * x[0], 2.0 * x[1]),
-    Op.INVERT: _invert, Op.SINE: lambda x: _turn(x)[0], Op.COSINE: lambda x: _turn(x)[1], Op.ROOT: _root,
+    Op.INVERT: _invert, Op.SINE: lambda x: _sine_and_cosine(x)[0], Op.COSINE: lambda x: _sine_and_cosine(x)[1], Op.ROOT: _root,
     Op.EXPONENTIAL: _exponential,
 }  # fmt: skip

@@ -11,7 +11,6 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.certificate import disc_arithmetic
-from symkin.certificate.disc_arithmetic import TINY, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.tape import Code, Tape
 
@@ -33,12 +32,6 @@ class Discs:
 
     def as_complex(self) -> Discs:
         return Discs(self.middle.astype(complex), self.radius) if self.is_real else self
-
-    def divided(self, numbers: np.ndarray) -> Discs:
-        """The entries over doubles that are not zero."""
-        middle = self.middle / numbers
-        rounding = np.where(numbers == 1.0, 0.0, UNIT * modulus(middle) * 2.0 + TINY)
-        return Discs(middle, (self.radius / np.abs(numbers) + rounding) * UP)
 
     def beside(self, numbers: np.ndarray) -> Discs:
         """The entries, and further ones: doubles, the same in each row."""

@@ -39,21 +39,25 @@ def exact_known(problem: Problem, values: np.ndarray) -> tuple[Number, ...]:
 
 def knowns_of(problem: Problem, values: np.ndarray) -> Knowns:
     """Known values (m, known) of m instances, length unit and radians, as `exact_known` has them."""
-    size, function = problem.closure.size, _disc_distances(problem)
-    if function is not None:
-        joints = Discs.exact(np.asarray(values, dtype=float))
-        numbers = function.evaluate(0, joints, function.prepare(joints), np.arange(len(values)))
-        discs = numbers.divided(np.full(numbers.middle.shape[1], size))
-    else:
-        scale = coordinate_scale(problem, problem.known_coordinates)
-        discs = Discs.exact(np.asarray(values, dtype=float)).divided(scale)
+    function, divisors = _disc_known(problem)
+    given = Discs.exact(np.asarray(values, dtype=float))
+    discs = function.evaluate(0, given, divisors, np.zeros(len(values), dtype=np.intc))
     return Knowns(discs, lambda j: exact_known(problem, values[j]))
 
 
 @lru_cache(maxsize=128)
-def _disc_distances(problem: Problem) -> DiscFunction | None:
-    balls = _distances(problem)
-    return None if balls is None else DiscFunction(build_tape(balls.z, balls.k, balls.f, ("value",)))
+def _disc_known(problem: Problem) -> tuple[DiscFunction, Discs]:
+    """The algebraic system's known values as a function of the problem's and of what they are divided by; and this, prepared."""
+    balls, scale = _distances(problem), coordinate_scale(problem, problem.known_coordinates)
+    if balls is None:
+        joints, divisors = ca.SX.sym("q", len(scale)), ca.SX.sym("s", len(scale))
+        # by 1.0 nothing is divided, nor rounded
+        quotients = [joints[i] if s == 1.0 else joints[i] / divisors[i] for i, s in enumerate(scale.tolist())]
+        function = DiscFunction(build_tape(joints, divisors, ca.vertcat(*quotients), ("value",)))
+        return function, function.prepare(Discs.exact(scale[None]))
+    size = ca.SX.sym("s")
+    function = DiscFunction(build_tape(balls.z, size, balls.f / size, ("value",)))
+    return function, function.prepare(Discs.exact(np.array([[problem.closure.size]])))
 
 
 @lru_cache(maxsize=128)

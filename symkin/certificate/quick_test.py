@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.certificate.disc_arithmetic import TINY, UNIT, UP, modulus
+from symkin.certificate.disc_arithmetic import LARGEST, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
@@ -29,6 +29,8 @@ _MOST_UNKNOWNS = 64
 """Up to which the rounding of sums is allowed for."""
 _WORTH_NUMPY = 250
 """Points from which on the test in NumPy takes less time than balls."""
+_FLOOR = 2.0**-600
+"""Allowance for underflow in sums, with entries of the inverse below 2^400."""
 _MANY = 1.0 + 2.0**-44
 """Outweighs the roundings of sums of numbers that are not negative, for that many unknowns."""
 
@@ -49,20 +51,22 @@ class Enclosures:
 
 def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray) -> Enclosures:
     """The test at points z (width, n) of instances (n,), of their real parts in real numbers where `real` (n,)."""
-    n = z.shape[1]
-    result = Enclosures(z.copy(), np.full(n, np.inf), real & knowns.discs.is_real)
+    n, is_real = z.shape[1], real & knowns.discs.is_real
     function = disc_function(system)
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
     if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
-        return result
-    prepared, reals = function.prepare(knowns.discs), int(np.count_nonzero(result.is_real))
-    for is_real, count in ((True, reals), (False, n - reals)):
-        if count:
-            among = slice(None) if count == n else result.is_real == is_real
-            points, ready = (z[:, among].real, prepared) if is_real else (z[:, among], prepared.as_complex())
-            centre, half = _enclose(function, system.projective, points, ready, instance[among])
-            result.centre[:, among], result.half_width[among] = centre, half
-    return result
+        return Enclosures(z.copy(), np.full(n, np.inf), is_real)
+    points, prepared, reals = np.ascontiguousarray(z.T), function.prepare(knowns.discs), int(np.count_nonzero(is_real))
+    if reals == 0:
+        centre, half = _enclose(function, system.projective, points, prepared.as_complex(), instance)
+    elif reals == n:
+        centre, half = _enclose(function, system.projective, points.real, prepared, instance)
+    else:
+        centre, half = np.empty_like(points), np.empty(n)
+        for among, ready in ((is_real, prepared), (~is_real, prepared.as_complex())):
+            chosen = points[among].real if ready is prepared else points[among]
+            centre[among], half[among] = _enclose(function, system.projective, chosen, ready, instance[among])
+    return Enclosures(centre.T.astype(complex), half, is_real)
 
 
 @lru_cache(maxsize=128)
@@ -75,20 +79,20 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
 
 
 def _enclose(
-    function: DiscFunction, ray: tuple[int, ...], z: np.ndarray, prepared: Discs, instance: np.ndarray
+    function: DiscFunction, ray: tuple[int, ...], points: np.ndarray, prepared: Discs, instance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (width, n) and half widths of points of one kind; trials about what the one before has come to."""
-    points = np.ascontiguousarray(z.T)
+    """Centres (n, width) and half widths for points of one kind; trials about what the one before has come to."""
+    points = np.ascontiguousarray(points)
     patch = np.zeros(points.shape, dtype=points.dtype)
     if ray:
-        patch[:, ray[0] : ray[-1] + 1] = np.conj(points[:, ray[0] : ray[-1] + 1])
+        patch[:, ray[0] : ray[-1] + 1] = points[:, ray[0] : ray[-1] + 1].conj()
     centre, half = _test(function, points, patch, prepared, instance, _WIDE[0])
     for wide in _WIDE[1:]:
         todo = ~np.isfinite(half)
         if not todo.any():
             break
         centre[todo], half[todo] = _test(function, centre[todo], patch[todo], prepared, instance[todo], wide)
-    return centre.T, half
+    return centre, half
 
 
 def _test(
@@ -120,12 +124,14 @@ def _test_in_numpy(
     centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
     f = function.evaluate(0, Discs.exact(centre), prepared, instance)
     step = modulus(np.einsum("nij,nj->ni", inverse[:, :, :rows], f.middle))
-    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + TINY) * _MANY
+    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + _FLOOR) * _MANY
     off = np.sum(modulus(np.einsum("nij,njk->nik", inverse, middle) - np.eye(width)), axis=2)
-    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + TINY) * _MANY
+    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + _FLOOR) * _MANY
     half = np.max(s / (0.98 - 1.5 * e), axis=1) * (1.0 + 2.0**-40)
     away = modulus(centre - points) + 1.5 * half[:, None]
-    inside = (e < 0.6) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+    inside = (
+        (e < 0.6) & (weights.max(axis=2) < LARGEST) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+    )
     return centre, np.where(inside.all(axis=1), half, np.inf)
 
 

@@ -162,16 +162,16 @@ def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
 
 def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Which roots in boxes of half width (n,) about centres (width, n) are proved to differ from their conjugates."""
-    ray = list(system.projective)
-    affine = list(range(len(system.unknowns)))
-    shown: np.ndarray = np.max(np.abs(centre[affine].imag), axis=0, initial=0.0) > half
+    ray, affine = list(system.projective), slice(len(system.unknowns))
+    shown: np.ndarray = np.abs(centre[affine].imag).max(axis=0, initial=0.0) > half
     if ray and half.size:
-        # Im (x_i conj(x_j)) for the largest x_i: off by 2 h (|x_i| + |x_j|) + 2 h^2 in the box, and by 4 u |x_i| |x_j| in rounding
+        # Im (x_i conj(x_j)) for the largest x_j, |x_i| <= s: off by 2 h (2 s + h) in the box, and by 4 u s^2 in rounding
         x = centre[ray]
-        first = x[np.argmax(np.abs(x), axis=0), np.arange(x.shape[1])]
-        size, most = np.abs(x.real) + np.abs(x.imag), np.abs(first.real) + np.abs(first.imag)
-        off = 2.0 * half * (size + most + half) + 2.0**-50 * size * most
-        shown = shown | np.any(np.abs((first * np.conj(x)).imag) > off * UP, axis=0)
+        sizes = np.abs(x.real) + np.abs(x.imag)
+        largest = (sizes.argmax(axis=0), np.arange(x.shape[1]))
+        pivot, size = x[largest], sizes[largest]
+        off = 2.0 * half * (2.0 * size + half) + 2.0**-50 * size * size
+        shown = shown | (np.abs(pivot.imag * x.real - pivot.real * x.imag).max(axis=0) > off * UP)
     return shown
 
 

@@ -23,6 +23,7 @@
 #define TINY 0x1p-1000
 #define SMALLEST 0x1p-400
 #define LARGEST 0x1p+400
+#define FLOOR 0x1p-600
 #define MOST_RADIANS 1e5
 #define MOST_EXPONENT 300.0
 

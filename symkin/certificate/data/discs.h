@@ -67,10 +67,10 @@ static inline disc NAME(multiply)(disc x, disc y)
 #if COMPLEX
     m.re = x.re * y.re - x.im * y.im;
     m.im = x.re * y.im + x.im * y.re;
-    m.rad = (a * (y.rad + 4.0 * U * b) + x.rad * (b + y.rad) + TINY) * UP;
+    m.rad = (a * y.rad + x.rad * (b + y.rad) + 4.0 * U * (a * b) + TINY) * UP;
 #else
     m.re = x.re * y.re;
-    m.rad = (a * (y.rad + U * b) + x.rad * (b + y.rad) + TINY) * UP;
+    m.rad = (a * y.rad + x.rad * (b + y.rad) + U * absolute(m.re) + TINY) * UP;
 #endif
     return m;
 }
@@ -120,7 +120,7 @@ APART static disc NAME(root)(disc x)
 
 /* sin x and cos x. |sin(m + d) - sin m| <= r sup |cos| <= r cosh(|Im m| + r) <= r (1 + 2 r) cosh(Im m) for r <= 1, and the same
  * for cos. The errors of `real_sin_cos` and `real_exp` are bounded in certificate.c. */
-APART static void NAME(turn)(disc x, disc *sine, disc *cosine)
+APART static void NAME(sine_cosine)(disc x, disc *sine, disc *cosine)
 {
     v s, c;
     real_sin_cos(x.re, &s, &c);
@@ -170,7 +170,7 @@ APART static disc NAME(angle)(disc y, disc x)
     for (int i = 0; i < LANES; i++)
         m.re[i] = atan2(y.re[i], x.re[i]);
     m.rad = all(0.0);
-    NAME(turn)(m, &sine, &cosine);
+    NAME(sine_cosine)(m, &sine, &cosine);
     v across = absolute(y.re * cosine.re - x.re * sine.re), along = y.re * sine.re + x.re * cosine.re;
     v sum = absolute(x.re) + absolute(y.re), size = larger(absolute(x.re), absolute(y.re)), spread = x.rad + y.rad;
     mask fine = (size > SMALLEST) & (sum < LARGEST) & (along > 0.25 * size) & (spread < 0.25 * size);
@@ -210,8 +210,8 @@ APART static void NAME(run)(const struct code *code, const disc *input, disc *re
         case NEGATE: EACH(out[i] = NAME(scale)(a[i], -1.0));
         case TWICE: EACH(out[i] = NAME(scale)(a[i], 2.0));
         case INVERT: EACH(out[i] = NAME(invert)(a[i]));
-        case SINE: EACH(NAME(turn)(a[i], out + i, &unused));
-        case COSINE: EACH(NAME(turn)(a[i], &unused, out + i));
+        case SINE: EACH(NAME(sine_cosine)(a[i], out + i, &unused));
+        case COSINE: EACH(NAME(sine_cosine)(a[i], &unused, out + i));
         case ROOT: EACH(out[i] = NAME(root)(a[i]));
         case EXPONENTIAL: EACH(out[i] = NAME(exponential)(a[i]));
         case ANGLE: EACH(out[i] = NAME(angle)(a[i], b[i]));

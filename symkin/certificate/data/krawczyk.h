@@ -126,7 +126,8 @@ APART static void NAME(step)(const struct problem *p, struct NAME(matrices) at, 
  *
  * A sum of n products of middles, in whatever order, is off by less than GAMMA = (2 n + 8) u times the sum of the products' sizes
  * (real n u, complex (1.5 n + 3) u, and terms in u^2). MANY outweighs the roundings of sums and products of numbers that are not
- * negative, fewer than 3 n + 100 one after another, for n <= 64. */
+ * negative, fewer than 3 n + 100 one after another, for n <= 64. Products of f and F' with u may lose 2^-1074 by underflow, which
+ * an entry of Y below LARGEST makes less than FLOOR. */
 APART static v NAME(radius)(const struct problem *p, struct NAME(matrices) at, const disc *value, double wide, v *e, v *s)
 {
     int width = p->width;
@@ -135,13 +136,15 @@ APART static v NAME(radius)(const struct problem *p, struct NAME(matrices) at, c
     for (int i = 0; i < width; i++) {
         v step[NUMBER], sum[NUMBER];
         memset(step, 0, sizeof step);
-        e[i] = all(TINY), s[i] = all(TINY);
+        e[i] = all(FLOOR), s[i] = all(FLOOR);
         for (int j = 0; j < width; j++) {
             memset(sum, 0, sizeof sum);
             for (int k = 0; k < width; k++)
                 NAME(gather)(sum, matrix(at.inverse, i, k), matrix(at.middles, k, j), 1.0);
             sum[0] = sum[0] - (i == j ? 1.0 : 0.0);
-            e[i] += NAME(size)(sum) + NAME(size)(matrix(at.inverse, i, j)) * at.errors[j];
+            v weight = NAME(size)(matrix(at.inverse, i, j));
+            e[i] += NAME(size)(sum) + weight * at.errors[j];
+            bad = pick(weight < LARGEST, bad, all(1.0));
         }
         for (int j = 0; j < p->value.outputs; j++) {
             const disc *f = value + j * VECTORS;
