@@ -104,15 +104,14 @@ class Grid:
 
 
 def grids(scale: float) -> list[Grid]:
-    """Angles by half a radian, lengths by 40 mm."""
+    """Angles by half a radian, lengths by a tenth of the size."""
     from helpers.samples import five_bar, three_rrr
 
     five, three = five_bar(), three_rrr("planar")
     cases = [
         Grid(five, five.angle_out(0.5), 300, 0.5),
         Grid(three, three.angle_out(0.5), 150, 3.0),
-        Grid(symkin.load("zhang2009"), ABOUT_MM, 80, 30.0),
-        Grid(symkin.load("ren2008"), ABOUT_MM, 60, 30.0),
+        *(Grid(m, 0.1 * m.size, n, 30.0) for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))),
     ]
     return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
 
@@ -120,16 +119,18 @@ def grids(scale: float) -> list[Grid]:
 def time_grid(grid: Grid) -> None:
     """Sweep a grid once, after a small one that prepares all."""
     mechanism, kernel = grid.mechanism, ReferenceKernel()
-    example = mechanism.example
     at = [mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated]
-    if example is not None and example.joints is not None:
-        at = list(example.joints)
+    if all(isinstance(limb, symkin.RodLimb) for limb in mechanism.limbs):
+        raised = symkin.Pose(
+            np.array([0.0, 0.0, mechanism.size]), np.array([1.0, 0.05, 0.08, 0.1]) / np.linalg.norm([1.0, 0.05, 0.08, 0.1])
+        )
+        at = list(symkin.solve(mechanism, pose=raised).solution.actuated)
     ends = [(c.name, v - grid.half_range, v + grid.half_range) for c, v in zip(mechanism.actuated[:2], at[:2], strict=True)]
     with tempfile.TemporaryDirectory() as folder:
-        sweep(mechanism, {name: np.linspace(low, high, 3) for name, low, high in ends}, Path(folder) / "first", workers=0)
+        sweep(mechanism, {name: np.linspace(low, high, 3) for name, low, high in ends}, Path(folder) / "first", at=at, workers=0)
         before, wall, cpu = kernel.seconds(100), time.perf_counter(), time.process_time()
         values = {name: np.linspace(low, high, grid.values) for name, low, high in ends}
-        found = sweep(mechanism, values, Path(folder) / "s", workers=0)
+        found = sweep(mechanism, values, Path(folder) / "s", at=at, workers=0)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     unit = 0.5 * (before + kernel.seconds(100)) * found.points
     print(

@@ -38,8 +38,11 @@ def _extreme_singular_values(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarr
     which take half as long and lose a share of rounding times the squared condition; the singular value decomposition where this
     is more than `_SQUARED_ROUNDING`."""
     small = matrices if matrices.shape[1] < matrices.shape[2] else matrices.transpose(0, 2, 1)
-    finite = np.isfinite(matrices).all(axis=(1, 2))
-    squares = np.linalg.eigvalsh(np.where(finite[:, None, None], small @ small.transpose(0, 2, 1), 0.0))
+    products = small @ small.transpose(0, 2, 1)
+    finite = np.isfinite(products.trace(axis1=1, axis2=2))
+    if not finite.all():
+        products[~finite] = 0.0
+    squares = np.linalg.eigvalsh(products)
     largest, smallest = np.sqrt(np.maximum(squares[:, [-1, 0]], 0.0)).T
     rough = ~(squares[:, 0] > squares[:, -1] * (np.finfo(float).eps / _SQUARED_ROUNDING))
     if rough.any():
