@@ -1,4 +1,4 @@
-"""The loop closure F(q, x, X, p) = 0 of a mechanism, built once and symbolically (rows: see `closure_rows`)."""
+"""Build the loop closure F(q, x, X, p) = 0 of a mechanism, once and symbolically (its rows: see `closure.rows`)."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ from symkin.following.singular_point import SingularPoint, find_singular_point
 from symkin.following.station import Station, along_parameter, interval_of, redundant_rows_bound, station_at, station_near
 from symkin.following.step_certificate import Interval, Tube
 from symkin.following.trajectory import Trajectory
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem
-from symkin.position.solution import ACCEPTED
 
 Ending = Literal["reached", "singular", "limit", "open", "unproved"]
 
@@ -160,7 +160,7 @@ class BlockFollower:
             self.station = station_near(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))
             self.stop = BlockStop("limit", self.station.u, limit=met[1])
         left = self._closure_error(self.station)
-        if left > ACCEPTED * self.system.problem.closure.size:
+        if left > CLOSURE_TOLERANCE * self.system.problem.closure.size:
             self.station = self._opening(before, self.station)
             self.stop = BlockStop("open", self.station.u, residual=left)
         self._record()
@@ -182,7 +182,7 @@ class BlockFollower:
         low, high = closed.u, opened.u
         for _ in range(_HALVINGS):
             middle = station_near(self.interval, closed.row, closed.z, 0.5 * (low + high))
-            if self._closure_error(middle) <= ACCEPTED * self.system.problem.closure.size:
+            if self._closure_error(middle) <= CLOSURE_TOLERANCE * self.system.problem.closure.size:
                 closed, low = middle, middle.u
             else:
                 high = middle.u

@@ -19,9 +19,10 @@ from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.given import Joints
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import SINGULAR, Solution
+from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.start_notes import start_notes
 from symkin.spatial.pose import Pose
@@ -85,7 +86,7 @@ def track(
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
         >>> found = symkin.track(arm, joints=[[0, 0, 0, 0, 0, 0], [10, 20, 30, 0, 0, 0]], samples=3)
-        >>> found.reached, len(found.samples), found.end.actuated[:3]
+        >>> found.reached, len(found.samples), [round(v, 6) for v in found.end.actuated_values[:3]]
         (True, 3, [10.0, 20.0, 30.0])
     """
     begin = time.perf_counter()
@@ -108,7 +109,7 @@ def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
     unknown = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns] or [np.zeros(0)])
     watch = LimitWatch(problem, trajectory, off=not options.limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
-    if mode.condition >= SINGULAR or limit is not None:
+    if mode.condition >= SINGULAR_CONDITION or limit is not None:
         first = PathPoint(0, 0.0, unknown, radius=None)
         branch = Branch([first], first, (), ending="singular" if limit is None else "limit", limit=limit)
     else:

@@ -8,10 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.numeric.tolerances import NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
-
-_SQUARED_ROUNDING = 1e-11
-"""Share of a singular value that its square's eigenvalue may have lost to rounding."""
+from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
 
 def singular_values(matrices: np.ndarray) -> np.ndarray:
@@ -26,29 +23,30 @@ def conditions(jacobians: np.ndarray) -> np.ndarray:
     """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows, columns); infinite where the
     smallest vanishes (see `NO_MOTION`) or entries are not finite, 1 where there are no rows and no columns."""
     count, rows, columns = jacobians.shape
-    if min(rows, columns) == 0:
+    if min(count, rows, columns) == 0:
         return np.full(count, 1.0 if rows * columns == 0 else np.inf)
-    largest, smallest = _extreme_singular_values(jacobians)
-    regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
-    return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    largest, smallest = _squared_extremes(jacobians)
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = np.sqrt(largest / np.maximum(smallest, 1e-300))
+    doubtful = ~((found < GRAM_CONDITION) & (smallest > (2.0 * NO_MOTION) ** 2))
+    if doubtful.any():
+        values = singular_values(jacobians[doubtful])
+        largest, smallest = values[:, 0], values[:, -1]
+        regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
+        found[doubtful] = np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    return np.asarray(found)
 
 
-def _extreme_singular_values(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest and smallest of the min(rows, columns) singular values (n,): the roots of the extreme eigenvalues of J^T J (or J J^T),
-    which take half as long and lose a share of rounding times the squared condition; the singular value decomposition where this
-    is more than `_SQUARED_ROUNDING`."""
-    small = matrices if matrices.shape[1] < matrices.shape[2] else matrices.transpose(0, 2, 1)
-    products = small @ small.transpose(0, 2, 1)
-    finite = np.isfinite(products.trace(axis1=1, axis2=2))
+def _squared_extremes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squares (n,) of the largest and smallest singular values, from the smaller of J^T J and J J^T, in half the time of the
+    decomposition; to 1e-16 of the largest. NaN where a matrix is not finite."""
+    transposed = matrices.transpose(0, 2, 1)
+    gram = transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
+    finite = np.isfinite(gram).all(axis=(1, 2))
     if not finite.all():
-        products[~finite] = 0.0
-    squares = np.linalg.eigvalsh(products)
-    largest, smallest = np.sqrt(np.maximum(squares[:, [-1, 0]], 0.0)).T
-    rough = ~(squares[:, 0] > squares[:, -1] * (np.finfo(float).eps / _SQUARED_ROUNDING))
-    if rough.any():
-        values = singular_values(matrices[rough])
-        largest[rough], smallest[rough] = values[:, 0], values[:, -1]
-    return largest, smallest
+        gram = np.where(finite[:, None, None], gram, np.eye(gram.shape[1]))
+    values = np.linalg.eigvalsh(gram)
+    return np.where(finite, values[:, -1], np.nan), np.where(finite, values[:, 0], np.nan)
 
 
 def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -84,9 +82,11 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
 
 
-def null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` (absolute) taken as zero."""
+def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
+    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an absolute bound, or a share of the
+    largest one."""
     if not len(matrix):
         return np.eye(matrix.shape[1])
     _, singular, right = np.linalg.svd(matrix)
-    return np.asarray(right[int(np.sum(singular > tolerance)) :])
+    bound = tolerance * max(float(singular[0]), float(np.finfo(float).tiny)) if relative and singular.size else tolerance
+    return np.asarray(right[int(np.sum(singular > bound)) :])

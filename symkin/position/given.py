@@ -66,9 +66,12 @@ def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float
 
 
 def are_many(values: Any) -> bool:
-    """Whether values are those of several inputs: an array (n, numbers), or a sequence of sequences, mappings or poses."""
-    if values is None or isinstance(values, (Pose, str, Mapping)):
+    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences, mappings or poses, or a
+    mapping of names to columns."""
+    if values is None or isinstance(values, (Pose, str)):
         return False
+    if isinstance(values, Mapping):
+        return any(np.ndim(column) > 0 for column in values.values())
     if isinstance(values, np.ndarray):
         return values.ndim == 2
     return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
@@ -82,6 +85,7 @@ def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
         return [given_from(mechanism, joints, pose)]
     if pose is not None:
         return [_named_input(i, partial(_given_pose, mechanism, one)) for i, one in enumerate(pose)]
+    joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
         return [_named_input(i, partial(given_from, mechanism, one, None)) for i, one in enumerate(joints)]

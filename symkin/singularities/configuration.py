@@ -9,10 +9,11 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import ACCEPTED, Solution, make_solution
+from symkin.position.solution import Solution, make_solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveError
 from symkin.position.starts import start_values
@@ -58,4 +59,4 @@ def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solu
         return None
     batch = levenberg_marquardt(system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60)
     solution = make_solution(problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes)
-    return solution if solution.residual <= ACCEPTED * problem.closure.size else None
+    return solution if solution.residual <= CLOSURE_TOLERANCE * problem.closure.size else None

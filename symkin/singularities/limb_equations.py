@@ -23,7 +23,8 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.closure.closure import Closure
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.mobility import whole_system
 from symkin.velocity.differential import motion_columns
 
@@ -88,14 +89,6 @@ def motion_basis(closure: Closure) -> np.ndarray:
     return np.eye(6)[:, motion_columns(closure)]
 
 
-def small_null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values below `tolerance` (absolute) taken as zero."""
-    if not len(matrix):
-        return np.eye(matrix.shape[1])
-    _, singular, right = np.linalg.svd(matrix)
-    return np.asarray(right[int(np.sum(singular > tolerance)) :])
-
-
 @dataclass(frozen=True, eq=False)
 class LimbBlock:
     """Where a limb stands in the closure's Jacobian: its rows, and the columns of the actuated and the passive joints in them."""
@@ -144,7 +137,7 @@ def eliminated(
     twist, rates = kept[:, : len(pose)], kept[:, len(pose) :]
     padded = np.zeros(len(passive))
     padded[: len(singular)] = singular
-    return LimbEquations(name, twist, rates, small_null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank)
+    return LimbEquations(name, twist, rates, null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank)
 
 
 def _row_basis(rows: np.ndarray) -> np.ndarray:

@@ -14,9 +14,10 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.closure.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.mobility import closed_configurations
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, small_null_space
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.output import Output, output_equations
 
 
@@ -86,7 +87,7 @@ def generic_ranks(mechanism: Mechanism, output: Output | None = None) -> Ranks:
 
 def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:
     """Orthonormal rows (t, q') with A t + B q' = 0."""
-    return small_null_space(np.hstack([equations.twist, equations.rates]), tolerance)
+    return null_space(np.hstack([equations.twist, equations.rates]), tolerance)
 
 
 def rank_of(matrix: np.ndarray, tolerance: float) -> int:

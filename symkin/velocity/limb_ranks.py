@@ -15,7 +15,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import RANK_TOLERANCE, Rank
+from symkin.numeric.rank import Rank
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray]
 """A, P and B, the matrices of twist, passive and actuated rates, rows and columns in lengths."""

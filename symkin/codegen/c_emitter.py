@@ -1,0 +1,218 @@
+"""Write CasADi functions as straight-line, single-assignment C.
+
+Constants are snapped and printed with the suffix of their type, divisions by constants and repeated divisions by one value
+become multiplications by a reciprocal, and text is made only for what is asked for, in the order in which it is asked for, so
+that few values live at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.graph import walk
+from symkin.closure.snapping import snap
+
+_INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
+_CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}
+
+
+@dataclass(frozen=True)
+class Real:
+    """The C type of numbers: `name` is float or double, `type` what the generated file calls it."""
+
+    name: str
+    type: str = "real"
+
+    @property
+    def suffix(self) -> str:
+        return "f" if self.name == "float" else ""
+
+    @property
+    def epsilon(self) -> float:
+        """Half a unit in the last place of 1."""
+        return 2.0**-24 if self.name == "float" else 2.0**-53
+
+    def call(self, function: str) -> str:
+        return function + self.suffix
+
+    def literal(self, value: float) -> str:
+        """The shortest decimal that reads back as the same number of this type."""
+        text = str(np.float32(value)) if self.name == "float" else repr(float(value))
+        if not any(mark in text for mark in ".e"):
+            text += ".0"
+        return text + self.suffix
+
+    def hexadecimal(self, value: float) -> str:
+        """The exact bits of the rounded value, for test vectors."""
+        if math.isnan(value):
+            return "NAN"
+        if math.isinf(value):
+            return "INFINITY" if value > 0 else "-INFINITY"
+        rounded = float(np.float32(value)) if self.name == "float" else float(value)
+        return rounded.hex() + self.suffix
+
+
+@dataclass
+class _Node:
+    """One value of the graph: operation, the nodes that it reads, or a constant or input."""
+
+    op: int
+    reads: tuple[int, ...] = ()
+    constant: float = 0.0
+    source: tuple[int, int] = (0, 0)
+
+
+@dataclass
+class _Graph:
+    """Evaluator that lists the values of a function; `divisors` counts how often each is divided by."""
+
+    nodes: list[_Node] = field(default_factory=list)
+    outputs: dict[tuple[int, int], int] = field(default_factory=dict)
+    divisors: Counter[int] = field(default_factory=Counter)
+
+    def input(self, number: int, nonzero: int) -> int:
+        return self._add(_Node(ca.OP_INPUT, source=(number, nonzero)))
+
+    def constant(self, number: float) -> int:
+        return self._add(_Node(ca.OP_CONST, constant=snap(number)))
+
+    def operation(self, op: int, operands: list[int]) -> int:
+        if op in (ca.OP_DIV, ca.OP_INV):
+            self.divisors[operands[-1]] += 1
+        return self._add(_Node(op, tuple(operands)))
+
+    def output(self, number: int, nonzero: int, value: int) -> None:
+        self.outputs[number, nonzero] = value
+
+    def _add(self, node: _Node) -> int:
+        self.nodes.append(node)
+        return len(self.nodes) - 1
+
+
+@dataclass
+class Emitter:
+    """C text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and names it.
+
+    `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries. `operations` counts what a
+    controller will spend.
+    """
+
+    function: ca.Function
+    inputs: Sequence[Sequence[str]]
+    real: Real
+    prefix: str = "t"
+    lines: list[str] = field(default_factory=list)
+    operations: Counter[str] = field(default_factory=Counter)
+    _text: dict[int, str] = field(default_factory=dict)
+    _inverse: dict[int, str] = field(default_factory=dict)
+    _comments: int = 0
+
+    @cached_property
+    def _graph(self) -> _Graph:
+        graph = _Graph()
+        walk(self.function, graph)
+        return graph
+
+    def value(self, output: int, nonzero: int) -> str:
+        """Make the statements up to one output nonzero; its C text, 0 where the function has no such nonzero."""
+        nodes, outputs = self._graph.nodes, self._graph.outputs
+        if (output, nonzero) not in outputs:
+            return self.real.literal(0.0)
+        wanted, stack = set(), [outputs[output, nonzero]]
+        while stack:
+            k = stack.pop()
+            if k not in wanted and k not in self._text:
+                wanted.add(k)
+                stack.extend(nodes[k].reads)
+        for k in sorted(wanted):
+            self._text[k] = self._statement(nodes[k])
+        return self._text[outputs[output, nonzero]]
+
+    def entry(self, row: int, column: int) -> str:
+        """Make the statements up to one entry of the first output; its C text."""
+        nonzero = self._places.get((row, column))
+        return self.real.literal(0.0) if nonzero is None else self.value(0, nonzero)
+
+    @cached_property
+    def _places(self) -> dict[tuple[int, int], int]:
+        """Nonzero number of each structural entry of the first output."""
+        triplets = zip(*self.function.sparsity_out(0).get_triplet(), strict=True)
+        return {place: k for k, place in enumerate(triplets)}
+
+    def comment(self, text: str) -> None:
+        """Add a line of comment; names of temporaries do not count it."""
+        self.lines.append(f"/* {text} */")
+        self._comments += 1
+
+    def assign(self, text: str) -> str:
+        """Add a statement that names a value; its name."""
+        name = f"{self.prefix}{len(self.lines) - self._comments}"
+        self.lines.append(f"const {self.real.type} {name} = {text};")
+        return name
+
+    def _statement(self, node: _Node) -> str:
+        if node.op == ca.OP_CONST:
+            return self.real.literal(node.constant)
+        if node.op == ca.OP_INPUT:
+            return self.inputs[node.source[0]][node.source[1]]
+        if node.op == ca.OP_ASSIGN:
+            return self._text[node.reads[0]]
+        return self.assign(self._operation(node))
+
+    def _operation(self, node: _Node) -> str:
+        a = [self._text[r] for r in node.reads]
+        if node.op == ca.OP_DIV:
+            return self._quotient(node, a)
+        if node.op == ca.OP_INV:
+            return self._reciprocal(node.reads[0])
+        if node.op in _INFIX:
+            self.operations["multiplications" if node.op == ca.OP_MUL else "additions"] += 1
+            right = f"({a[1]})" if a[1].startswith("-") else a[1]
+            return f"{a[0]} {_INFIX[node.op]} {right}"
+        if node.op in _CALLS:
+            self.operations[_CALLS[node.op]] += 1
+            return f"{self.real.call(_CALLS[node.op])}({', '.join(a)})"
+        if node.op == ca.OP_NEG:
+            return f"-{a[0]}"
+        if node.op == ca.OP_SQ:
+            self.operations["multiplications"] += 1
+            return f"{a[0]} * {a[0]}"
+        if node.op == ca.OP_TWICE:
+            self.operations["additions"] += 1
+            return f"{a[0]} + {a[0]}"
+        raise NotImplementedError(f"CasADi operation {node.op} has no C form here")
+
+    def _quotient(self, node: _Node, a: Sequence[str]) -> str:
+        divisors = self._graph.divisors
+        below = self._graph.nodes[node.reads[1]]
+        if below.op == ca.OP_CONST:
+            self.operations["multiplications"] += 1
+            return f"{a[0]} * {self.real.literal(1.0 / below.constant)}"
+        if divisors[node.reads[1]] > 1:
+            self.operations["multiplications"] += 1
+            return f"{a[0]} * {self._reciprocal(node.reads[1])}"
+        self.operations["divisions"] += 1
+        return f"{a[0]} / {a[1]}"
+
+    def _reciprocal(self, k: int) -> str:
+        if k not in self._inverse:
+            self.operations["divisions"] += 1
+            self._inverse[k] = self.assign(f"{self.real.literal(1.0)} / {self._text[k]}")
+        return self._inverse[k]
+
+
+def indexed(name: str, count: int, first: int = 0) -> list[str]:
+    """Name consecutive array elements in C."""
+    return [f"{name}[{k}]" for k in range(first, first + count)]
+
+
+def indent(lines: Sequence[str], depth: int = 1) -> str:
+    """Join lines, indented by four spaces a level."""
+    return "\n".join("    " * depth + line if line else "" for line in lines)

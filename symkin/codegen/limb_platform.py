@@ -1,0 +1,176 @@
+"""Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by limb and all together.
+
+The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given the limbs decouple: each is solved from the reference configuration along the line of poses to the
+given one, so that it stays on the reference's branch. Rods are explicit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.closure import Closure
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.geometry import Geometry
+from symkin.codegen.newton_kernel import Kernel, system_kernel
+from symkin.codegen.options import Options
+from symkin.codegen.samples import Configuration, configurations
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System, constant_rows, split_blocks
+from symkin.position.mobility import mobility
+from symkin.position.problem import Problem, build_problem
+
+_CHECKED = 5
+"""Configurations at which it is checked that a solver can work."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimbBlock:
+    """A limb once the pose is given: `rod` is the explicit value of its only coordinate, else `kernel` solves it.
+
+    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist)."""
+
+    system: System
+    kernel: Kernel | None
+    rod: ca.SX | None
+    sides: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class LimbPlatform:
+    """A parallel mechanism with its options: what its C is written from."""
+
+    mechanism: Mechanism
+    options: Options
+    real: Real
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @cached_property
+    def direct(self) -> Problem:
+        return build_problem(self.mechanism, "direct")
+
+    @cached_property
+    def inverse(self) -> Problem:
+        return build_problem(self.mechanism, "inverse")
+
+    @property
+    def closure(self) -> Closure:
+        return self.direct.closure
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry(self.closure, self.options.geometry == "struct")
+
+    @cached_property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        return self.closure.role("actuated")
+
+    @cached_property
+    def passive(self) -> tuple[Coordinate, ...]:
+        return self.closure.role("passive")
+
+    @cached_property
+    def samples(self) -> list[Configuration]:
+        return configurations(self.direct, self.closure.reference, 40, 3)
+
+    @cached_property
+    def direct_kernel(self) -> Kernel:
+        """The Newton iteration of the direct problem."""
+        return system_kernel("direct", self.geometry.system(self.direct), self.direct.known_coordinates, self.geometry.symbols)
+
+    @property
+    def limited_angles(self) -> tuple[bool, ...]:
+        """Which actuated joints are angles with limits: where they stand in whole turns is told by these."""
+        return tuple(c.kind == "angle" and c.limits is not None for c in self.actuated)
+
+    @property
+    def has_dead_centres(self) -> bool:
+        """Whether a limb is more than a rod, whose length the pose decides."""
+        return any(block.kernel is not None for block in self.blocks)
+
+    @cached_property
+    def conditions(self) -> System:
+        """Rows that no joint enters: the pose alone must satisfy them."""
+        return constant_rows(self.geometry.system(self.inverse))
+
+    @cached_property
+    def blocks(self) -> tuple[LimbBlock, ...]:
+        """Limbs, each a system of its own once the pose is given."""
+        systems = split_blocks(self.geometry.system(self.inverse))
+        return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
+
+    def _block(self, number: int, system: System) -> LimbBlock:
+        pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.size
+        rod, kernel = None, None
+        if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
+            # the error of a rod is its length by the pose less its coordinate
+            rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
+        else:
+            kernel = system_kernel(f"limb{number}", system, pose, symbols)
+        of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
+        scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
+        sides = ca.mtimes(of_pose.jacobian, scale)
+        sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
+        return LimbBlock(system, kernel, rod, sides)
+
+    def check(self) -> None:
+        """Raises InputError where a generated solver could not work."""
+        if not self.actuated:
+            raise InputError(f"{self.name} has no actuated joint; nothing to generate")
+        self._check_independent_joints()
+        if not self.samples:
+            raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
+        for sample in self.samples[:_CHECKED]:
+            matrix = self.direct_kernel.matrix(sample.unknown, sample.known, self.geometry.values)
+            singular = np.linalg.svd(matrix, compute_uv=False)
+            if matrix.shape[0] < matrix.shape[1] or singular[-1] < 1e-9 * singular[0]:
+                raise InputError(
+                    f"{self.name}: locking the actuated joints does not fix the platform near the reference "
+                    "(`symkin show` prints mobility and rank); nothing to generate"
+                )
+        for block in self.blocks:
+            self._check_block(block)
+
+    def _check_independent_joints(self) -> None:
+        """Raises InputError where actuated joints are more than the freedoms that they move."""
+        found = mobility(self.mechanism)
+        if found.closed and found.direct_rank.value < found.rank.value:
+            more = found.rank.value - found.direct_rank.value
+            raise InputError(
+                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so that their values must agree "
+                "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
+                f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
+            )
+
+    def _check_block(self, block: LimbBlock) -> None:
+        """Raises InputError where a pose leaves joints of a limb free."""
+        if block.kernel is None:
+            return
+        known = self.inverse.known_coordinates
+        for sample in self.samples[:_CHECKED]:
+            state, pose = (self.inverse.select_values(sample.values, c) for c in (block.system.unknowns, known))
+            matrix = block.kernel.matrix(state, pose, self.geometry.values)
+            if Rank.of(matrix).value < matrix.shape[1]:
+                names = ", ".join(c.name for c in block.system.unknowns)
+                raise InputError(
+                    f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
+                    "nothing to generate"
+                )
+
+
+def _angular(pose: Sequence[Coordinate]) -> list[bool]:
+    flags: list[bool] = []
+    for c in pose:
+        flags += [c.kind != "length"] * c.freedom
+    return flags

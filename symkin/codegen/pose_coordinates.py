@@ -1,0 +1,103 @@
+"""Write C that turns a pose into the coordinates of a restricted platform, and back."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.geometry import Geometry
+from symkin.spatial.rotation import conjugate, multiply
+
+COLUMNS: dict[str, tuple[int, ...]] = {
+    "spatial": (0, 1, 2, 3, 4, 5),
+    "schoenflies": (0, 1, 2, 5),
+    "planar": (0, 1, 5),
+    "translation": (0, 1, 2),
+    "spherical": (3, 4, 5),
+}
+"""Columns of a twist (velocity, angular velocity) that a motion has."""
+
+
+def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
+    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
+    closure = geometry.closure
+    motion, size = closure.mechanism.motion, closure.size
+    x = ca.SX.sym("x", 7)
+    reference = _reference(geometry)
+    away = [x[i] - reference[i] for i in range(3)]
+    delta = multiply(x[3:], conjugate(reference[3:]))
+    turn = 2 * ca.atan2(delta[3], delta[0])
+    tilt = [2 * size * delta[1], 2 * size * delta[2]]
+    coordinates, off = {
+        "spatial": (x, []),
+        "schoenflies": (ca.vertcat(x[:3], turn), tilt),
+        "planar": (ca.vertcat(x[0], x[1], turn), [*tilt, away[2]]),
+        "translation": (x[:3], [*tilt, 2 * size * delta[3]]),
+        "spherical": (x[3:], away),
+    }[motion]
+    count = int(coordinates.shape[0])
+    outputs = [coordinates, ca.vertcat(*off) if off else ca.SX(0, 1)]
+    function = ca.Function("c", [x, geometry.symbols], outputs, {"cse": True})
+    emitter = Emitter(function, [indexed("x", 7), geometry.names], real)
+    texts = [emitter.value(0, i) for i in range(count)]
+    limit = real.literal(max(1e-6, 64 * real.epsilon) * size)
+    tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
+    stores = [f"c[{i}] = {text};" for i, text in enumerate(texts)]
+    if motion in ("schoenflies", "planar"):
+        pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
+        angle = f"c[{count - 1}]"
+        stores += [
+            f"if ({angle} > {pi}) {{",
+            f"    {angle} -= {two_pi};",
+            "}",
+            f"if ({angle} < -{pi}) {{",
+            f"    {angle} += {two_pi};",
+            "}",
+        ]
+    body = [*emitter.lines, *stores]
+    if tests:
+        refused = f"    status = {values['p']}_check_finite(x, 7, {values['P']}_OUT_OF_RANGE);"
+        body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
+    lines = [
+        "/* Pose coordinates of a pose. */",
+        f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
+        "{", *([f"{values['use']}"] if values["use"] else []), f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose(pose, x);",
+        f"    if (status == {values['P']}_OK) {{", indent(body, 2), "    }", "    return status;", "}", "", "",
+    ]  # fmt: skip
+    return "\n".join(lines)
+
+
+def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
+    """NAME_pose_from_coordinates: the pose of pose coordinates."""
+    closure = geometry.closure
+    symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
+    pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
+    expression = snapped_expression(pose, [symbols, geometry.symbols])
+    function = ca.Function("p", [symbols, geometry.symbols], [ca.densify(expression)], {"cse": True})
+    emitter = Emitter(function, [indexed("c", int(symbols.shape[0])), geometry.names], real)
+    targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
+    texts = [emitter.value(0, i) for i in range(7)]
+    body = [*emitter.lines, *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True))]
+    head = f"static void {values['p']}_pose_from_coordinates({values['gp']}const {real.type} c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
+    return "\n".join(
+        [
+            "/* The pose of pose coordinates. */",
+            head,
+            "{",
+            *([f"{values['use']}"] if values["use"] else []),
+            indent(body),
+            "}",
+            "",
+            "",
+        ]
+    )
+
+
+def _reference(geometry: Geometry) -> ca.SX:
+    """Position and unit quaternion of the platform at the reference configuration."""
+    closure = geometry.closure
+    pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
+    at = ca.substitute(pose, closure.variables, ca.SX(ca.DM(closure.reference)))
+    return snapped_expression(ca.densify(at), [geometry.symbols])

@@ -1,0 +1,149 @@
+"""Write the README.md of a generated folder: how to use it, the equations that it solves, and what is proved of its answers."""
+
+from __future__ import annotations
+
+from symkin.codegen.latex import equations
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.program import Program
+from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.serial_arm import SerialArm
+from symkin.text import markdown
+
+_RODS = r"""Platform point $A_i = p + R\,a_i$, base point $b_i$, rod vector $d_i = A_i - b_i$, rod length $L_i$ (offset + joint value):
+
+$$f_i = L_i^2 - d_i \cdot d_i = 0.$$
+
+With $v_0$ the velocity of the platform at the base's origin and $\omega$ its angular velocity, a point of it has the velocity
+$v_0 + \omega \times A_i$, and because $d_i \times d_i = 0$
+
+$$\tfrac12 \, \mathrm{d}(d_i \cdot d_i) = d_i \cdot v_0 + (b_i \times d_i) \cdot \omega ,$$
+
+so that the matrix $[\,d_i,\ 4\,b_i \times d_i\,]$ acts on the unknowns $(2 v_0, h)$, $h = \omega / 2$. The step is put on by
+$q \leftarrow (1, h)\,q / \sqrt{1 + h \cdot h}$ and $p \leftarrow p + v_0 + \omega \times p$: no trigonometry.
+The joint rates are $\dot L_i = (d_i \cdot v + (R a_i \times d_i) \cdot \omega) / |d_i|$, $v$ the velocity of the platform's origin."""
+
+_RELATIVE = r"""
+In the home-relative form $p$ and $R$ are displacements from home, $\delta_i = p + (R - 1) R_0 a_i$ with $R - 1$ formed without
+cancellation, $d_i = d_{0i} + \delta_i$, and
+
+$$f_i = (2 L_{0i} + \Delta L_i) \, \Delta L_i - (2 d_{0i} + \delta_i) \cdot \delta_i ,$$
+
+in which no large numbers cancel."""
+
+_CLOSED = r"""The closure's rows $F(q, x, X) = 0$ over joint values $q$, passive joints $x$ and pose $X$ follow; angular rows are multiplied by the
+mechanism's size so that all are lengths. Given $q$, Newton's method finds $(x, X)$ together; where there are more rows than
+unknowns each step is least squares over all rows (QR), and an answer must satisfy all of them. Given $X$ the limbs are
+solved one by one."""
+
+_SERIAL = r"""The tool's pose is a product of exponentials of the joints' screws. The inverse problem solves the rows below, position and
+twice the size times the vector part of the relative quaternion, for the joint values."""
+
+_REDUNDANT = r"""
+A pose leaves some of the joints free. With $J$ of more columns than rows, each step is the shortest solution of $J s = f$:
+$J^T = Q R$, $R^T y = f$, $s = Q y$, lengths as they are and angles times the size. As pieces of the line shrink, the answer tends
+to the end of $\dot q = J^+ \dot X$; it keeps to the joint values of no earlier visit, as closed paths of poses need not close in $q$."""
+
+_BRANCH = r"""## Which answer is OK
+
+`OK` says that the answer is the one which is reached from the guess along a straight line of the given values without meeting
+a singularity. Write $x_0$ for the guess's state, $J_0$ for the matrix there, $\lambda \in [0, 1]$ for the place on the line,
+$s_0(\lambda)$ for Newton's first step towards it, $s_0 = s_0(1)$, $\bar s_1$ for the next step with the same factors, and
+$\theta = |\bar s_1| / |s_0|$."""
+
+_KANTOROVICH = r"""**Proved.** Let $|J_0^{-1} (J(x) - J(y))| \le \omega |x - y|$. If $h = \omega \max_\lambda |s_0(\lambda)| \le \tfrac12$
+(Newton, Kantorovich), then for each $\lambda$ there is one solution $x(\lambda)$ within $(1 - \sqrt{1 - 2h}) / \omega$ of
+$x_0$, the matrix is regular short of $1 / \omega$, and Newton's method from $x_0$ ends there. So $x(\lambda)$ is a continuous
+path without a singularity and the answer is its end.
+
+1. $\theta \le h / 2$, and with new factors $|s_1| / |s_0| \le h / (2 - 2h)$. So $\theta > \tfrac14$ proves that the theorem
+   says nothing about the whole line: to cut it is never a mistake of principle.
+2. Where the rows are quadratics, as distances in Study's coordinates are, their second derivative $B$ is constant, $\omega =
+   \max |J_0^{-1} B(u, v)|$ over unit $u, v$ exactly, and $\bar s_1 = -\tfrac12 J_0^{-1} B(s_0, s_0)$: $2 \theta$ *is* $h$ for
+   the curvature in the step's own direction. A quarter is then Kantorovich's limit $h = \tfrac12$, and it is sharp: for $x^2
+   = c$ from $x_0$, $\theta = |c - x_0^2| / 4 x_0^2$, which is $\tfrac14$ at $c = 0$, where the two roots meet.
+3. An eighth is $h = \tfrac14$ in that direction: it proves the path where no direction is curved more than twice as much as
+   the step's. It also lies below Smale's bound $\alpha = h / 2 \le (13 - 3 \sqrt{17}) / 4 = 0.157$ for an approximate zero.
+4. For rods, whose rows hold squared lengths, $s_0(\lambda) = \lambda s_0 - \lambda (1 - \lambda) J_0^{-1} (\Delta L_i^2)$: on
+   the way the steps are longer than $|s_0|$ by at most $\tfrac14 |J_0^{-1} (\Delta L_i^2)|$, a term of second order. For rows
+   linear in $\lambda$ they are $\lambda s_0$.
+
+**Measured, not proved.** $\omega$ over all directions is not computed; the state is a position and a unit quaternion, in
+which rows are quadratics up to terms of third order only; the closures of passive joints hold sines."""
+
+_BANACH = r"""**Proved.** The matrix reads the given values too; $J_0$ is the one of the guess's state and the guess's values, which the machine
+has. If $|1 - J_0^{-1} J(x, \lambda)| \le c < 1$ for all $\lambda$ and all $x$ within $\max_\lambda |s_0(\lambda)| / (1 - c)$ of
+$x_0$, then (Banach, for $x \mapsto x - J_0^{-1} F(x, \lambda)$) there is one solution $x(\lambda)$ there for each $\lambda$ and the
+matrix is regular. So $x(\lambda)$ is a continuous path without a singularity and the answer is its end. The first step is
+taken with $J_0$; then $\theta \le c$, because $\bar s_1 = (1 - J_0^{-1} \int_0^1 J(x_0 + t s_0, 1) \, \mathrm{d}t) \, s_0$: $\theta$ is the
+change of the matrix, by the state along the step and by the given values along the whole line, in the step's direction.
+
+**Measured, not proved.** $c$ over all directions and all of the line is not computed."""
+
+_REDUNDANT_ARM = r"""**Measured, not proved.** The matrix has more columns than rows and reads the given pose; each step is the shortest one of the
+matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No theorem is claimed."""
+
+_RULE = r"""The rule is therefore: the whole line is tried and accepted at $\theta \le \tfrac14$; elsewhere it is cut into pieces, each
+accepted at $\theta \le \tfrac18$; after acceptance the next step must be at most $|s_0| / 8$; where pieces become shorter than
+1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
+rests on random goals compared with fine continuation.@@
+
+The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
+evaluated once more and must vanish to the tolerance plus rounding."""
+_SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
+_DEAD_CENTRE = r"""
+
+A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the limb stands. So the limbs are
+solved at the answer, along the line of poses from the reference as `inverse` solves them: where they have other joint values
+than the given ones (by more than four square roots of the tolerance over the size), or that line leaves what the limb can take,
+the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there."""
+
+
+def _branch(program: Program) -> str:
+    """The section on which answer is OK, as far as it holds for the kernel."""
+    kernel, kind = program.main.kernel, program.kind
+    dead = isinstance(kind, LimbPlatform) and kind.has_dead_centres
+    pieces = _RULE.split("@@")
+    rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + (_DEAD_CENTRE if dead else "") + pieces[2]
+    ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
+    return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
+
+
+def readme(program: Program) -> str:
+    """Markdown with the equations in LaTeX."""
+    mechanism, options = program.mechanism, program.options
+    name = mechanism.name
+    if isinstance(program.kind, RodPlatform):
+        kind = _RODS + (_RELATIVE if options.home_relative else "")
+    else:
+        kind = _CLOSED if isinstance(program.kind, LimbPlatform) else _SERIAL
+    if isinstance(program.kind, SerialArm) and program.kind.is_redundant:
+        kind += "\n" + _REDUNDANT
+    closure = equations(mechanism)
+    counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
+    return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
+
+C99 for controllers, generated by `symkin firmware {name} {options.arguments} -o DIR`. `{name}.c` and `{name}.h` are all that a
+project needs; they use `{"sin and cos, " if program.main.operations.get("sin") else ""}sqrt` and `fabs` of libm, no heap, no globals. Lengths in {mechanism.length_unit}, angles in radians.
+
+    make test          # builds and runs {name}_test against vectors from Python
+    cmake -B build && cmake --build build && ctest --test-dir build
+
+Compile with `-fno-math-errno` (square roots become one instruction) and `-ffp-contract=off` where the same bits are wanted
+on every machine. Source: {markdown(mechanism.source) or "not given"}.
+
+One step: {counts}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
+
+## Equations
+
+{kind}
+
+{_branch(program)}
+
+## Closure
+
+```latex
+{closure}
+```
+
+Model SHA-256: `{mechanism.digest}`
+"""

@@ -1,0 +1,205 @@
+"""Write the C of serial arms: explicit direct problem and Jacobian with sin and cos of libm, inverse by Newton from a guess.
+
+The inverse problem walks from the guess's tool pose to the given one: positions along a line, orientations along the
+shorter arc.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
+from symkin.codegen.geometry import Geometry
+from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
+from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.options import Options
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.problem import Problem, build_problem
+from symkin.spatial.rotation import conjugate, multiply
+
+
+@dataclass(frozen=True, eq=False)
+class SerialArm:
+    """A serial arm with its options: what its C is written from."""
+
+    mechanism: Mechanism
+    options: Options
+    real: Real
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @cached_property
+    def inverse(self) -> Problem:
+        return build_problem(self.mechanism, "inverse")
+
+    @property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        return self.mechanism.actuated
+
+    @cached_property
+    def joints(self) -> ca.SX:
+        """Joint symbols in file order: the unknowns of the inverse problem."""
+        return self.inverse.system.unknown
+
+    @cached_property
+    def pose(self) -> ca.SX:
+        """Tool pose (x, y, z, qw, qx, qy, qz) of the joints."""
+        closure = self.inverse.closure
+        assert closure.forward is not None  # noqa: S101 - every serial arm has it
+        pose = self.geometry.of(ca.vertcat(closure.forward.position, closure.forward.quaternion))
+        return snapped_expression(pose, [self.joints, self.geometry.symbols])
+
+    @cached_property
+    def jacobian(self) -> ca.SX:
+        """Twist (velocity; angular velocity) by joint rates, 6 x N: 2 dq q* is the angular velocity's quaternion."""
+        rates = ca.jacobian(self.pose, self.joints)
+        q = self.pose[3:]
+        columns = []
+        for i in range(int(self.joints.shape[0])):
+            spin = multiply(2 * rates[3:, i], conjugate(q))
+            columns.append(ca.vertcat(rates[:3, i], spin[1:]))
+        return ca.horzcat(*columns)
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry(self.inverse.closure, self.options.geometry == "struct")
+
+    def forward_at(self, joints: np.ndarray) -> np.ndarray:
+        """Tool pose (7,) of joint values, nominal geometry."""
+        return np.asarray(self._forward(joints, self.geometry.values)).ravel()
+
+    def jacobian_at(self, joints: np.ndarray) -> np.ndarray:
+        """Jacobian (6, N) at joint values, nominal geometry."""
+        return np.asarray(self._rates(joints, self.geometry.values))
+
+    @cached_property
+    def _forward(self) -> ca.Function:
+        return ca.Function("forward", [self.joints, self.geometry.symbols], [ca.densify(self.pose)])
+
+    @cached_property
+    def _rates(self) -> ca.Function:
+        return ca.Function("jacobian", [self.joints, self.geometry.symbols], [ca.densify(self.jacobian)])
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The Newton iteration of the inverse problem."""
+        return system_kernel("inverse", self.geometry.system(self.inverse), self.inverse.known_coordinates, self.geometry.symbols)
+
+    @cached_property
+    def samples(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Joint values and their poses: within 0.8 rad and a tenth of the size of the middle, limits respected."""
+        rng = np.random.default_rng(4)
+        found = []
+        for _ in range(60):
+            q = np.array([_middle(c, self.mechanism.size, float(rng.uniform(-1, 1))) for c in self.actuated])
+            found.append((q, self.forward_at(q)))
+        return found
+
+    @property
+    def is_redundant(self) -> bool:
+        """A tool pose does not decide the joints."""
+        return len(self.actuated) > 6
+
+    def check(self) -> None:
+        count, rank = len(self.actuated), self.inverse.generic_rank
+        if rank < min(6, count):
+            raise InputError(
+                f"{self.name}: its {count} joints move the tool in {rank} directions only, so that no step is decided; C is "
+                "generated for arms whose joints are independent, or that reach all six directions"
+            )
+
+
+def _meaning(arm: SerialArm) -> str:
+    """What OK says of the joint values, as lines of a comment in the header."""
+    if not arm.is_redundant:
+        return ""
+    return "\n".join(
+        [
+            f" * The arm has {len(arm.actuated)} joints, so that a pose leaves {len(arm.actuated) - 6} of them free: each step is the shortest that",
+            " * its linear system allows (angles times the size), and the line is cut where a step is too long. The answer is the",
+            " * one of the joints' shortest motion from `guess`, as fine as these steps follow it; its tool pose is exact. A closed",
+            " * path of poses need not lead back to the same joint values.",
+        ]
+    )
+
+
+def _middle(c: Coordinate, size: float, part: float) -> float:
+    middle = 0.5 * (c.limits[0] + c.limits[1]) if c.limits else c.reference[0]
+    spread = 0.8 if c.is_angular else 0.1 * size
+    if c.limits:
+        spread = min(spread, 0.45 * (c.limits[1] - c.limits[0]))
+    return round(middle + spread * part, 6)
+
+
+@dataclass(frozen=True, eq=False)
+class ArmSource:
+    """The C of one arm, function by function."""
+
+    arm: SerialArm
+
+    @cached_property
+    def code(self) -> NewtonCode:
+        """The Newton iteration of the inverse problem; kappa is taken where the matrix is regular."""
+        arm, kernel, geometry = self.arm, self.arm.kernel, self.arm.geometry
+        matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
+        regular = [sample for sample, m in zip(arm.samples, matrices, strict=True) if np.linalg.cond(m) < 1e6]
+        return NewtonCode(
+            kernel=kernel,
+            name=arm.name,
+            real=arm.real,
+            geometry=geometry.names,
+            matrices=matrices,
+            kappa=curvature(kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values),
+            target_lines=line_target(arm.real, 7, 3),
+        )
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Values of the names in the templates of this kind, the tests and the header."""
+        nq = len(self.arm.actuated)
+        common = common_values(self.arm.name, self.arm.real, struct=self.arm.geometry.at_run_time)
+        return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm)}
+
+    @property
+    def text(self) -> str:
+        """Everything of NAME.c between its beginning and end."""
+        arm, values, nq = self.arm, self.values, len(self.arm.actuated)
+        ranges = condition_within_limits(arm.actuated, arm.real, arm.mechanism.size)
+        functions = fill("serial_functions.c", values | {
+            "jacobian": indent(self._jacobian_lines, 2), "to_x": indent(copy("w.x", "guess", nq), 2),
+            "out": indent(copy("joints", "w.x", nq), 3),
+        })  # fmt: skip
+        return "".join([
+            fill("pose_and_info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
+            fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
+        ])  # fmt: skip
+
+    def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
+        """Emitter of a dense function of the joints, whose C name is given."""
+        arm = self.arm
+        function = ca.Function("f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True})
+        return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
+
+    @property
+    def _forward_lines(self) -> list[str]:
+        """Statements of the tool's pose."""
+        emitter = self._emitter(self.arm.pose, "q")
+        stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
+        return [*emitter.lines, *stores]
+
+    @property
+    def _jacobian_lines(self) -> list[str]:
+        """Statements of the Jacobian, row by row."""
+        emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
+        stores = [f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
+        return [*emitter.lines, *stores]

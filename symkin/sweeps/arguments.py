@@ -1,0 +1,66 @@
+"""Arguments of `symkin.sweep` that are plainly of a wrong type or that a sweep would ignore, refused in a sentence."""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from symkin.errors import InputError
+from symkin.ignored_options import refuse_ignored
+from symkin.model.mechanism import require_mechanism
+from symkin.position.problem import build_problem
+from symkin.sweeps.pose_points import pose_units
+
+if TYPE_CHECKING:
+    from symkin.sweeps.space import Space
+
+
+def check_types(mechanism: Any, grid: Any, directory: Any, **others: Any) -> None:
+    """Raises InputError; `others` are the arguments `poses`, `certify`, `at`, `executor`, `dask` and `progress`."""
+    require_mechanism(mechanism)
+    wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
+    _need(isinstance(grid, Mapping), "grid", grid, wanted)
+    _need(isinstance(directory, str | os.PathLike), "directory", directory, "the path of a folder is needed")
+    for name in ("poses", "certify"):
+        _need(isinstance(others[name], bool), name, others[name], "True or False is needed")
+    _need(not isinstance(others["at"], str | bytes), "at", others["at"], "a list of numbers, a mapping or a Pose is needed")
+    executor, dask, progress = (others[name] for name in ("executor", "dask", "progress"))
+    _need(executor is None or hasattr(executor, "submit"), "executor", executor, "a concurrent.futures.Executor is needed")
+    _need(dask is None or isinstance(dask, str), "dask", dask, "the address of a scheduler is needed, a string")
+    _need(progress is None or callable(progress), "progress", progress, "a function of two counts is needed")
+
+
+def refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
+    """Refuse what the user gives and no point of the sweep reads: values of `at` that are all swept, random starts of a
+    formula."""
+    if not _reads_base(space):
+        refuse_ignored({"at": at}, "all that it would give is swept")
+    if not space.poses and build_problem(space.mechanism, "direct").is_explicit:
+        unread = {"starts": starts, "seed": None if space.sample is not None else seed}
+        refuse_ignored(unread, "the direct problem of a serial arm is a function of its joints, and nothing is random")
+
+
+def _reads_base(space: Space) -> bool:
+    """Whether something is not swept: a joint, a position, or the orientation before a rotation vector."""
+    swept = {axis.name for axis in space.axes}
+    if not space.poses:
+        return not {c.name for c in space.mechanism.actuated} <= swept
+    turns = "gamma" not in swept and space.mechanism.motion != "translation"
+    return turns or not {name for name in pose_units(space.mechanism) if name in "xyz"} <= swept
+
+
+def whole(value: Any, name: str) -> int:
+    """An integer of any type. Raises InputError."""
+    try:
+        if not isinstance(value, bool):
+            return operator.index(value)
+    except TypeError:
+        pass
+    raise InputError(f"{name} = {value!r}; a whole number is needed")
+
+
+def _need(good: bool, name: str, value: Any, wanted: str) -> None:
+    if not good:
+        raise InputError(f"{name} = {value!r} is of type {type(value).__name__}; {wanted}")
