@@ -153,6 +153,7 @@ def _is_turning(block: BlockFollower) -> bool:
 def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     """z of a turning block at a u before its turning point: on the followed side, and on the other one."""
     point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
+    # u = u* + u'' t^2 / 2 about the turning point (see `singular_point`): t = +-sqrt(2 (u* - u) / |u''|) on its two sides
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
     v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0)
     own, mate = (block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1] for s in (1.0, -1.0))
