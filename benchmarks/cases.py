@@ -88,6 +88,7 @@ def all_cases(seed: int) -> list[Case]:
         of_pose("3-RRR inverse", planar, 8),
         about_reference("3-RPS", three_rps(), 16),
         about_reference("delta, spatial", spatial, 40),
+        about_example("zhao2000", symkin.load("zhao2000"), 4, shipped=True),
         about_reference("3-TRT+SPS, links", symkin.load("zhao2000_links"), 32, shipped=True),
         of_joints("yao2020", symkin.load("yao2020"), 8, shipped=True),
         of_joints("gluon_6l3", symkin.load("gluon_6l3"), 8, shipped=True),
@@ -111,6 +112,14 @@ def about_reference(name: str, mechanism: symkin.Mechanism, count: int, *, shipp
         return {"joints": values}
 
     return Case(name, mechanism, "direct", count, draw, shipped)
+
+
+def about_example(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False) -> Case:
+    """Joints about those of the mechanism's example, by a hundredth of each."""
+    joints = np.asarray(mechanism.example.joints)
+    return Case(
+        name, mechanism, "direct", count, lambda r: {"joints": list(joints * r.uniform(0.99, 1.01, len(joints)))}, shipped
+    )
 
 
 def rods(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False) -> Case:

@@ -12,8 +12,8 @@ from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
-from symkin.position.mobility import fewer_rows
-from symkin.spatial.screw import prismatic_screw, reciprocal_product, reciprocal_system, revolute_screw
+from symkin.position.mobility import fewer_rows, reciprocal_system
+from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
 
 
 def four_bar(x: float = 4.0, z: float = 0.0) -> Mechanism:

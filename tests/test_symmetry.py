@@ -16,7 +16,7 @@ from symkin.homotopy.coplanar import distance_frames, plane_frame, reflection
 from symkin.homotopy.quadratic import quadratic_form, track
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.start_store import start_of
-from symkin.homotopy.symmetry import Symmetries, find_symmetries, nullspace, orbits
+from symkin.homotopy.symmetry import Symmetries, binary_null_space, find_symmetries, orbits
 from symkin.homotopy.systems import algebraic_systems
 from symkin.homotopy.values import algebraic_point, known_values
 from symkin.model.mechanism import Mechanism
@@ -115,7 +115,7 @@ def test_nullspaces_over_two_elements(rng):
     a = rng.uniform(size=(rng.integers(0, 7), 6)) < 0.4
     everything = (np.arange(64)[:, None] >> np.arange(6)) % 2 == 1
     solutions = ~(everything.astype(int) @ a.T.astype(int) % 2).any(axis=1)
-    basis = nullspace(a)
+    basis = binary_null_space(a)
     assert 2 ** len(basis) == solutions.sum()
     assert not (basis.astype(int) @ a.T.astype(int) % 2).any()
     assert len(np.unique(everything[:, : len(basis)].astype(int) @ basis.astype(int) % 2, axis=0)) == 2 ** len(basis)

@@ -52,6 +52,16 @@ class BlockRoots:
 
 
 @dataclass(frozen=True, eq=False)
+class _Candidates:
+    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the ends `origin` (m,) that they come
+    from, -1 where they combine several."""
+
+    points: np.ndarray
+    owner: np.ndarray
+    origin: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class BlockPaths:
     """A block with its algebraic system and the start of its paths."""
 
@@ -92,12 +102,13 @@ class BlockPaths:
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
         proved = self.prover.ends(z, known, instance) if certify else None
-        counts, candidates, owner = self._candidates(z, instance, plain, None if proved is None else proved.real == "not real")
-        points, owner = self._points(candidates, owner, k, known)
-        found = self._checked(points, owner, known, plain, counts)
+        counts, origin, columns, owner = self._real_ones(
+            z, instance, plain, None if proved is None else proved.real == "not real"
+        )
+        found, origin = self._checked(self._points(columns, owner, origin, k, known), known, plain, counts)
         if not certify:
             return found
-        proofs = self.prover.roots(proved, found.points, found.owner, known)
+        proofs = self.prover.roots(proved, found.points, found.owner, known, origin)
         plain[found.owner[~proofs.certified]] = False
         return replace(found, proofs=proofs)
 
@@ -113,17 +124,20 @@ class BlockPaths:
 
     # --- candidates --------------------------------------------------------------------------------------------------
 
-    def _candidates(
+    def _real_ones(
         self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Counts (n,) of complex solutions; the columns of z that are real, with those that limbs' branches add, and their
-        instances. Instances with more combinations than can be listed are no longer plain."""
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add, the places in z (-1 for these),
+        the columns and the instances. Instances with more combinations than can be listed are no longer plain."""
         counts = np.bincount(instance, minlength=len(plain))
         real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
         if not_real is not None:
             real &= ~not_real
         several = self._several_branches(z, instance)
-        columns, owner = [z[:, real & ~several[instance]]], [instance[real & ~several[instance]]]
+        origin = np.flatnonzero(real if several is None else real & ~several[instance])
+        if several is None:
+            return counts, origin, z[:, origin], instance[origin]
+        columns, owner, origins = [z[:, origin]], [instance[origin]], [origin]
         for i in np.flatnonzero(several):
             mine = z[:, instance == i]
             counts[i] = complex_count(self.algebraic, mine)
@@ -134,53 +148,54 @@ class BlockPaths:
                 continue
             columns.append(found)
             owner.append(np.full(found.shape[1], i))
-        if len(columns) == 1:
-            return counts, columns[0], owner[0]
+            origins.append(np.full(found.shape[1], -1))
         together = np.concatenate(owner)
         order = np.argsort(together, kind="stable")
-        return counts, np.concatenate(columns, axis=1)[:, order], together[order]
+        return counts, np.concatenate(origins)[order], np.concatenate(columns, axis=1)[:, order], together[order]
 
-    def _several_branches(self, z: np.ndarray, instance: np.ndarray) -> np.ndarray:
-        """Instances (n,) with limbs that have several branches at one pose."""
-        found = np.zeros(int(instance.max(initial=-1)) + 1, dtype=bool)
+    def _several_branches(self, z: np.ndarray, instance: np.ndarray) -> np.ndarray | None:
+        """Instances with limbs that have several branches at one pose; None where there are none."""
         if not self.algebraic.limbs or not instance.size:
-            return found
-        chosen = np.unique(instance)
+            return None
+        chosen = np.flatnonzero(np.bincount(instance))
         ends = z.reshape(self.algebraic.width, len(chosen), -1).transpose(1, 0, 2)
-        found[chosen] = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
-        return found
+        several = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
+        found = np.zeros(int(chosen[-1]) + 1, dtype=bool)
+        found[chosen] = several
+        return found if several.any() else None
 
-    def _points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points (m, width) of the block for real roots z (width, any) at the instances `owner`; with universal joints that
-        distances have replaced, all their choices."""
+    def _points(self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray) -> _Candidates:
+        """Points of the block for real roots z (width, any) at the instances `owner`; with universal joints that distances have
+        replaced, all their choices."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
         names = [c.name for c in self.block.unknowns]
         if not replaced_universal_joints(self.problem):
-            return np.concatenate([values[name] for name in names], axis=1), owner
-        points, owners = [np.zeros((0, self.block.width))], []
+            return _Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
+        points, repeats = [np.zeros((0, self.block.width))], []
         for i, instance in enumerate(owner):
             choices = with_universal_angles(self.problem, known[instance], {name: value[i] for name, value in values.items()})
             points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
-            owners += [instance] * len(choices)
-        return np.concatenate(points), np.array(owners, dtype=int)
+            repeats.append(len(choices))
+        return _Candidates(np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1))
 
     # --- roots -------------------------------------------------------------------------------------------------------
 
     def _checked(
-        self, points: np.ndarray, owner: np.ndarray, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
-    ) -> BlockRoots:
-        """Candidates polished on the block's own rows; those that close on all rows, written in the standard way."""
-        block, here = self.block, known[owner]
-        polished = block.polish_many(points, here)
-        points = canonical(block.unknowns, self._slices, block.fold(polished.points))
+        self, candidates: _Candidates, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
+    ) -> tuple[BlockRoots, np.ndarray]:
+        """Candidates polished on the block's own rows; those that close on all rows, written in the standard way, and their
+        origin."""
+        block, owner = self.block, candidates.owner
+        here = known[owner]
+        polished = block.polish_many(candidates.points, here)
+        points = canonical(block.unknowns, self._slices, polished.points)
         residual = block.residuals(points, here)
-        closed = residual <= CLOSURE_TOLERANCE * block.size
-        points, owner, residual, jacobians = points[closed], owner[closed], residual[closed], polished.jacobians[closed]
-        condition = conditions(jacobians)
+        closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.size)
+        points, owner, condition = points[closed], owner[closed], conditions(polished.jacobians[closed])
         plain[owner[~(condition < SUSPECT_CONDITION)]] = False
         plain[_owners_of_equal(block, points, owner)] = False
         counts = counts << len(replaced_universal_joints(self.problem))
-        return BlockRoots(points, owner, residual, condition, plain, counts, None)
+        return BlockRoots(points, owner, residual[closed], condition, plain, counts, None), candidates.origin[closed]
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
@@ -197,7 +212,7 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     order = np.lexsort((mixed, owner))
     sorted_owner, gap = owner[order], np.diff(mixed[order])
     near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
-    return [i for i in np.unique(sorted_owner[1:][near]).tolist() if _has_equal(block, f[owner == i])]
+    return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
 
 
 @lru_cache(maxsize=64)
@@ -213,7 +228,7 @@ def _has_equal(block: System, f: np.ndarray) -> bool:
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
     """What is said of generic roots that no loop of the known values connects."""
-    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.unique(start.orbits)]
+    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.flatnonzero(np.bincount(start.orbits))]
     if len(sizes) < 2:
         return ()
     return (f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions",)

@@ -60,8 +60,11 @@ class BlockProver:
             return certify_batch(self.bound.system, z, self.bound.knowns(known), instance, self.problem.closure.size)
         return certify_batch(self.whole, z, knowns_of(self.problem, known), instance, self.problem.closure.size)
 
-    def roots(self, ends: CertificateBatch | None, points: np.ndarray, owner: np.ndarray, known: np.ndarray) -> RootProofs:
-        """What is proved of real roots `points` (m, width) of the block at the instances `owner`."""
+    def roots(
+        self, ends: CertificateBatch | None, points: np.ndarray, owner: np.ndarray, known: np.ndarray, origin: np.ndarray
+    ) -> RootProofs:
+        """What is proved of real roots `points` (m, width) of the block at the instances `owner`; `origin` (m,) are the ends that
+        they come from, -1 where they combine several."""
         from symkin.certificate.certificate import certify_batch
         from symkin.certificate.exact import knowns_of
 
@@ -70,7 +73,8 @@ class BlockProver:
         found = ends
         if found is None:
             found = certify_batch(self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.size)
-        index, radius = found.find(z, owner)
+        expected = origin if ends is not None and (origin >= 0).all() else None
+        index, radius = found.find(z, owner, expected)
         complete = self._complete(found, np.bincount(owner, minlength=len(known)))
         return RootProofs(index >= 0, radius, complete)
 

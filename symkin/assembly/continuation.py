@@ -29,11 +29,11 @@ from symkin.homotopy.universal_joints import replaced_universal_joints, with_uni
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
 from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import SINGULAR_ROOT, Proofs, Roots, is_of_continuum, unite
-from symkin.position.solution import ACCEPTED
+from symkin.position.roots import Proofs, Roots, is_of_continuum, unite
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to 1e-9."""
@@ -46,8 +46,11 @@ def by_continuation(
 ) -> tuple[list[Roots], tuple[str, ...], bool]:
     """Roots of each block by paths; blocks without a start system by `starts` random starts, with a note why. Last, whether
     `starts` and `rng` were of use: in such blocks, and where paths left something in doubt."""
+    from symkin.certificate.disc_library import begin_loading
+
     blocks, notes, random_starts = [], [], False
     reason = unsuitable(problem)
+    begin_loading()
     for block in problem.blocks:
         match = None if reason else system_of(problem, block)
         start, why = (None, reason) if match is None else start_of(problem, match, block, progress)
@@ -84,7 +87,7 @@ def _block_roots(
     if doubtful or not len(points):
         count, generator = (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
         sampled = batched(problem, block, given, count, generator)
-        regular = [z for z in sampled.points if block.condition(z, given.values) < SINGULAR_ROOT]
+        regular = [z for z in sampled.points if block.condition(z, given.values) < SUSPECT_CONDITION]
         points = np.concatenate([points, np.array(regular).reshape(len(regular), block.width)])
         continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
@@ -146,7 +149,7 @@ def _polished(block: System, known: np.ndarray, configurations: list[dict[str, n
         z = block.fold(z[None])[0]
         left = block.residual(z, known)
         smallest = min(smallest, left)
-        if left <= ACCEPTED * block.size:
+        if left <= CLOSURE_TOLERANCE * block.size:
             (members if is_of_continuum(block, z, known) else points).append(z)
     found = np.array(points).reshape(len(points), block.width)
     return Roots(block, found, None, smallest, continuum=np.array(members) if members else None)

@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,16 +14,14 @@ from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.search import Search
 from symkin.errors import TooManyModesError
 from symkin.numeric.levenberg import Progress
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, pose_from
 from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import ACCEPTED, Solution, make_solution
+from symkin.position.solution import PartialProof, Solution, make_solution
 from symkin.position.starts import start_values
-
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
 
 _NEARLY_CLOSED = 1e-4
 
@@ -83,7 +80,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
-        if not solution.residual <= ACCEPTED * problem.closure.size:
+        if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.size:
             return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
         return Modes(
             problem,
@@ -99,7 +96,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         )
     conditions = problem.conditions
     off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
-    if off > ACCEPTED * problem.closure.size:
+    if off > CLOSURE_TOLERANCE * problem.closure.size:
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
     if not problem.blocks:
         search.refuse_unless_multistart(
@@ -121,7 +118,7 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
-    if smallest is not None and ACCEPTED < smallest / problem.closure.size < _NEARLY_CLOSED:
+    if smallest is not None and CLOSURE_TOLERANCE < smallest / problem.closure.size < _NEARLY_CLOSED:
         texts.append(
             f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
             'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
@@ -239,8 +236,6 @@ def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int,
 
 def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
     """What is proved of a mode that is not certified, if something is proved of each of its parts."""
-    from symkin.certificate.independent_rows import PartialProof
-
     found = []
     for roots, k in zip(blocks, parts, strict=True):
         p = roots.proofs

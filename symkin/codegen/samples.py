@@ -1,4 +1,4 @@
-"""Closed configurations near home: what pivots are chosen over and what test vectors are made of."""
+"""Sample closed configurations near home, over which pivots are chosen and of which test vectors are made."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.model.joint import Coordinate
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import ACCEPTED
 
 _STEPS = 12
 _DISTINCT = 1e-4
@@ -64,7 +64,7 @@ def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
     for k in range(1, _STEPS + 1):
         known = start + k / _STEPS * (goal - start)
         moved = system.polish(z, known, 6)
-        if system.residual(moved, known) > ACCEPTED * system.size or _jumped(direct, z, moved):
+        if system.residual(moved, known) > CLOSURE_TOLERANCE * system.size or _jumped(direct, z, moved):
             return None
         z = moved
     return system.polish(z, goal, 6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from flint import arb, arb_mat
 
-from symkin.certificate.balls import upper
+from symkin.numeric.balls import upper
 from symkin.numeric.tolerances import ROUNDED_STEP
 
 

@@ -44,10 +44,20 @@ class Axis:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModeGraph(Result):
-    """`found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
+    """Which modes connect without a singularity; made by `mode_graph`.
+
+    `found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
     in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
     `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
-    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete)."""
+    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete). `path`
+    gives the joint values that lead from one mode to another, `plot()` draws the sheets.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhao2000")
+    >>> graph = symkin.mode_graph(platform, [("theta1", 80.0, 82.0), ("op", 105.0, 106.0)], 2)
+    >>> len(graph.chosen), graph.groups
+    (4, [[0], [1], [2], [3]])
+    """
 
     mechanism: Mechanism
     axes: tuple[Axis, Axis]
@@ -95,7 +105,7 @@ class ModeGraph(Result):
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
             "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],
-            "sheets": [sorted(sheet) for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
+            "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
             "stopped": self.stopped, "unmatched": self.unmatched,
         }  # fmt: skip
 

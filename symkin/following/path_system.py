@@ -14,10 +14,10 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property, lru_cache
-from symkin.certificate.balls import BallFunction, raise_constants
 from symkin.closure.graph import instructions
 from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate
+from symkin.numeric.balls import BallFunction, raise_constants
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.pool import Pool

@@ -21,10 +21,10 @@ import numpy as np
 from flint import arb, arb_mat, arb_series, ctx
 
 from symkin.caching import cached_property
-from symkin.certificate.balls import UP, precision, upper
 from symkin.following.ball_matrices import identity, inverse_with, matrix
 from symkin.following.cubic import Cubic
 from symkin.following.step_certificate import HELD_WIDTH, LARGEST_FILL, Interval, Tube
+from symkin.numeric.balls import UP, precision, upper
 
 _BITS = 96
 """Precision of the balls: coefficients of order 8 lose digits by cancellation."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.certificate.balls import UP, precision, upper
 from symkin.certificate.independent_rows import most_independent
 from symkin.following.ball_matrices import balls
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, coefficients, least_squares
 from symkin.following.step_certificate import BITS, Interval
 from symkin.following.trajectory import Trajectory
+from symkin.numeric.balls import UP, precision, upper
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ import numpy as np
 from flint import arb, arb_mat
 
 from symkin.caching import cached_property
-from symkin.certificate.balls import REAL, UP, precision, upper
 from symkin.following.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
 from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem, coefficient_scales
+from symkin.numeric.balls import REAL, UP, precision, upper
 
 BITS = 64
 """Precision of the balls: eleven bits more than the doubles about which they lie."""

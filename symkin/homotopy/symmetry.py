@@ -166,13 +166,13 @@ def _admitted(system: AlgebraicSystem, rows: _Rows, flips: list[_Flip]) -> np.nd
             continue
         chosen = _all_sets(len(bits))
         good = rows.same(partial(_images, flips=[flips[b] for b in bits], chosen=chosen))[:, members]
-        for equation in nullspace(chosen[good.all(axis=1)]):
+        for equation in binary_null_space(chosen[good.all(axis=1)]):
             equations.append(np.zeros(len(flips), dtype=bool))
             equations[-1][bits] = equation
-    return nullspace(np.array(equations, dtype=bool).reshape(-1, len(flips)))
+    return binary_null_space(np.array(equations, dtype=bool).reshape(-1, len(flips)))
 
 
-def nullspace(a: np.ndarray) -> np.ndarray:
+def binary_null_space(a: np.ndarray) -> np.ndarray:
     """Basis (any, n) of the x with a x = 0 over the field of two elements, a (m, n) of booleans."""
     a = np.unique(a.astype(bool), axis=0)
     n = a.shape[1]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.numeric.tolerances import NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
+from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
 
 def singular_values(matrices: np.ndarray) -> np.ndarray:
@@ -23,12 +23,29 @@ def conditions(jacobians: np.ndarray) -> np.ndarray:
     """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows, columns); infinite where the
     smallest vanishes (see `NO_MOTION`) or entries are not finite, 1 where there are no rows and no columns."""
     count, rows, columns = jacobians.shape
-    if min(rows, columns) == 0:
+    if min(count, rows, columns) == 0:
         return np.full(count, 1.0 if rows * columns == 0 else np.inf)
-    values = singular_values(jacobians)
-    largest, smallest = values[:, 0], values[:, -1]
-    regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
-    return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    largest, smallest = _squared_extremes(jacobians)
+    found = np.sqrt(largest / np.maximum(smallest, 1e-300))
+    doubtful = ~(found < GRAM_CONDITION)
+    if doubtful.any():
+        values = singular_values(jacobians[doubtful])
+        largest, smallest = values[:, 0], values[:, -1]
+        regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
+        found[doubtful] = np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    return np.asarray(found)
+
+
+def _squared_extremes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squares (n,) of the largest and smallest singular values, from the smaller of J^T J and J J^T, in half the time of the
+    decomposition; to 1e-16 of the largest. NaN where a matrix is not finite."""
+    transposed = matrices.transpose(0, 2, 1)
+    gram = transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
+    finite = np.isfinite(gram).all(axis=(1, 2))
+    if not finite.all():
+        gram = np.where(finite[:, None, None], gram, np.eye(gram.shape[1]))
+    values = np.linalg.eigvalsh(gram)
+    return np.where(finite, values[:, -1], np.nan), np.where(finite, values[:, 0], np.nan)
 
 
 def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -64,9 +81,11 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
 
 
-def null_space(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` (absolute) taken as zero."""
+def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
+    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an absolute bound, or a share of the
+    largest one."""
     if not len(matrix):
         return np.eye(matrix.shape[1])
     _, singular, right = np.linalg.svd(matrix)
-    return np.asarray(right[int(np.sum(singular > tolerance)) :])
+    bound = tolerance * max(float(singular[0]), float(np.finfo(float).tiny)) if relative and singular.size else tolerance
+    return np.asarray(right[int(np.sum(singular > bound)) :])

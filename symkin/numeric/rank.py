@@ -6,10 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-RANK_TOLERANCE = 1e-8
-"""Singular values below this times the largest count as zero."""
-CLEAR_GAP = 1e3
-"""A smaller ratio between the last kept and the first dropped singular value is worth a warning."""
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 
 @dataclass(frozen=True)

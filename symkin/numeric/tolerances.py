@@ -45,6 +45,9 @@ ROUNDED_STEP = 1e-13
 WELL_CONDITIONED = 1e8
 """Bound on |J| |J^-1| up to which elimination gives a Newton step as good as the singular value decomposition's."""
 
+GRAM_CONDITION = 1e3
+"""Condition up to which J^T J gives it to ten digits: eigenvalues have errors of 1e-16 of the largest, 1e-10 of the smallest."""
+
 DISTINCT_ROOTS = 1e-6
 """Of the size: polished roots within this of each other are one; their rounding is 1e-15 times the condition."""
 

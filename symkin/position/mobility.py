@@ -18,11 +18,13 @@ from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.rank import CLEAR_GAP, RANK_TOLERANCE, Rank
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
 from symkin.position.solution import pose_of
 from symkin.result import Result, Summary
-from symkin.spatial.screw import null_space, reciprocal_system, tidy_rows
+from symkin.spatial.screw import tidy_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,11 @@ class Mobility(Result):
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
     reciprocal to them (rows, base origin). `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
     counts idle freedoms.
+
+    >>> import symkin
+    >>> found = symkin.mobility(symkin.load("zhao2000_links"))
+    >>> [limb.counts for limb in found.limbs], len(found.platform_constraints)
+    ([(1, 2), (1, 2), (1, 2), (0, 1)], 2)
     """
 
     closure: Closure
@@ -271,7 +278,7 @@ def _limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]
         twist_rows = jacobian[rows][:, [k for k, c in enumerate(columns) if c.role == "pose"]]
         systems = []
         for kept in (joints, passive):
-            wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE) @ twist_rows
+            wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE, relative=True) @ twist_rows
             systems.append(_row_space(_at_base_origin(wrenches, position, closure.size), closure.size))
         screws.append(LimbScrews(limb.name, systems[0], systems[1]))
     return tuple(screws)
@@ -291,6 +298,14 @@ def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> 
     """From (force, moment / size about the platform origin) to (force; moment about the base origin)."""
     force, moment = wrenches[:, :3], size * wrenches[:, 3:]
     return np.hstack([force, moment + np.cross(position, force)])
+
+
+def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
+    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the length `size`."""
+    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    scaled = np.atleast_2d(screws) * weights
+    swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
+    return np.asarray(tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights)
 
 
 def _row_space(wrenches: np.ndarray, size: float) -> np.ndarray:

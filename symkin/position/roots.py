@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.numeric.system import System
-from symkin.position.solution import ACCEPTED
-
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
+from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
-SINGULAR_ROOT = 1e6
-"""Condition above which a root is examined for being one of a continuum."""
 _DIGITS_LEFT = 100.0
 """Rounding errors of a root, in units of its condition times the machine's precision."""
 _CONTINUUM_SAMPLE = 5
@@ -119,9 +114,9 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
         z = system.polish(ends[index], known, steps=8)
         left = system.residual(z, known)
         smallest = min(smallest, left)
-        if left > ACCEPTED * system.size:
+        if left > CLOSURE_TOLERANCE * system.size:
             continue
-        is_singular = system.condition(z, known) > SINGULAR_ROOT
+        is_singular = system.condition(z, known) > SUSPECT_CONDITION
         if is_singular and moves_freely(system, z, known):
             continuum.append(z)
         else:
@@ -145,7 +140,7 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     f = features(system, points)
     conditions = np.array([system.condition(z, known) for z in points])
-    singular = conditions > SINGULAR_ROOT
+    singular = conditions > SUSPECT_CONDITION
     first, labels = merge(f[~singular], 1e-6 * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
@@ -162,7 +157,7 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
 
 def is_of_continuum(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     """Whether a root is not isolated."""
-    return system.condition(z, known) > SINGULAR_ROOT and moves_freely(system, z, known)
+    return system.condition(z, known) > SUSPECT_CONDITION and moves_freely(system, z, known)
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:

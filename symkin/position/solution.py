@@ -3,37 +3,56 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
-
-ACCEPTED = 1e-9
-"""A configuration is a solution when no closure error exceeds this times the size."""
-SINGULAR = 1e8
-"""Condition above which a solution is called singular."""
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+
+
+@dataclass(frozen=True)
+class PartialProof:
+    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one (length unit, angles times the
+    size); no other row is more than `remaining` there (length unit)."""
+
+    independent: int
+    rows: int
+    radius: float
+    remaining: float
+
+    @staticmethod
+    def joined(parts: Sequence[PartialProof]) -> PartialProof:
+        """Of parts that are solved one by one."""
+        return PartialProof(
+            sum(p.independent for p in parts), sum(p.rows for p in parts),
+            max(p.radius for p in parts), max(p.remaining for p in parts),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
-    """One configuration that closes all loops, in radians and the mechanism's length unit.
+    """One configuration that closes all loops: F(q, x, X, p) = 0 to within `residual`.
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
     closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
     the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
-    `certified`.
+    `certified`. `values` are in radians and the length unit, `joints` in the mechanism's units.
+
+    >>> import symkin
+    >>> found = symkin.solve(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2]).solution
+    >>> found.position.round(3).tolist(), round(found.joints["radial1"], 3)
+    ([4.946, 5.009, 104.964], 75.365)
     """
 
     mechanism: Mechanism
@@ -141,7 +160,7 @@ def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = No
         condition,
         None if inside is None else bool(inside[0]),
         hits,
-        notes=notes if condition < SINGULAR else (*notes, SINGULAR_NOTE),
+        notes=notes if condition < SINGULAR_CONDITION else (*notes, SINGULAR_NOTE),
     )
 
 

@@ -12,6 +12,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
@@ -23,7 +24,7 @@ from symkin.position.moved_starts import (
 )
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import ACCEPTED, Solution, make_solution, pose_of
+from symkin.position.solution import Solution, make_solution, pose_of
 from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
@@ -47,14 +48,23 @@ def solve(
     solver: str | Solver = "newton",
     check: bool = True,
 ) -> SolveResult:
-    """One solution of the direct (`joints`) or inverse (`pose`) problem, near `start`.
+    """Find one solution of F(q, x, X, p) = 0 near `start`: X and x for given `joints` q, or q and x for a given `pose` X.
 
     Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
     reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
-    "fast_newton", "ipopt" or a Newton or LeastSquares value.
+    "fast_newton" (CasADi's rootfinders), "ipopt" (least squares with joint limits as bounds), or a value of
+    `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is checked on all rows.
+
     Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit, and for
     a `start` where nothing is iterated.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhao2000")
+    >>> found = symkin.solve(platform, joints={"theta1": 81.6, "theta2": 202.8, "theta3": 330.6, "op": 105.2})
+    >>> back = symkin.solve(platform, pose=found.solution.pose)
+    >>> found.status, [round(v, 6) for v in back.solution.actuated_values]
+    ('ok', [81.6, -157.2, -29.4, 105.2])
     """
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
@@ -196,7 +206,7 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= ACCEPTED * system.size:
+    if left <= CLOSURE_TOLERANCE * system.size:
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
@@ -213,7 +223,7 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
     system = problem.system
     z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
-    return (solution, solution.residual) if solution.residual <= ACCEPTED * system.size else (None, solution.residual)
+    return (solution, solution.residual) if solution.residual <= CLOSURE_TOLERANCE * system.size else (None, solution.residual)
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:

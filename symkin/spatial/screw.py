@@ -73,24 +73,6 @@ def reciprocal_product(twist: Array, wrench: Array) -> Array:
     return dot(twist[:3], wrench[3:]) + dot(twist[3:], wrench[:3])
 
 
-def reciprocal_system(screws: np.ndarray, size: float = 1.0, tolerance: float = 1e-8) -> np.ndarray:
-    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the length `size`."""
-    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
-    scaled = np.atleast_2d(screws) * weights
-    swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
-    null = null_space(swapped, tolerance)
-    return np.asarray(tidy_rows(null) / weights)
-
-
-def null_space(a: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Orthonormal rows n with a n = 0; singular values below `tolerance` times the largest count as zero."""
-    if a.shape[0] == 0:
-        return np.eye(a.shape[1])
-    _, s, vt = np.linalg.svd(a)
-    rank = int(np.sum(s > tolerance * max(s[0], np.finfo(float).tiny))) if s.size else 0
-    return np.asarray(vt[rank:])
-
-
 def tidy_rows(rows: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
     """The same row space in reduced echelon form with unit rows: readable bases for print-outs."""
     reduced = np.array(rows, dtype=float)

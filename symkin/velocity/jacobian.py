@@ -43,7 +43,14 @@ class Jacobian(Result):
     Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and
     of `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints
     than freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints
-    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`.
+    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`. `at` evaluates the matrix, `function`
+    is a CasADi function, `plot(at=...)` draws the matrix at a configuration.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhang2009")
+    >>> J = symkin.jacobian(platform, "inverse")
+    >>> J.at(symkin.solve(platform, pose=[10, 20, 300, 1, 0, 0, 0]).solution).shape
+    (6, 6)
     """
 
     equations: VelocityEquations

@@ -24,7 +24,7 @@ from symkin.calibration.estimate.state import (
     spectrum,
     state_after,
 )
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 MINIMUM_TOLERANCE = 1e-6
 """A state is a minimum when one more linear step would lower chi-square by less than this."""

@@ -29,7 +29,7 @@ from symkin.calibration.estimate.state import (
     restored_after,
     state_after,
 )
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _TAIL_STEP = 1e-8
 """Steps below this (of the size) are Gauss-Newton steps near the minimum, where the cost is flat to rounding."""

@@ -20,7 +20,7 @@ from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determ
 from symkin.calibration.estimate.model import Evaluation, solve_systems
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise, wrapped
-from symkin.numeric.rank import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
 """A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same evaluation."""

@@ -16,7 +16,7 @@ from symkin.calibration.estimate.state import State, design, error_free_state, s
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import CLEAR_GAP
+from symkin.numeric.tolerances import CLEAR_GAP
 
 _NULL_SPACE_TOLERANCE = 1e-5
 """A unit direction belongs to the null space when its part outside is shorter than this."""

@@ -1,0 +1,104 @@
+"""One system at many points: the same numbers as one by one, and as NumPy's own decompositions."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import symkin
+from helpers.samples import five_bar, three_rrr
+from symkin.numeric.linear_algebra import conditions, least_squares_steps, null_space, singular_values
+from symkin.numeric.mapped import Mapped
+from symkin.position.canonical import canonical
+from symkin.position.problem import build_problem
+
+RNG = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 63, 64, 65, 200])
+def test_a_mapped_function_is_the_function(count):
+    """At any number of points, arguments of each point or of all."""
+    x, k = ca.SX.sym("x", 3), ca.SX.sym("k", 2)
+    mapped = Mapped.of([x, k], [ca.vertcat(x * k[0], k[1]), ca.jacobian(ca.sin(x) * k[1], x)])
+    points, known = RNG.normal(size=(count, 3)), RNG.normal(size=(count, 2))
+    for each in (known, RNG.normal(size=2)):
+        first, second = mapped(points, each)
+        assert first.shape == (count, 4, 1)
+        assert second.shape == (count, 3, 3)
+        for i in range(count):
+            a, b = mapped.function(points[i], each[i] if each.ndim == 2 else each)
+            assert np.array_equal(np.asarray(a), first[i])
+            assert np.array_equal(np.asarray(b), second[i])
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(5, 5), (8, 5), (4, 6)])
+def test_least_squares_steps(rows, columns):
+    """Square, tall and wide matrices, regular and singular ones side by side, as NumPy's least squares one by one."""
+    jacobians, values = RNG.normal(size=(7, rows, columns)), RNG.normal(size=(7, rows))
+    jacobians[2, :, 1] = jacobians[2, :, 0]
+    jacobians[4] = 0.0
+    steps = least_squares_steps(jacobians, values)
+    for j, f, step in zip(jacobians, values, steps, strict=True):
+        np.testing.assert_allclose(step, np.linalg.lstsq(j, -f, rcond=1e-13)[0], atol=1e-10)
+
+
+def test_conditions_and_singular_values():
+    """As NumPy's; infinite where a matrix is singular or not finite."""
+    matrices = RNG.normal(size=(5, 6, 4))
+    matrices[3, :, 2] = 0.0
+    matrices[4, 0, 0] = np.nan
+    found = conditions(matrices)
+    np.testing.assert_allclose(found[:3], [np.linalg.cond(m) for m in matrices[:3]])
+    assert np.isinf(found[3:]).all()
+    np.testing.assert_allclose(singular_values(matrices[0]), np.linalg.svd(matrices[0], compute_uv=False))
+    assert conditions(np.zeros((2, 0, 0))).tolist() == [1.0, 1.0]
+
+
+def test_a_null_space_is_one():
+    """Orthonormal rows that the matrix takes to zero, as many as its rank leaves."""
+    matrix = RNG.normal(size=(3, 2)) @ RNG.normal(size=(2, 5))
+    null = null_space(matrix, 1e-9)
+    assert null.shape == (3, 5)
+    np.testing.assert_allclose(null @ null.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(matrix @ null.T, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("mechanism", [symkin.load("zhang2009"), five_bar(), three_rrr("planar")], ids=lambda m: m.name)
+def test_many_points_are_each_alone(mechanism):
+    """Rows, Jacobians, errors, conditions and polished points of many points with known values of their own."""
+    problem = build_problem(mechanism, "direct")
+    system = problem.system
+    reference = problem.closure.reference
+    z = np.tile(problem.select_values(reference, system.unknowns), (6, 1))
+    z = system.move(z, 0.05 * system.size * RNG.normal(size=(6, system.freedom)))
+    known = problem.select_values(reference, problem.known_coordinates) * (
+        1 + 0.01 * RNG.normal(size=(6, len(mechanism.actuated)))
+    )
+    rows, jacobians = system.linearise(z, known)
+    polished = system.polish_many(z, known)
+    for i in range(6):
+        f, j = system.linearise_one(z[i], known[i])
+        np.testing.assert_allclose(rows[i], f, atol=1e-12 * system.size)
+        np.testing.assert_allclose(jacobians[i], j, atol=1e-12)
+        assert system.residuals(z, known)[i] == pytest.approx(system.residual(z[i], known[i]))
+        assert system.conditions(z, known)[i] == pytest.approx(system.condition(z[i], known[i]))
+        np.testing.assert_allclose(polished.points[i], system.polish(z[i], known[i], 8), atol=1e-9 * system.size)
+
+
+def test_the_standard_writing():
+    """Angles within half a turn or in their limits, quaternions with w >= 0, the same rotation; written twice, it stays."""
+    closure = build_problem(symkin.load("zhang2009"), "direct").closure
+    values = np.tile(closure.reference, (4, 1))
+    place = closure.slices["pose.quaternion"]
+    values[:, place] = RNG.normal(size=(4, 4))
+    once = canonical(closure.coordinates, closure.slices, values)
+    q = once[:, place]
+    np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
+    assert (q[:, 0] >= 0).all()
+    np.testing.assert_allclose(canonical(closure.coordinates, closure.slices, once), once, atol=1e-15)
+    arm = build_problem(five_bar(), "direct").closure
+    angles = [arm.slices[c.name].start for c in arm.coordinates if c.kind == "angle"]
+    turned = np.tile(arm.reference, (2, 1))
+    turned[:, angles] += 2 * np.pi * np.array([[3.0], [-2.0]])
+    np.testing.assert_allclose(canonical(arm.coordinates, arm.slices, turned)[:, angles], np.tile(arm.reference[angles], (2, 1)))
