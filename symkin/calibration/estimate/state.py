@@ -258,6 +258,7 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
     if basis is not None:
         matrix, right = matrix @ basis, right - matrix @ particular
     width = matrix.shape[1]
+    # R of [J, b] = Q R holds all that least squares need of J and b, whatever the number of readings
     triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
     r, b = triangle[:width, :width], triangle[:width, width]
     if not np.all(np.isfinite(triangle)):

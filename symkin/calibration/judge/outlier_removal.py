@@ -81,8 +81,8 @@ def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fi
 def _one_by_one(
     fit: FitFunction, measurements: Measurements, first: Fit, level: float, before: Sequence[Outlier] = ()
 ) -> ScreenedFit:
-    """A gross error bends the fit beyond its linear range and makes others of the good: in each round only those go that are within
-    _GROSS of the largest statistic, and the rest is judged at a new fit."""
+    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that good readings look bad: in each round
+    only those go whose statistic is `_GROSS_SHARE` of the largest or more, and the rest is judged at a new fit."""
     found, taken_out, allowed = first, list(before), None
     unchecked: tuple[ReadingKey, ...] = ()
     while True:

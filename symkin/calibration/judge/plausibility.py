@@ -50,7 +50,7 @@ LARGE_CHANGE = 0.2
 """A change of a parameter by more than this share of the size (angles: radians) is no correction of a nominal geometry."""
 OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
 """A departure (see `departure`) by more than the first share is no correction of the machine that the file describes, but another
-machine; one by more than the second is, where a slip of the columns would make it. Tolerances of some per mille of the size leave some
+machine; one by more than the second is, where a mistake in the columns would explain it. Tolerances of some per mille of the size leave some
 per mille, a nominal geometry measured with a ruler two or three per cent."""
 _NEGLIGIBLE_CHANGE = 0.03
 """Changes of all parameters below this share of the size (angles: radians) are the same machine, although near singularities

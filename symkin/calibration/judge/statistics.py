@@ -7,7 +7,7 @@ are parameters. In the linear range |e|^2 has the chi-square distribution with a
 left, whichever form of the residuals was minimised.
 
 Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
-combination of parameters that the readings tell least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
+combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
 the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure of its error
 (curvature by the parameters, Bates and Watts 1980).
 """
@@ -128,6 +128,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         for _ in range(2):  # the second time takes away what rounding left
             made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
         columns[rows], residuals[rows] = made, r
+    # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
     flat_columns = columns.reshape(count, -1)
     if len(known):
