@@ -24,13 +24,13 @@ import symkin
 from cases import all_cases
 from symkin.certificate import certificate
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, precision, upper
 from symkin.certificate.coordinates import in_phase
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.krawczyk import chart_of, enclose
 from symkin.certificate.quick_test import Enclosures, enclose_all
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.model.joint import Coordinate
+from symkin.numeric.balls import COMPLEX, REAL, precision, upper
 
 BITS = 128
 CLOSEST, FARTHEST = -17.0, -7.0

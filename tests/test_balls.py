@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from helpers.samples import seeds
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, BallFunction, precision, upper
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import COMPLEX, REAL, BallFunction, precision, upper
 
 
 def exact(function: ca.Function, *inputs: list[Fraction]) -> list[Fraction]:

@@ -14,7 +14,6 @@ import symkin
 from helpers.known_roots import Case, case
 from helpers.samples import delta, five_bar, hexapod, three_rrr
 from symkin import Mechanism
-from symkin.certificate.balls import precision
 from symkin.certificate.certificate import Certificates, certify
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.instance import instance
@@ -24,6 +23,7 @@ from symkin.homotopy.systems import algebraic_systems, system_of
 from symkin.homotopy.universal_start import universal_start
 from symkin.homotopy.values import algebraic_point, known_values, real_values
 from symkin.model.joint import Coordinate
+from symkin.numeric.balls import precision
 from symkin.position.problem import build_problem
 
 pytestmark = pytest.mark.usefixtures("kept_starts")

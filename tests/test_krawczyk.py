@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from helpers.samples import seeds
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL
 from symkin.certificate.krawczyk import Box, chart_of, enclose
 from symkin.certificate.separation import distinct_boxes, is_pose
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.model.joint import Coordinate
+from symkin.numeric.balls import COMPLEX, REAL
 
 
 def single(row) -> BallSystem:

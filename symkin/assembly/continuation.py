@@ -46,8 +46,11 @@ def by_continuation(
 ) -> tuple[list[Roots], tuple[str, ...], bool]:
     """Roots of each block by paths; blocks without a start system by `starts` random starts, with a note why. Last, whether
     `starts` and `rng` were of use: in such blocks, and where paths left something in doubt."""
+    from symkin.certificate.disc_library import begin_loading
+
     blocks, notes, random_starts = [], [], False
     reason = unsuitable(problem)
+    begin_loading()
     for block in problem.blocks:
         match = None if reason else system_of(problem, block)
         start, why = (None, reason) if match is None else start_of(problem, match, block, progress)

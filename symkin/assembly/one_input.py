@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +20,8 @@ from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import Solution, make_solution
+from symkin.position.solution import PartialProof, Solution, make_solution
 from symkin.position.starts import start_values
-
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
 
 _NEARLY_CLOSED = 1e-4
 
@@ -240,8 +236,6 @@ def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int,
 
 def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
     """What is proved of a mode that is not certified, if something is proved of each of its parts."""
-    from symkin.certificate.independent_rows import PartialProof
-
     found = []
     for roots, k in zip(blocks, parts, strict=True):
         p = roots.proofs

@@ -14,11 +14,11 @@ from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.roots import Proofs
+from symkin.position.solution import PartialProof
 
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
     from symkin.certificate.certificate import Certificates
-    from symkin.certificate.independent_rows import PartialProof
 
 
 @dataclass(frozen=True, eq=False)

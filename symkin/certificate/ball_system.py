@@ -10,8 +10,8 @@ import casadi as ca
 from flint import ctx
 
 from symkin.caching import cached_property, lru_cache
-from symkin.certificate.balls import BallFunction, Number, Part, Ring, raise_constants
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import BallFunction, Number, Part, Ring, raise_constants
 
 
 @dataclass(frozen=True, eq=False)

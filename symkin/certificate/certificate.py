@@ -18,7 +18,6 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, UP, Number, precision
 from symkin.certificate.coordinates import aligned, in_phase, spread
 from symkin.certificate.discs import Discs
 from symkin.certificate.knowns import Knowns
@@ -27,12 +26,14 @@ from symkin.certificate.open_points import prove_points
 from symkin.certificate.quick_test import enclose_all
 from symkin.certificate.separation import Features, are_apart, are_not_real, distinct_boxes, features, is_pose, not_real
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 
 _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""
 _FARTHEST = 1e-7
 """A root farther than this from the given point (unit ray, angles, lengths over size) is not what was given; a point with a
 smaller imaginary part is tried as a real one."""
+_REALITY = np.array(["unknown", "real", "not real"])
 _DIAGONAL = 1.4143
 """At least half the diagonal of a square over half its side."""
 
@@ -167,7 +168,7 @@ class CertificateBatch:
             return nearest
         own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle[:, 0]
         owners = self.instance[proved]
-        for j in np.unique(instance).tolist():
+        for j in np.flatnonzero(np.bincount(instance)).tolist():
             here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, owners))
             if proved[roots].size:
                 far = np.abs(own[here, None] - marks[roots])
@@ -189,9 +190,9 @@ def certify_batch(
     """Certificates of approximate roots z (width, n) of the instances `instance` (n,), ascending, of known values."""
     instance = np.zeros(z.shape[1], dtype=int) if instance is None else np.asarray(instance)
     given = in_phase(system, np.asarray(z, dtype=complex))
-    near = (np.max(np.abs(given.imag), axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
-    quick = enclose_all(system, np.where(near, given.real, given), near, knowns, instance)
-    roots = _Roots(system, knowns, instance, given, near, quick.centre, quick.half_width, quick.found & quick.is_real)
+    near = (np.abs(given.imag).max(axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
+    quick = enclose_all(system, given, near, knowns, instance)
+    roots = _Roots(system, knowns, instance, given, near, quick.centre, quick.half_width, quick.is_real)
     roots.prove_open_points()
     roots.leave_out_far_ones()
     return roots.collect(size or system.size)
@@ -215,14 +216,13 @@ class _Roots:
         self.boxes: dict[int, Box] = {}
         self.reasons: dict[int, str] = {}
 
-    @property
-    def found(self) -> np.ndarray:
-        return np.asarray(np.isfinite(self.half))
-
     def prove_open_points(self) -> None:
         """By balls, what the quick test has not proved, one instance after another."""
-        todo = np.flatnonzero(~np.isfinite(self.half))
-        for j in np.unique(self.instance[todo]).tolist():
+        found = np.isfinite(self.half)
+        if found.all():
+            return
+        todo = np.flatnonzero(~found)
+        for j in np.flatnonzero(np.bincount(self.instance[todo])).tolist():
             self._prove_some(j, todo[self.instance[todo] == j])
 
     @precision(_DOUBLE)
@@ -239,44 +239,54 @@ class _Roots:
 
     def leave_out_far_ones(self) -> None:
         """Roots that are too far from their points to be what was given."""
-        for i in np.flatnonzero(self.found & ~(_away(self.centre, self.half, self.given) <= _FARTHEST)).tolist():
+        far = ~(_away(self.centre, self.half, self.given) <= _FARTHEST)
+        for i in np.flatnonzero(far).tolist() if far.any() else ():
             self.half[i] = np.inf
-            self.reasons[i] = "the point is not a root; the one found is farther away than 1e-7"
+            self.reasons[i] = self.reasons.get(i) or "the point is not a root; the one found is farther away than 1e-7"
 
     def collect(self, size: float) -> CertificateBatch:
         """All that is proved of the roots, beyond their boxes."""
-        found, some = self.found, np.flatnonzero(self.found)
-        of, instance = self._features(some), self.instance[some]
-        real, pose = np.full(len(found), "unknown", dtype="<U8"), np.zeros(len(found), dtype=bool)
-        real[some[self.real[some]]] = "real"
-        real[some[self._not_real(some)]] = "not real"
-        pose[some] = of.poses
-        for i in some[~of.poses].tolist():
-            pose[i] = is_pose(self.system, self._box(i))
-        distinct = np.bincount(instance, minlength=self.knowns.count)
-        for j in np.flatnonzero(~are_apart(of.mixed, instance, len(distinct))).tolist():
-            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in some[instance == j].tolist()]))
+        found = np.isfinite(self.half)
+        real = self.real & found
+        of, not_real_ones = self._features(real), self._not_real(found & ~real)
+        centre, distinct = self.centre, self._distinct(found, of)
+        if not found.all():
+            centre = np.where(found, centre, self.given)
         return CertificateBatch(
             system=self.system, knowns=self.knowns, instance=self.instance, size=size, given=self.given, certified=found,
-            centre=np.where(found, self.centre, self.given), ball=self.half, real=real, pose=pose, distinct=distinct,
-            reasons=self.reasons,
+            centre=centre, ball=self.half, real=_REALITY[real + 2 * not_real_ones], pose=self._poses(found, of),
+            distinct=distinct, reasons=self.reasons,
         )  # fmt: skip
 
-    def _features(self, some: np.ndarray) -> Features:
-        """Of roots within discs that hold their boxes."""
-        half = self.half[some]
-        radius = np.where(self.real[some], half, half * _DIAGONAL)
-        return features(self.system, Discs(self.centre[:, some].T, np.repeat(radius[:, None], self.system.width, axis=1)))
+    def _features(self, real: np.ndarray) -> Features:
+        """Of the numbers within discs that hold the boxes."""
+        radius = np.where(real, self.half, self.half * _DIAGONAL)
+        return features(self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1)))
 
-    def _not_real(self, some: np.ndarray) -> np.ndarray:
-        """Which of some roots are proved not to be real."""
-        result = np.zeros(len(some), dtype=bool)
-        open_ones = np.flatnonzero(~self.real[some])
-        if open_ones.size:
-            result[open_ones] = are_not_real(self.system, self.centre[:, some[open_ones]], self.half[some[open_ones]])
-        for i in open_ones[~result[open_ones]].tolist():
-            result[i] = not_real(self.system, self._box(int(some[i])))
-        return result
+    def _not_real(self, among: np.ndarray) -> np.ndarray:
+        """Which roots are proved not to be real, of those `among` (n,)."""
+        if not among.any():
+            return among
+        shown: np.ndarray = are_not_real(self.system, self.centre, self.half) & among
+        for i in np.flatnonzero(among & ~shown).tolist():
+            shown[i] = not_real(self.system, self._box(i))
+        return shown
+
+    def _poses(self, found: np.ndarray, of: Features) -> np.ndarray:
+        poses: np.ndarray = of.poses & found
+        for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
+            poses[i] = is_pose(self.system, self._box(i))
+        return poses
+
+    def _distinct(self, found: np.ndarray, of: Features) -> np.ndarray:
+        """So many certified roots of each instance are proved to differ."""
+        instance, mixed = (self.instance, of.mixed) if found.all() else (self.instance[found], of.mixed.at(found))
+        distinct = np.bincount(instance, minlength=self.knowns.count)
+        apart = are_apart(mixed, instance, len(distinct))
+        for j in np.flatnonzero(~apart).tolist() if not apart.all() else ():
+            chosen = np.flatnonzero(found & (self.instance == j))
+            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in chosen.tolist()]))
+        return distinct
 
     def _box(self, i: int) -> Box:
         if i not in self.boxes:
@@ -288,7 +298,7 @@ class _Roots:
 def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
     """No point of a box of half width (n,) about its centre (width, n) is farther than this from its point (width, n) in any
     |Re| or |Im|; infinite without a box."""
-    apart = centre - points
     with np.errstate(invalid="ignore"):
-        far = np.abs(apart.view(float)).max(axis=0).reshape(-1, 2).max(axis=1) if apart.size else np.zeros(len(half))
+        apart = centre - points
+        far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
         return np.asarray((far + half) * UP)

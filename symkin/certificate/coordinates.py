@@ -7,11 +7,11 @@ import numpy as np
 from flint import arb
 
 from symkin.caching import lru_cache
-from symkin.certificate.balls import REAL, BallFunction, Number, precision, upper
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import REAL, BallFunction, Number, precision, upper
 from symkin.spatial.rotation import conjugate, multiply
 
 _ROUNDING = 2.0**-49
@@ -69,12 +69,14 @@ def in_phase(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     """Points (width, n) with rays of unit length, turned so that real ones are real."""
     z = z.copy()
     if system.projective:
-        ray = list(system.projective)
+        ray = slice(system.projective[0], system.projective[-1] + 1)
         x = z[ray]
-        largest = x[np.argmax(np.abs(x), axis=0), np.arange(x.shape[1])]
         with np.errstate(all="ignore"):
-            x = x * (np.conj(largest) / np.abs(largest))
-            z[ray] = x / np.linalg.norm(x, axis=0)
+            squares = x.real**2 + x.imag**2
+            largest = squares.argmax(axis=0)[None]
+            pivot = np.take_along_axis(x, largest, axis=0)[0]
+            sizes = np.take_along_axis(squares, largest, axis=0)[0] * squares.sum(axis=0)
+            z[ray] = x * (np.conj(pivot) / np.sqrt(sizes))
     return z
 
 

@@ -6,7 +6,9 @@ SYMKIN_ENGINE = numpy turns it off.
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +81,18 @@ class DiscLibrary:
 
 def disc_library() -> DiscLibrary | None:
     """The library, from the cache or compiled now; None where there is none."""
-    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _load()
+    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _loaded()
+
+
+def begin_loading() -> None:
+    """Compile the library in a thread of its own, where that is to be done, while other things are: whoever asks for it waits."""
+    if os.environ.get("SYMKIN_ENGINE") != OFF and not _loaded.cache_info().currsize:
+        threading.Thread(target=_loaded).start()
+
+
+@functools.lru_cache(maxsize=1)
+def _loaded() -> DiscLibrary | None:
+    return _load()
 
 
 @lru_cache(maxsize=1)
@@ -104,12 +117,15 @@ def _at(array: np.ndarray) -> Any:
     return array.ctypes.data
 
 
-@lru_cache(maxsize=512)
+# Two threads may make these twice, which does no harm; they are asked for at every call.
+
+
+@functools.lru_cache(maxsize=512)
 def _struct_of(code: Code) -> _Code:
     return _Code(code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs)
 
 
-@lru_cache(maxsize=128)
+@functools.lru_cache(maxsize=128)
 def _problem_of(tape: Tape) -> _Problem:
     rows, columns = tape.patterns[1]
     value, slope = (_struct_of(code) for code in tape.parts)

@@ -11,7 +11,6 @@ import numpy as np
 from flint import arb
 
 from symkin.caching import lru_cache
-from symkin.certificate.balls import REAL, BallFunction, Number, precision
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
@@ -19,6 +18,7 @@ from symkin.closure.rows import RowBuilder
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import distance_function, is_universal
 from symkin.homotopy.values import coordinate_scale
+from symkin.numeric.balls import REAL, BallFunction, Number, precision
 from symkin.position.problem import Problem
 
 _BITS = 256

@@ -7,39 +7,21 @@ within a stated radius, and how far the others are from zero there at most.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from flint import arb
 
 from symkin.caching import lru_cache
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import REAL, UP, Number, precision, upper
 from symkin.certificate.certificate import certify
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import REAL, UP, Number, precision, upper
+from symkin.position.solution import PartialProof
 
 _RANK = 1e-8
 """Share of the longest row's length below which what is left of a row is none of its own."""
 _BITS = 128
-
-
-@dataclass(frozen=True)
-class PartialProof:
-    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one (length unit, angles times the
-    size); no other row is more than `remaining` there (length unit)."""
-
-    independent: int
-    rows: int
-    radius: float
-    remaining: float
-
-    @staticmethod
-    def joined(parts: Sequence[PartialProof]) -> PartialProof:
-        """Of parts that are solved one by one."""
-        return PartialProof(
-            sum(p.independent for p in parts), sum(p.rows for p in parts),
-            max(p.radius for p in parts), max(p.remaining for p in parts),
-        )  # fmt: skip
 
 
 def prove_independent_rows(system: AlgebraicSystem, z: np.ndarray, known: Sequence[Number], size: float) -> PartialProof | None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, arb
 
-from symkin.certificate.balls import Number
 from symkin.certificate.disc_arithmetic import TINY, UP
 from symkin.certificate.discs import Discs
+from symkin.numeric.balls import Number
 
 
 @dataclass(frozen=True, eq=False)

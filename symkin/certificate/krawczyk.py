@@ -21,7 +21,7 @@ from flint import acb_mat, arb_mat, ctx
 
 from symkin.caching import cached_property, lru_cache
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, Number, Ring, precision, upper
+from symkin.numeric.balls import COMPLEX, Number, Ring, precision, upper
 
 _INFLATION = 2.5
 """Half width of the first box, over the size of the last Newton step."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, REAL, RINGS
 from symkin.certificate.krawczyk import Box, chart_of, enclose
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import COMPLEX, REAL, RINGS
 
 _BITS = (64, 128, 256)
 """Precisions tried in turn; up to 64 bits a number is one machine word."""

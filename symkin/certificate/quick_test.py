@@ -48,17 +48,18 @@ class Enclosures:
 
 
 def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray) -> Enclosures:
-    """The test at points z (width, n) of instances (n,), in real numbers where `real` (n,)."""
+    """The test at points z (width, n) of instances (n,), of their real parts in real numbers where `real` (n,)."""
     n = z.shape[1]
     result = Enclosures(z.copy(), np.full(n, np.inf), real & knowns.discs.is_real)
     function = disc_function(system)
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
-    if function is None or not square or (disc_library() is None and n < _WORTH_NUMPY):
+    if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
         return result
-    prepared = function.prepare(knowns.discs)
-    for among in (np.flatnonzero(result.is_real), np.flatnonzero(~result.is_real)):
-        if among.size:
-            points, ready = (z[:, among].real, prepared) if result.is_real[among[0]] else (z[:, among], prepared.as_complex())
+    prepared, reals = function.prepare(knowns.discs), int(np.count_nonzero(result.is_real))
+    for is_real, count in ((True, reals), (False, n - reals)):
+        if count:
+            among = slice(None) if count == n else result.is_real == is_real
+            points, ready = (z[:, among].real, prepared) if is_real else (z[:, among], prepared.as_complex())
             centre, half = _enclose(function, system.projective, points, ready, instance[among])
             result.centre[:, among], result.half_width[among] = centre, half
     return result
@@ -77,16 +78,17 @@ def _enclose(
     function: DiscFunction, ray: tuple[int, ...], z: np.ndarray, prepared: Discs, instance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Centres (width, n) and half widths of points of one kind; trials about what the one before has come to."""
-    points, half = np.ascontiguousarray(z.T), np.full(z.shape[1], np.inf)
+    points = np.ascontiguousarray(z.T)
     patch = np.zeros(points.shape, dtype=points.dtype)
-    patch[:, list(ray)] = np.conj(points[:, list(ray)])
-    todo = np.flatnonzero(np.isfinite(points).all(axis=1))
-    for wide in _WIDE:
-        if not todo.size:
+    if ray:
+        patch[:, ray[0] : ray[-1] + 1] = np.conj(points[:, ray[0] : ray[-1] + 1])
+    centre, half = _test(function, points, patch, prepared, instance, _WIDE[0])
+    for wide in _WIDE[1:]:
+        todo = ~np.isfinite(half)
+        if not todo.any():
             break
-        points[todo], half[todo] = _test(function, points[todo], patch[todo], prepared, instance[todo], wide)
-        todo = todo[~np.isfinite(half[todo]) & np.isfinite(points[todo]).all(axis=1)]
-    return points.T, half
+        centre[todo], half[todo] = _test(function, centre[todo], patch[todo], prepared, instance[todo], wide)
+    return centre.T, half
 
 
 def _test(

@@ -15,12 +15,12 @@ import numpy as np
 from flint import acb, arb
 
 from symkin.caching import lru_cache
-from symkin.certificate.balls import Number, precision
 from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.krawczyk import Box
 from symkin.certificate.tape import build_tape
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import Number, precision
 
 _WEIGHTS = 3
 """So many random t are computed; two roots differ if one of them does."""

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.certificate.balls import Part, derive, raise_constants
 from symkin.closure.graph import instructions
+from symkin.numeric.balls import Part, derive, raise_constants
 
 
 class Op(IntEnum):

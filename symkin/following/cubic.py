@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.certificate.balls import UP
+from symkin.numeric.balls import UP
 
 _ROUNDING = 2.0**-48
 """Allowance for a cubic evaluated in double precision, relative to its control points."""

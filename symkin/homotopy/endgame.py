@@ -126,9 +126,9 @@ def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -
 
 
 def _with_far_roots(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked) -> Ends | None:
-    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's method with more bits finds
-    and ball arithmetic proves; else None."""
-    from symkin.certificate.far_roots import are_far, carried, settled
+    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's method with more bits finds;
+    else None."""
+    from symkin.homotopy.far_roots import are_far, carried, settled
 
     z = tracked.z.copy()
     left = np.flatnonzero(~are_regular(system, tracked, target))

@@ -184,7 +184,7 @@ def _corners(problem: Problem, base: np.ndarray, rng: np.random.Generator) -> Ca
 
 def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
     """Roots polished on a machine's own rows, those far from real ones by more bits; None where one is not found."""
-    from symkin.certificate.far_roots import are_far, settled
+    from symkin.homotopy.far_roots import are_far, settled
 
     ends, last = newton(system, z, k)
     left = np.flatnonzero(~(last <= 1e-9))

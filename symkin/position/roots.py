@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
-
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
+from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
 _DIGITS_LEFT = 100.0

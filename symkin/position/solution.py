@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,10 +18,26 @@ from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
-if TYPE_CHECKING:
-    from symkin.certificate.independent_rows import PartialProof
-
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+
+
+@dataclass(frozen=True)
+class PartialProof:
+    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one (length unit, angles times the
+    size); no other row is more than `remaining` there (length unit)."""
+
+    independent: int
+    rows: int
+    radius: float
+    remaining: float
+
+    @staticmethod
+    def joined(parts: Sequence[PartialProof]) -> PartialProof:
+        """Of parts that are solved one by one."""
+        return PartialProof(
+            sum(p.independent for p in parts), sum(p.rows for p in parts),
+            max(p.radius for p in parts), max(p.remaining for p in parts),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -24,7 +24,7 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
@@ -38,9 +38,6 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 from symkin.velocity.equations import variables_of
 
-TOLERANCE = 1e-6
-"""A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
-
 
 @without_float_warnings
 def singularity(
@@ -49,7 +46,7 @@ def singularity(
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     start: Joints | Pose | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = SINGULAR_VALUE,
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
 ) -> Singularity:
@@ -85,7 +82,7 @@ def singularity(
 
 
 @without_float_warnings
-def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | None = None) -> Singularity:
+def classify(solution: Solution, tolerance: float = SINGULAR_VALUE, output: Output | None = None) -> Singularity:
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")

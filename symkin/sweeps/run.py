@@ -167,10 +167,10 @@ def sweep(
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
     plan = make_plan(space, quantity=chosen.quantity, certify=chosen.certify, starts=count, chunk=chunk)
-    enumerator = plan.enumerator()
-    pinned = plan.pinned(enumerator)
+    finder = plan.finder()
+    pinned = plan.pinned(finder)
     with _crew(executor, workers, dask) as crew:
-        store = open_store(folder, plan, pinned, enumerator.bound)
+        store = open_store(folder, plan, pinned, finder.bound)
         with locked(folder):
             damaged = mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)

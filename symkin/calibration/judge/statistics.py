@@ -235,7 +235,7 @@ def chi_square_tail(value: float, degrees: int) -> float:
     """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
     from flint import arb
 
-    from symkin.certificate.balls import precision
+    from symkin.numeric.balls import precision
 
     if degrees <= 0 or value <= 0.0:
         return 1.0
@@ -248,7 +248,7 @@ def f_tail(value: float, first: int, second: int) -> float:
     value)."""
     from flint import arb
 
-    from symkin.certificate.balls import precision
+    from symkin.numeric.balls import precision
 
     if first <= 0 or second <= 0 or value <= 0.0:
         return 1.0

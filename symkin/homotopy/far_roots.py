@@ -1,26 +1,28 @@
 """Roots that double precision cannot settle because angles have large imaginary parts.
 
 Near a special geometry, such as axes that are parallel but for 1e-4 rad, some roots of the inverse problem lie far from the real
-ones: sines and cosines of 1e4 and more are subtracted from each other, and few digits are left. There Newton's method and the
-proof that a regular root is met are done with more bits.
+ones: sines and cosines of 1e4 and more are subtracted from each other, and few digits are left. There Newton's method is done
+with more bits.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.balls import COMPLEX, BallFunction, precision, upper
-from symkin.certificate.krawczyk import Chart, enclose
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
 
 _BITS = 128
 _FAR = 4.0
 """Imaginary part of an angle from which on a root is far: its sine is 27."""
+_REFINEMENTS = 10
+"""Newton steps at most; near a regular root each doubles the digits."""
 _NEAREST = 1e-3
-"""Largest distance of a proved root from the point that stands for it."""
+"""Largest distance of a root from the point that stands for it."""
 _TOLERANCE = 1e-5
 """Largest first Newton step of a step along a path."""
 _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
@@ -34,17 +36,41 @@ def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 
 
 def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points (width, n) moved to the proved regular roots nearby, and which of them have one."""
+    """Points (width, n) moved to the regular roots nearby where Newton's method with more bits settles, and which of them do: about
+    a multiple root it halves its steps, and does not come down to the last digits."""
     found, points = np.zeros(z.shape[1], dtype=bool), z.copy()
     if system.projective or system.count != system.width:
         return found, points
-    balls = BallSystem(system, tuple(complex(v) for v in k))
-    chart = Chart(balls.all_rows, balls.all_columns, None, system.width)
     for i in range(z.shape[1]):
-        box = enclose(balls, chart, COMPLEX, z[:, i], _BITS)
-        if box is not None and np.max(np.abs(box.point - z[:, i])) < _NEAREST:
-            points[:, i], found[i] = box.point, True
+        root = _settle(system, z[:, i], k)
+        if root is not None and np.max(np.abs(root - z[:, i])) < _NEAREST:
+            points[:, i], found[i] = root, True
     return found, points
+
+
+def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
+    """The root to which Newton's method comes from a point; None where its steps do not become as small as 0.6 of the digits."""
+    with precision(_BITS):
+        rows, known = _at(system, k)
+        point = [COMPLEX.number(v) for v in z.tolist()]
+        for _ in range(_REFINEMENTS):
+            step = _newton_step(rows, known, point)
+            size = 1.0 if step is None else max(upper(d) for d in step)
+            if step is None or not size < 1.0:
+                return None
+            point = [(p - d).mid() for p, d in zip(point, step, strict=True)]
+            if size < 2.0 ** (-0.6 * _BITS):
+                return np.array([complex(p) for p in point])
+    return None
+
+
+def _newton_step(rows: BallFunction, known: list[Any], point: list[Number]) -> list[Number] | None:
+    """What Newton's method subtracts at a point; None where the derivatives have no inverse."""
+    matrix = COMPLEX.matrix(len(point), len(point), rows.evaluate(1, point, known)).mid()
+    try:
+        return list(matrix.solve(COMPLEX.column(rows.evaluate(0, point, known)).mid()).mid().entries())
+    except ZeroDivisionError:
+        return None
 
 
 def carried(system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -107,24 +133,34 @@ def _corrected(
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
     """The root that two Newton steps from z lead to, its tangent for k moving `along`, and the first step's size; None where
     the steps are too large or do not shrink."""
-    balls = BallSystem(system, tuple(complex(v) for v in k))
     motion = _motion(system)
     sizes: list[float] = []
     with precision(_BITS):
+        rows, known = _at(system, k)
         point = [COMPLEX.number(v) for v in z.tolist()]
         for _ in range(2):
-            matrix = COMPLEX.matrix(system.width, system.width, balls.jacobian(COMPLEX, point)).mid()
-            try:
-                step = matrix.solve(COMPLEX.column(balls.rows(COMPLEX, point)).mid()).mid()
-            except ZeroDivisionError:
+            before, step = point, _newton_step(rows, known, point)
+            if step is None:
                 return None
-            point = [(p - d).mid() for p, d in zip(point, step.entries(), strict=True)]
-            sizes.append(max(upper(d) for d in step.entries()))
+            point = [(p - d).mid() for p, d in zip(point, step, strict=True)]
+            sizes.append(max(upper(d) for d in step))
             if not sizes[-1] <= min(_TOLERANCE, 0.01 * (sizes[0] + 1e-12) if len(sizes) > 1 else _TOLERANCE):
                 return None
+        matrix = COMPLEX.matrix(system.width, system.width, rows.evaluate(1, before, known)).mid()
         moved = motion.evaluate(0, point, motion.prepare(COMPLEX, [*(complex(v) for v in k), *(complex(v) for v in along)]))
         tangent = matrix.solve(COMPLEX.column(moved)).entries()
     return np.array([complex(p) for p in point]), -np.array([complex(t) for t in tangent]), sizes[0]
+
+
+def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, list[Any]]:
+    """Rows and their derivatives, and what known values make of them, at the present precision."""
+    rows = _rows(system)
+    return rows, rows.prepare(COMPLEX, [complex(v) for v in k])
+
+
+@lru_cache(maxsize=16)
+def _rows(system: AlgebraicSystem) -> BallFunction:
+    return BallFunction(system.z, system.k, system.rows, ("value", "slope"))
 
 
 @lru_cache(maxsize=16)
