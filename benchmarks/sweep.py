@@ -96,11 +96,11 @@ class Reference:
     """Seconds of the same enumeration of some chunks, in this process."""
 
     def __init__(self, plan: Plan, chunks: list[int]) -> None:
-        enumerator = plan.enumerator()
-        plan.compute(enumerator, 0)
+        finder = plan.finder()
+        plan.compute(finder, 0)
         wall, cpu = time.perf_counter(), time.process_time()
         for index in chunks:
-            plan.compute(enumerator, index)
+            plan.compute(finder, index)
         self.wall, self.cpu = time.perf_counter() - wall, time.process_time() - cpu
         self.points = sum(plan.blocks[index][0].stop - plan.blocks[index][0].start for index in chunks)
 

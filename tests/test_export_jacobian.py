@@ -19,7 +19,7 @@ from helpers import samples
 from helpers.latex_reader import evaluated
 from symkin import InputError
 from symkin.cli.app import main
-from symkin.codegen.jacobian_file import FORMATS, jacobian_text, write_jacobian
+from symkin.codegen.jacobian_formats import FORMATS, jacobian_text, write_jacobian
 from symkin.codegen.jacobian_latex import symbol_of
 from symkin.codegen.latex import distinct
 from symkin.velocity.jacobian import jacobian
@@ -190,7 +190,7 @@ def test_heads_say_what_the_file_is(language):
 _HASHES = """
 import hashlib
 import symkin
-from symkin.codegen.jacobian_file import FORMATS, jacobian_text
+from symkin.codegen.jacobian_formats import FORMATS, jacobian_text
 from symkin.velocity.jacobian import jacobian
 for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
     for language in FORMATS:

@@ -13,7 +13,7 @@ from helpers import firmware_tools as tools
 from helpers import samples
 from symkin import load
 from symkin.closure.snapping import snap
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import folder_files, write_folder
 from symkin.codegen.options import Options
 from symkin.errors import InputError

@@ -14,7 +14,7 @@ from helpers import firmware_tools as tools
 from symkin import Mechanism, RodLimb, load, solve
 from symkin.cli.app import main
 from symkin.codegen.folder import write_folder
-from symkin.codegen.home import home_pose
+from symkin.codegen.home_pose import home_pose
 from symkin.codegen.options import Options
 from symkin.codegen.program import build_program
 from symkin.codegen.vectors import build_vectors

@@ -24,7 +24,7 @@ from helpers.firmware_tools import STRICT, built, compiler, passed
 from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
 from symkin.cli.app import main
 from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.jacobian_file import jacobian_text
+from symkin.codegen.jacobian_formats import jacobian_text
 from symkin.codegen.latex import document, equations
 from symkin.codegen.options import Options
 from symkin.model.file import parse

@@ -154,7 +154,9 @@ def test_null_space_changes_nothing():
     changes = []
     for step in (1e-3, 1e-4):
         p = model.nominal + step * direction
-        changes.append(np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").linearised.vector - before))
+        changes.append(
+            np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").linearised.vector - before)
+        )
     assert changes[1] < 0.02 * changes[0]
 
 

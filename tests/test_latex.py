@@ -18,7 +18,7 @@ from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
 from symkin.closure.closure import build_closure, random_values
 from symkin.closure.snapping import snap, snapped_expression
 from symkin.codegen.latex import distinct, document, equations, letter_of_values, symbol_name, write
-from symkin.codegen.tidying import tidied
+from symkin.codegen.simplification import tidied
 
 OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
 EVERY = [*symkin.shipped_names(), *OWN]

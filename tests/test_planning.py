@@ -167,7 +167,8 @@ def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
     assert workspace.holds(plan_24.configurations).all()
     low, high = NOMINAL.limbs[0].limits
     assert np.all(
-        (plan_24.configurations.joints >= low + 0.02 * (high - low)) & (plan_24.configurations.joints <= high - 0.02 * (high - low))
+        (plan_24.configurations.joints >= low + 0.02 * (high - low))
+        & (plan_24.configurations.joints <= high - 0.02 * (high - low))
     )
     for row, group in zip(plan_24.configurations.poses, plan_24.groups, strict=True):
         angles = symkin.spatial.rotation.euler_from_quaternion(row[3:], "xyz")

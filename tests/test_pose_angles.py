@@ -12,7 +12,7 @@ import symkin
 from helpers.laws import axis_turn
 from helpers.samples import Z, three_rrr
 from symkin import InputError
-from symkin.singularities.classification import TOLERANCE
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.loci import Loci
 from symkin.singularities.singular_loci import singular_loci
 from symkin.sweeps.run import sweep
@@ -56,7 +56,7 @@ def test_points_of_loci_are_singular_for_solve_and_in_sweeps(plane, half, tmp_pa
         assert found.distances["type 2"] < 1e-9
         grid = {name: [value] for name, value in values.items()}
         data = sweep(HEXAPOD, grid, tmp_path / str(k), poses=True, at=at, quantity="conditioning", workers=0).open()
-        assert float(data["distance_type_2"].min()) < TOLERANCE
+        assert float(data["distance_type_2"].min()) < SINGULAR_VALUE
         assert symkin.singularity(HEXAPOD, **loci.given((u, v))).distances["type 2"] < 1e-9
 
 

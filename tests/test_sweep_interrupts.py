@@ -33,9 +33,9 @@ def test_a_chunk_is_written_whole_when_ctrl_c_comes_meanwhile(tmp_path, monkeypa
     local = pytest.importorskip("zarr.storage._local")
     mechanism = symkin.load("zhao2000")
     plan = make_plan(make_space(mechanism, {"op": np.linspace(90, 120, 4)}, at=[81.6, 202.8, 330.6, 105.2]), chunk=4)
-    enumerator = plan.enumerator()
-    pinned = plan.pinned(enumerator)
-    store: Store = open_store(tmp_path / "s", plan, pinned, enumerator.bound)
+    finder = plan.finder()
+    pinned = plan.pinned(finder)
+    store: Store = open_store(tmp_path / "s", plan, pinned, finder.bound)
     arrays = compute_chunk(Job(plan, pinned).packed(), 0)
     put, slow = local._put, []
 

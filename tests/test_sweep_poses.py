@@ -116,7 +116,7 @@ def test_condition_is_told_where_it_holds():
     ("arguments", "said"),
     [
         ({"grid": "leg1=0:1:2"}, "grid = 'leg1=0:1:2' is of type str; a mapping"), ({"grid": [("leg1", [1.0])]}, "a mapping"),
-        ({"mechanism": "zhang2009"}, "a Mechanism is needed"), ({"directory": 5}, "path of a folder"), ({"at": "1,2"}, "list of numbers or a Pose"),
+        ({"mechanism": "zhang2009"}, "a Mechanism is needed"), ({"directory": 5}, "path of a folder"), ({"at": "1,2"}, "list of numbers, a mapping or a Pose"),
         ({"random": 2.5}, "random = 2.5; a whole number"), ({"seed": "0"}, "seed = '0'; a whole number"), ({"starts": "many"}, "starts = 'many'"),
         ({"chunk": True}, "chunk = True; a whole"), ({"workers": 1.0}, "workers = 1.0"), ({"poses": "yes"}, "True or False"),
         ({"certify": 1}, "True or False"), ({"executor": 4}, "Executor is needed"),

@@ -164,7 +164,7 @@ def test_points_without_solution_and_off_the_motion(tmp_path):
     assert set(np.array(COMPLETENESS)[turned.completeness.values]) == {"probability one"}
     assert turned.rz.attrs["units"] == "deg"
     tilted = Pose(np.array([0.0, 0.0, 100.0]), np.array([math.cos(0.2), math.sin(0.2), 0.0, 0.0]))
-    found = make_plan(make_space(restricted, {"z": [100.0]}, poses=True)).enumerator().enumerate([{"pose": tilted}])
+    found = make_plan(make_space(restricted, {"z": [100.0]}, poses=True)).finder().enumerate([{"pose": tilted}])
     assert found.count.tolist() == [0]
     assert [COMPLETENESS[code] for code in found.completeness] == ["off the motion"]
 

@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 
 from symkin.codegen.program import Kind
-from symkin.codegen.rods import RodPlatform, sample_poses
-from symkin.codegen.serial import SerialArm
+from symkin.codegen.rod_platform import RodPlatform, sample_poses
+from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import build_vectors, rounded_to
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply

@@ -27,11 +27,11 @@ import numpy as np
 from bench_cases import HOME
 from continuation import Walker
 from readme import written
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Kind, build_program
-from symkin.codegen.rods import RodPlatform
+from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.vectors import home_values
 from symkin.model.file import load
 from symkin.model.mechanism import Mechanism

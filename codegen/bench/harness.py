@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from bench_cases import cases_of
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program

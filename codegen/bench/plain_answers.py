@@ -16,7 +16,7 @@ from bench_cases import cases_of, vectors_of
 from branches import WIDE_JOINTS, WIDE_POSES, goals_about
 from plain_casadi import PlainCasadi
 from symkin.codegen.folder import write_folder
-from symkin.codegen.rods import RodPlatform
+from symkin.codegen.rod_platform import RodPlatform
 from symkin.position.solution import pose_of
 from symkin.spatial.pose import Pose
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from bench_cases import cases_of
 from harness import Harness, filled, harness_of, table
 from plain_casadi import PlainCasadi
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 
 EXACT = Real("double")
@@ -46,13 +47,14 @@ def _casadi_newton(plain: PlainCasadi) -> Harness:
     begin = "(kind == 0) ? start0[k] : start1[k]" if len(starts) == 2 else "start0[k]"
     prepare = f"{plain.real} z[{n}]; const {plain.real} *const result = z + {offset}; int status; (void)kind;"
     names = ("inverse",) if serial else ("cold", "warm")
-    return _casadi(plain, plain.newton, (begin, "known[k]"), "z", tables, prepare, checked, names, len(known))
+    return _casadi(plain, Call(plain.newton, (begin, "known[k]"), "z"), tables, prepare, checked, names, len(known))
 
 
 def _casadi_matrix(plain: PlainCasadi, inputs: np.ndarray, expected: np.ndarray) -> Harness:
     tables = [_given(plain, "input", inputs), table("double", "expected", expected, EXACT)]
     prepare = f"{plain.real} result[{expected.shape[1]}]; int status; (void)kind;"
-    return _casadi(plain, plain.matrix, ("input[k]",), "result", tables, prepare, expected.shape[1], ("jacobian",), len(inputs))
+    called = Call(plain.matrix, ("input[k]",), "result")
+    return _casadi(plain, called, tables, prepare, expected.shape[1], ("jacobian",), len(inputs))
 
 
 def _given(plain: PlainCasadi, name: str, rows: np.ndarray) -> str:
@@ -60,15 +62,23 @@ def _given(plain: PlainCasadi, name: str, rows: np.ndarray) -> str:
     return table(plain.real, name, rows, plain.program.real)
 
 
+class Call(NamedTuple):
+    """A function of CasADi's C with the texts of its arguments and of the array for its result."""
+
+    function: ca.Function
+    arguments: tuple[str, ...]
+    output: str
+
+
 def _casadi(
-    plain: PlainCasadi, function: ca.Function, arguments: tuple[str, ...], output: str, tables: list[str], prepare: str,
-    checked: int, kinds: tuple[str, ...], count: int,
-) -> Harness:  # fmt: skip
+    plain: PlainCasadi, called: Call, tables: list[str], prepare: str, checked: int, kinds: tuple[str, ...], count: int
+) -> Harness:
     """A call of one of CasADi's functions with the work arrays that it asks for."""
+    function = called.function
     folder = Path(tempfile.mkdtemp())
     plain.generate(folder)
     work = f"""static {plain.real} w[{function.sz_w() + 1}]; static casadi_int iw[{function.sz_iw() + 1}];
-        const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(arguments)} }}; {plain.real} *res[{function.sz_res() + 1}] = {{ {output} }};"""
+        const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(called.arguments)} }}; {plain.real} *res[{function.sz_res() + 1}] = {{ {called.output} }};"""
     call = f"status = {function.name()}(arg, res, iw, w, 0);"
     text = filled(f'#include "{plain.source}.h"', tables, f"{prepare} {work}", call, checked, len(kinds), count)
     (folder / "bench.c").write_text(text)

@@ -15,12 +15,12 @@
 #define GLUON_6L3_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_verdict(const gluon_6l3_real values[], int count, gluon_6l3_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_real values[], int count, gluon_6l3_status otherwise)
 {
     gluon_6l3_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const gluon_6l3_real none = values[i] - values[i];
+        const gluon_6l3_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0f)) {
             status = GLUON_6L3_NONFINITE;
         }
@@ -28,8 +28,8 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_verdict(const gluon_6l3_real va
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static gluon_6l3_status gluon_6l3_unit(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
     const gluon_6l3_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static gluon_6l3_status gluon_6l3_unit(const gluon_6l3_pose *pose, gluon_6l3_rea
     if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = gluon_6l3_verdict(q, 4, GLUON_6L3_OUT_OF_RANGE);
+        status = gluon_6l3_check_finite(q, 4, GLUON_6L3_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static gluon_6l3_status gluon_6l3_unit(const gluon_6l3_pose *pose, gluon_6l3_rea
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static GLUON_6L3_COLD void gluon_6l3_tell(gluon_6l3_info *info, unsigned int count, gluon_6l3_real residual, gluon_6l3_real size, gluon_6l3_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static GLUON_6L3_COLD void gluon_6l3_write_info(gluon_6l3_info *info, unsigned int count, gluon_6l3_real residual, gluon_6l3_real size, gluon_6l3_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -62,8 +63,8 @@ static GLUON_6L3_COLD void gluon_6l3_tell(gluon_6l3_info *info, unsigned int cou
 }
 
 
-/* Whether joint values are within their ranges. */
-static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check(const gluon_6l3_real joints[6])
+/* Checks whether joint values are within their ranges. */
+static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check_limits(const gluon_6l3_real joints[6])
 {
     gluon_6l3_status status = GLUON_6L3_OK;
     if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
@@ -72,12 +73,12 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check(const gluon_6l3_real jo
         && (joints[3] >= -1000.0f) && (joints[3] <= 1000.0f)
         && (joints[4] >= -1000.0f) && (joints[4] <= 1000.0f)
         && (joints[5] >= -1000.0f) && (joints[5] <= 1000.0f))) {
-        status = gluon_6l3_verdict(joints, 6, GLUON_6L3_OUT_OF_RANGE);
+        status = gluon_6l3_check_finite(joints, 6, GLUON_6L3_OUT_OF_RANGE);
     }
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
 static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
 {
     const gluon_6l3_real t0 = cosf(q[0]);
@@ -257,20 +258,28 @@ static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
     x[6] = t167;
 }
 
+/* Work space of gluon_6l3_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: q1, q2, q3, q4, q5, q6
+ * k: x, y, z, quaternion (w, x, y, z)
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     gluon_6l3_real x[6]; /* state */
-    gluon_6l3_real x0[6]; /* state at the part of the line that is done */
-    gluon_6l3_real at[7]; /* known values at the guess */
-    gluon_6l3_real k[7]; /* known values aimed at, as the rows take them */
-    gluon_6l3_real f[6]; /* rows, then the step */
-    gluon_6l3_real a[36]; /* matrix, then its factors */
-    gluon_6l3_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[6]; /* rows exchanged by the fallback */
-    bool pivoted;
+    gluon_6l3_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
+    gluon_6l3_real at[7]; /* known values at the guess, where the line begins */
+    gluon_6l3_real k[7]; /* known values aimed at */
+    gluon_6l3_real f[6]; /* rows; the linear solver leaves the step in their place */
+    gluon_6l3_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    gluon_6l3_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } gluon_6l3_inverse_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
 {
+    /* row 1 */
     const gluon_6l3_real t0 = cosf(w->x[0]);
     const gluon_6l3_real t1 = cosf(w->x[1]);
     const gluon_6l3_real t2 = cosf(w->x[2]);
@@ -348,12 +357,14 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t74 = w->k[0] - t73;
     const gluon_6l3_real t75 = -t74;
     w->f[0] = t75;
+    /* row 2 */
     const gluon_6l3_real t77 = t0 * t71;
     const gluon_6l3_real t78 = t51 * t49;
     const gluon_6l3_real t79 = t77 + t78;
     const gluon_6l3_real t80 = w->k[1] - t79;
     const gluon_6l3_real t81 = -t80;
     w->f[1] = t81;
+    /* row 3 */
     const gluon_6l3_real t83 = t1 * t47;
     const gluon_6l3_real t84 = t42 * t40;
     const gluon_6l3_real t85 = t83 + t84;
@@ -365,6 +376,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t91 = w->k[2] - t90;
     const gluon_6l3_real t92 = -t91;
     w->f[2] = t92;
+    /* row 4 */
     const gluon_6l3_real t94 = 0.5f * w->x[0];
     const gluon_6l3_real t95 = cosf(t94);
     const gluon_6l3_real t96 = 0.5f * w->x[1];
@@ -457,6 +469,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t183 = 1078.5874f * t182;
     const gluon_6l3_real t184 = -t183;
     w->f[3] = t184;
+    /* row 5 */
     const gluon_6l3_real t186 = t148 * t180;
     const gluon_6l3_real t187 = t161 * t172;
     const gluon_6l3_real t188 = t186 - t187;
@@ -467,6 +480,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t193 = 1078.5874f * t192;
     const gluon_6l3_real t194 = -t193;
     w->f[4] = t194;
+    /* row 6 */
     const gluon_6l3_real t196 = t148 * t172;
     const gluon_6l3_real t197 = t161 * t180;
     const gluon_6l3_real t198 = t196 + t197;
@@ -478,7 +492,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     w->f[5] = t203;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
 {
     gluon_6l3_real sum = w->f[0] * w->f[0];
@@ -488,8 +502,9 @@ static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l
     return sqrtf(sum);
 }
 
-/* Puts the step on; its squared length. */
-static gluon_6l3_real gluon_6l3_inverse_move(gluon_6l3_inverse_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static gluon_6l3_real gluon_6l3_inverse_apply_step(gluon_6l3_inverse_work *w)
 {
     const gluon_6l3_real t0 = 0.0018542771f * w->f[0];
     const gluon_6l3_real t1 = w->x[0] + t0;
@@ -523,12 +538,13 @@ static gluon_6l3_real gluon_6l3_inverse_move(gluon_6l3_inverse_work *w)
     return t22;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static GLUON_6L3_SHARED void gluon_6l3_inverse_target(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static GLUON_6L3_SHARED void gluon_6l3_inverse_set_target(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
     }
+    /* of q and -q, one rotation, the one on the guess's side */
     if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
         w->k[3] = -w->k[3];
         w->k[4] = -w->k[4];
@@ -547,7 +563,7 @@ static GLUON_6L3_SHARED void gluon_6l3_inverse_target(gluon_6l3_inverse_work *w,
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void gluon_6l3_inverse_matrix(gluon_6l3_inverse_work *w)
 {
     const gluon_6l3_real t0 = cosf(w->x[1]);
@@ -1292,6 +1308,7 @@ static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
     w->pivoted = true;
     w->spread = 0.0f;
     for (int c = 0; c < 6; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         gluon_6l3_real largest = 0.0f;
         for (int r = c; r < 6; ++r) {
@@ -1317,6 +1334,7 @@ static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
         if (w->a[6 * c + c] < 0.0f) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const gluon_6l3_real inverse = 1.0f / w->a[6 * c + c];
         w->a[6 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -1334,6 +1352,7 @@ static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
 /* The step from w->f into w->f with the factors of gluon_6l3_inverse_pivoted. */
 static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 6; ++c) {
         const int best = (int)w->order[c];
         const gluon_6l3_real t = w->f[best];
@@ -1343,6 +1362,7 @@ static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_wor
             w->f[r] -= w->a[6 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 6 - 1; c >= 0; --c) {
         const gluon_6l3_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
@@ -1358,6 +1378,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
 {
     gluon_6l3_real det;
     w->pivoted = false;
+    /* pivot 1: row 6, unknown 5 */
     const gluon_6l3_real t0 = 0.70710677f * w->k[6];
     const gluon_6l3_real t1 = -0.70710677f * w->k[5];
     const gluon_6l3_real t2 = t0 - t1;
@@ -1721,6 +1742,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     w->a[3] = t245;
     w->a[4] = t308;
     w->a[5] = t354;
+    /* pivot 2: row 1, unknown 2 */
     const gluon_6l3_real t363 = cosf(w->x[1]);
     const gluon_6l3_real t364 = cosf(w->x[2]);
     const gluon_6l3_real t365 = cosf(w->x[3]);
@@ -1916,6 +1938,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     w->a[9] = t548;
     w->a[10] = t549;
     w->a[11] = t550;
+    /* pivot 3: row 5, unknown 6 */
     const gluon_6l3_real t558 = t29 * t68;
     const gluon_6l3_real t559 = t26 * t77;
     const gluon_6l3_real t560 = t558 - t559;
@@ -1983,6 +2006,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     w->a[15] = t616;
     w->a[16] = t617;
     w->a[17] = t618;
+    /* pivot 4: row 3, unknown 3 */
     const gluon_6l3_real t625 = 1.0f - t384;
     const gluon_6l3_real t626 = t379 * t392;
     const gluon_6l3_real t627 = t363 * t396;
@@ -2047,6 +2071,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t686 = t684 * 0.391677f;
     w->a[23] = t683;
     w->a[22] = t682;
+    /* pivot 5: row 4, unknown 1 */
     const gluon_6l3_real t689 = t2 * t68;
     const gluon_6l3_real t690 = t23 * t77;
     const gluon_6l3_real t691 = t689 - t690;
@@ -2122,6 +2147,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     w->a[28] = t760;
     const gluon_6l3_real t762 = t760 * 0.93386f;
     w->a[29] = t758;
+    /* pivot 6: row 2, unknown 4 */
     const gluon_6l3_real t764 = t384 * t411;
     const gluon_6l3_real t765 = t380 * t398;
     const gluon_6l3_real t766 = t764 + t765;
@@ -2171,30 +2197,34 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t810 = 1.0f / t809;
     w->a[35] = t810;
     const gluon_6l3_real t812 = t810 * 0.493933f;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = t355 * t546 * t615 * t684 * t760 * t809;
     w->spread = t357 * t357 + t553 * t553 + t621 * t621 + t686 * t686 + t762 * t762 + t812 * t812;
     return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
 {
     if (w->pivoted) {
         gluon_6l3_inverse_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const gluon_6l3_real y0 = w->f[5];
     const gluon_6l3_real y1 = w->f[0] - w->a[6] * y0;
     const gluon_6l3_real y2 = w->f[4] - w->a[12] * y0 - w->a[13] * y1;
     const gluon_6l3_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const gluon_6l3_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
     const gluon_6l3_real y5 = w->f[1] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    /* back substitution */
     const gluon_6l3_real s5 = (y5) * w->a[35];
     const gluon_6l3_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const gluon_6l3_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const gluon_6l3_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const gluon_6l3_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
     const gluon_6l3_real s0 = (y0 - w->a[5] * s5 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[4] = s0;
     w->f[1] = s1;
     w->f[5] = s2;
@@ -2212,27 +2242,30 @@ static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
  * answer's rows are evaluated before it is called OK. */
 static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const gluon_6l3_real tolerance2 = config->tolerance * config->tolerance;
     const gluon_6l3_real longest2 = config->max_step * config->max_step;
     gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     gluon_6l3_real done = 0.0f;
     gluon_6l3_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     gluon_6l3_real size = 0.0f;
     gluon_6l3_real kappa2 = 0.00077284f;
     gluon_6l3_real limit;
     gluon_6l3_real most = 0.0f;
     gluon_6l3_real contraction2 = 0.0625f;
     gluon_6l3_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    gluon_6l3_inverse_target(w, to, aim);
+    gluon_6l3_inverse_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -2255,15 +2288,16 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                gluon_6l3_inverse_target(w, to, done);
+                gluon_6l3_inverse_set_target(w, to, done);
             }
             int turn = gluon_6l3_inverse_factor(w);
             if (turn == 0) {
                 turn = gluon_6l3_inverse_pivoted(w);
             }
             if (!judging) {
-                gluon_6l3_inverse_target(w, to, aim);
+                gluon_6l3_inverse_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -2276,9 +2310,10 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         gluon_6l3_inverse_solve(w);
         const gluon_6l3_real before = size;
-        size = gluon_6l3_inverse_move(w);
+        size = gluon_6l3_inverse_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -2289,6 +2324,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         }
         if ((size <= limit) || (judging && (size <= 4.232246e-06f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 gluon_6l3_real error2;
                 gluon_6l3_real gain2;
                 if (judging) {
@@ -2304,10 +2340,12 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const gluon_6l3_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -2317,33 +2355,37 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 for (int i = 0; i < 6; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                gluon_6l3_inverse_target(w, to, aim);
+                gluon_6l3_inverse_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 6; ++i) {
                 w->x[i] = w->x0[i];
             }
-            gluon_6l3_inverse_target(w, to, aim);
+            gluon_6l3_inverse_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = GLUON_6L3_WRONG_BRANCH;
             break;
         }
     }
-    gluon_6l3_tell(info, count, residual, size, w->spread);
+    gluon_6l3_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* The tool's pose, its quaternion of unit length and with w >= 0. */
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
 {
-    gluon_6l3_status status = gluon_6l3_check(joints);
+    gluon_6l3_status status = gluon_6l3_check_limits(joints);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real x[7];
         gluon_6l3_forward(joints, x);
@@ -2360,16 +2402,17 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
     return status;
 }
 
+/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6], gluon_6l3_info *info)
 {
     static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, GLUON_6L3_MAX_STEP };
     gluon_6l3_inverse_work w;
     gluon_6l3_real to[7];
-    gluon_6l3_status status = gluon_6l3_unit(pose, to);
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, to);
     if (status == GLUON_6L3_OK) {
-        status = gluon_6l3_verdict(to, 7, gluon_6l3_verdict(guess, 6, GLUON_6L3_OK));
+        status = gluon_6l3_check_finite(to, 7, gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK));
     }
-    gluon_6l3_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (status == GLUON_6L3_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2380,7 +2423,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         gluon_6l3_forward(w.x, w.at);
         status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == GLUON_6L3_OK) {
-            status = gluon_6l3_check(w.x);
+            status = gluon_6l3_check_limits(w.x);
         }
         if (status == GLUON_6L3_OK) {
             joints[0] = w.x[0];
@@ -2394,9 +2437,10 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
     return status;
 }
 
+/* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_real jacobian[36])
 {
-    gluon_6l3_status status = gluon_6l3_check(joints);
+    gluon_6l3_status status = gluon_6l3_check_limits(joints);
     if (status == GLUON_6L3_OK) {
         const gluon_6l3_real t0 = cosf(joints[1]);
         const gluon_6l3_real t1 = cosf(joints[2]);

@@ -15,12 +15,12 @@
 #define REN2008_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static REN2008_COLD ren2008_status ren2008_verdict(const ren2008_real values[], int count, ren2008_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real values[], int count, ren2008_status otherwise)
 {
     ren2008_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const ren2008_real none = values[i] - values[i];
+        const ren2008_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0f)) {
             status = REN2008_NONFINITE;
         }
@@ -28,8 +28,8 @@ static REN2008_COLD ren2008_status ren2008_verdict(const ren2008_real values[], 
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static ren2008_status ren2008_unit(const ren2008_pose *pose, ren2008_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
 {
     const ren2008_real *const q = pose->quaternion;
     const ren2008_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static ren2008_status ren2008_unit(const ren2008_pose *pose, ren2008_real x[7])
     if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = ren2008_verdict(q, 4, REN2008_OUT_OF_RANGE);
+        status = ren2008_check_finite(q, 4, REN2008_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static ren2008_status ren2008_unit(const ren2008_pose *pose, ren2008_real x[7])
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static REN2008_COLD void ren2008_tell(ren2008_info *info, unsigned int count, ren2008_real residual, ren2008_real size, ren2008_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int count, ren2008_real residual, ren2008_real size, ren2008_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -62,8 +63,8 @@ static REN2008_COLD void ren2008_tell(ren2008_info *info, unsigned int count, re
 }
 
 
-/* Whether joint values are within their ranges and rods longer than zero. */
-static REN2008_SHARED ren2008_status ren2008_check(const ren2008_real joints[6])
+/* Checks whether joint values are within their ranges and rods longer than zero. */
+static REN2008_SHARED ren2008_status ren2008_check_limits(const ren2008_real joints[6])
 {
     ren2008_status status = REN2008_OK;
     if (!((joints[0] >= -1.6118682e-06f)
@@ -78,26 +79,35 @@ static REN2008_SHARED ren2008_status ren2008_check(const ren2008_real joints[6])
         && (joints[4] <= 0.5500016f)
         && (joints[5] >= -1.6118682e-06f)
         && (joints[5] <= 0.5500016f))) {
-        status = ren2008_verdict(joints, 6, REN2008_OUT_OF_RANGE);
+        status = ren2008_check_finite(joints, 6, REN2008_OUT_OF_RANGE);
     }
     return status;
 }
 
+/* Work space of ren2008_direct_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: position p and unit quaternion q (w, x, y, z) of the platform
+ * k: squared rod lengths L_i^2
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ *    base's origin is, and half its turn h
+ * d: rod vectors d_i, from the base point to the platform point
+ */
 typedef struct {
     ren2008_real x[7]; /* state */
-    ren2008_real x0[7]; /* state at the part of the line that is done */
-    ren2008_real k[6]; /* known values aimed at, as the rows take them */
-    ren2008_real f[6]; /* rows, then the step */
-    ren2008_real d[18]; /* what rows and matrix share */
-    ren2008_real a[36]; /* matrix, then its factors */
-    ren2008_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    const ren2008_pose *guess;
-    uint8_t order[6]; /* rows exchanged by the fallback */
-    bool pivoted;
+    ren2008_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    ren2008_real k[6]; /* known values aimed at */
+    ren2008_real f[6]; /* rows; the linear solver leaves the step in their place */
+    ren2008_real d[18]; /* values that rows and matrix share */
+    ren2008_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    ren2008_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    const ren2008_pose *guess; /* where the line begins */
+    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } ren2008_direct_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_direct_rows(ren2008_direct_work *w)
 {
+    /* rod 1 */
     const ren2008_real t0 = w->x[0] * w->x[0];
     const ren2008_real t1 = w->x[1] * w->x[1];
     const ren2008_real t2 = t0 + t1;
@@ -108,6 +118,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
+    /* rod 2 */
     const ren2008_real t10 = w->x[5] + w->x[5];
     const ren2008_real t11 = t10 * w->x[5];
     const ren2008_real t12 = w->x[6] + w->x[6];
@@ -138,6 +149,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t32;
+    /* rod 3 */
     const ren2008_real t40 = t21 - t22;
     const ren2008_real t41 = 0.0984f * t40;
     const ren2008_real t42 = w->x[0] + t41;
@@ -169,6 +181,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[6] = t45;
     w->d[7] = t54;
     w->d[8] = t63;
+    /* rod 4 */
     const ren2008_real t71 = 0.7642f * t40;
     const ren2008_real t72 = w->x[0] + t71;
     const ren2008_real t73 = 0.4412f * t15;
@@ -193,6 +206,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[9] = t75;
     w->d[10] = t81;
     w->d[11] = t87;
+    /* rod 5 */
     const ren2008_real t95 = 0.3275f * t15;
     const ren2008_real t96 = t72 + t95;
     const ren2008_real t97 = t96 - (-0.4027f);
@@ -211,6 +225,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[12] = t97;
     w->d[13] = t101;
     w->d[14] = t105;
+    /* rod 6 */
     const ren2008_real t113 = 0.0568f * t15;
     const ren2008_real t114 = t42 - t113;
     const ren2008_real t115 = t114 - (-0.4779f);
@@ -231,7 +246,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[17] = t123;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static REN2008_SHARED ren2008_real ren2008_direct_residual(const ren2008_direct_work *w)
 {
     ren2008_real sum = w->f[0] * w->f[0];
@@ -241,8 +256,9 @@ static REN2008_SHARED ren2008_real ren2008_direct_residual(const ren2008_direct_
     return sqrtf(sum) * 0.36463425f;
 }
 
-/* Puts the step on; its squared length. */
-static ren2008_real ren2008_direct_move(ren2008_direct_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static ren2008_real ren2008_direct_apply_step(ren2008_direct_work *w)
 {
     const ren2008_real t0 = 4.0f * w->f[4];
     const ren2008_real t1 = t0 * w->x[2];
@@ -319,7 +335,7 @@ static ren2008_real ren2008_direct_move(ren2008_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void ren2008_legs(ren2008_direct_work *w)
+static void ren2008_rod_values(ren2008_direct_work *w)
 {
     w->k[0] = 0.0f;
     w->k[1] = 0.0f;
@@ -336,8 +352,8 @@ static void ren2008_legs(ren2008_direct_work *w)
     }
 }
 
-/* Known values aimed at. */
-static REN2008_SHARED void ren2008_direct_target(ren2008_direct_work *w, const ren2008_real to[6])
+/* Sets w->k, the known values aimed at. */
+static REN2008_SHARED void ren2008_direct_set_target(ren2008_direct_work *w, const ren2008_real to[6])
 {
     for (int i = 0; i < 6; ++i) {
         const ren2008_real t0 = to[i] + 1.2f;
@@ -346,7 +362,7 @@ static REN2008_SHARED void ren2008_direct_target(ren2008_direct_work *w, const r
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ren2008_direct_matrix(ren2008_direct_work *w)
 {
     static const ren2008_real base[6][2] = { { 0.0f, 0.0f }, { 0.6016f, 0.0f }, { 2.5132f, 3.3112f }, { 2.2124f, 3.832f }, { -1.6108f, 3.832f }, { -1.9116f, 3.3112f } }; /* 4 b */
@@ -372,6 +388,7 @@ static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
     w->pivoted = true;
     w->spread = 0.0f;
     for (int c = 0; c < 6; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         ren2008_real largest = 0.0f;
         for (int r = c; r < 6; ++r) {
@@ -397,6 +414,7 @@ static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
         if (w->a[6 * c + c] < 0.0f) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const ren2008_real inverse = 1.0f / w->a[6 * c + c];
         w->a[6 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -414,6 +432,7 @@ static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
 /* The step from w->f into w->f with the factors of ren2008_direct_pivoted. */
 static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 6; ++c) {
         const int best = (int)w->order[c];
         const ren2008_real t = w->f[best];
@@ -423,6 +442,7 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
             w->f[r] -= w->a[6 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 6 - 1; c >= 0; --c) {
         const ren2008_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
@@ -438,11 +458,13 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
 {
     ren2008_real det;
     w->pivoted = false;
+    /* pivot 1: row 1, unknown 3 */
     const ren2008_real t0 = 1.0f / w->d[2];
     w->a[0] = t0;
     const ren2008_real t2 = t0 * 1.794f;
     w->a[1] = w->d[0];
     w->a[2] = w->d[1];
+    /* pivot 2: row 2, unknown 1 */
     const ren2008_real t5 = 0.6016f * w->d[5];
     const ren2008_real t6 = -t5;
     const ren2008_real t7 = 0.6016f * w->d[4];
@@ -456,6 +478,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     w->a[8] = t11;
     w->a[9] = t6;
     w->a[10] = t7;
+    /* pivot 3: row 6, unknown 2 */
     const ren2008_real t18 = 1.9116f * w->d[17];
     const ren2008_real t19 = 1.9116f * w->d[16];
     const ren2008_real t20 = 3.3112f * w->d[15];
@@ -477,6 +500,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     w->a[15] = t31;
     w->a[16] = t32;
     w->a[17] = t23;
+    /* pivot 4: row 3, unknown 5 */
     const ren2008_real t39 = 2.5132f * w->d[8];
     const ren2008_real t40 = -t39;
     const ren2008_real t41 = 2.5132f * w->d[7];
@@ -502,6 +526,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     const ren2008_real t61 = t59 * 6.1992f;
     w->a[22] = t57;
     w->a[23] = t58;
+    /* pivot 5: row 4, unknown 6 */
     const ren2008_real t64 = 2.2124f * w->d[11];
     const ren2008_real t65 = -t64;
     const ren2008_real t66 = 2.2124f * w->d[10];
@@ -530,6 +555,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     w->a[28] = t88;
     const ren2008_real t90 = t88 * 4.623f;
     w->a[29] = t87;
+    /* pivot 6: row 5, unknown 4 */
     const ren2008_real t92 = 1.6108f * w->d[14];
     const ren2008_real t93 = 1.6108f * w->d[13];
     const ren2008_real t94 = 3.832f * w->d[12];
@@ -560,30 +586,34 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     const ren2008_real t119 = 1.0f / t118;
     w->a[35] = t119;
     const ren2008_real t121 = t119 * 9.6455f;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = t0 * t12 * t30 * t59 * t86 * t118;
     w->spread = t2 * t2 + t14 * t14 + t35 * t35 + t61 * t61 + t90 * t90 + t121 * t121;
     return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void ren2008_direct_solve(ren2008_direct_work *w)
 {
     if (w->pivoted) {
         ren2008_direct_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const ren2008_real y0 = w->f[0];
     const ren2008_real y1 = w->f[1] - w->a[6] * y0;
     const ren2008_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const ren2008_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const ren2008_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
     const ren2008_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    /* back substitution */
     const ren2008_real s5 = (y5) * w->a[35];
     const ren2008_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const ren2008_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const ren2008_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const ren2008_real s1 = (y1 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
     const ren2008_real s0 = (y0 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[2] = s0;
     w->f[0] = s1;
     w->f[1] = s2;
@@ -592,12 +622,14 @@ static void ren2008_direct_solve(ren2008_direct_work *w)
     w->f[3] = s5;
 }
 
-/* Aims at another part of the line from the guess's joint values; the state is put back to the part that is done. */
-static REN2008_COLD void ren2008_direct_again(ren2008_direct_work *w, const ren2008_real to[6], ren2008_real part, ren2008_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
+ * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
+static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const ren2008_real to[6], ren2008_real part, ren2008_real done)
 {
     const ren2008_real *goal = to;
     if (part < 1.0f) {
-        (void)ren2008_unit(w->guess, w->x);
+        (void)ren2008_normalise_pose(w->guess, w->x);
+        /* joint values at the guess into w->k, the part of the line into w->f */
         w->k[0] = 0.0f;
         w->k[1] = 0.0f;
         w->k[2] = 0.0f;
@@ -616,7 +648,7 @@ static REN2008_COLD void ren2008_direct_again(ren2008_direct_work *w, const ren2
         }
         goal = w->f;
     }
-    ren2008_direct_target(w, goal);
+    ren2008_direct_set_target(w, goal);
     if (done > 0.0f) {
         for (int i = 0; i < 7; ++i) {
             w->x[i] = w->x0[i];
@@ -633,27 +665,30 @@ static REN2008_COLD void ren2008_direct_again(ren2008_direct_work *w, const ren2
  * answer's rows are evaluated before it is called OK. */
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6], const ren2008_config *config, ren2008_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_real longest2 = config->max_step * config->max_step;
     ren2008_status status = REN2008_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     ren2008_real done = 0.0f;
     ren2008_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     ren2008_real size = 0.0f;
     ren2008_real kappa2 = 0.221841f;
     ren2008_real limit;
     ren2008_real most = 0.0f;
     ren2008_real contraction2 = 0.0625f;
     ren2008_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    ren2008_direct_target(w, to);
+    ren2008_direct_set_target(w, to);
     for (;;) {
         ren2008_direct_rows(w);
         if (verify) {
@@ -670,6 +705,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = ren2008_direct_factor(w);
             if (turn == 0) {
                 turn = ren2008_direct_pivoted(w);
@@ -685,9 +721,10 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         ren2008_direct_solve(w);
         const ren2008_real before = size;
-        size = ren2008_direct_move(w);
+        size = ren2008_direct_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -698,6 +735,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         }
         if ((size <= limit) || (judging && (size <= 4.1569907e-11f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_real error2;
                 ren2008_real gain2;
                 if (judging) {
@@ -713,10 +751,12 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const ren2008_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -726,40 +766,43 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 for (int i = 0; i < 7; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                ren2008_direct_again(w, to, aim, done);
+                ren2008_direct_retarget(w, to, aim, done);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
-            ren2008_direct_again(w, to, aim, done);
+            ren2008_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = REN2008_WRONG_BRANCH;
             break;
         }
     }
-    ren2008_tell(info, count, residual, size, w->spread);
+    ren2008_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* The state at the guess, and whether joints and guess can be used. */
-static REN2008_SHARED ren2008_status ren2008_enter(ren2008_direct_work *w, const ren2008_real joints[6], const ren2008_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w, const ren2008_real joints[6], const ren2008_pose *guess)
 {
-    ren2008_status status = ren2008_check(joints);
+    ren2008_status status = ren2008_check_limits(joints);
     if (status == REN2008_OK) {
         w->guess = guess;
-        status = ren2008_unit(guess, w->x);
+        status = ren2008_normalise_pose(guess, w->x);
     }
     return status;
 }
 
-/* The pose of the state. */
-static REN2008_SHARED void ren2008_leave(const ren2008_direct_work *w, ren2008_pose *pose)
+/* Writes the pose of the state. */
+static REN2008_SHARED void ren2008_write_pose(const ren2008_direct_work *w, ren2008_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -770,26 +813,26 @@ static REN2008_SHARED void ren2008_leave(const ren2008_direct_work *w, ren2008_p
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: whether its inputs are finite comes first. */
-static REN2008_COLD ren2008_status ren2008_failed(const ren2008_real joints[6], const ren2008_pose *guess, ren2008_status status)
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static REN2008_COLD ren2008_status ren2008_failure_status(const ren2008_real joints[6], const ren2008_pose *guess, ren2008_status status)
 {
-    return ren2008_verdict(guess->position, 3, ren2008_verdict(joints, 6, status));
+    return ren2008_check_finite(guess->position, 3, ren2008_check_finite(joints, 6, status));
 }
 
 ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[6], const ren2008_pose *guess, ren2008_pose *pose, ren2008_info *info)
 {
     static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
     ren2008_direct_work w;
-    ren2008_status status = ren2008_enter(&w, joints, guess);
+    ren2008_status status = ren2008_read_guess(&w, joints, guess);
     if (status == REN2008_OK) {
         status = ren2008_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_OK) {
-            ren2008_leave(&w, pose);
+            ren2008_write_pose(&w, pose);
         } else {
-            status = ren2008_failed(joints, guess, status);
+            status = ren2008_failure_status(joints, guess, status);
         }
     } else {
-        ren2008_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
@@ -797,36 +840,38 @@ ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real j
 ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, ren2008_info *info)
 {
     ren2008_direct_work w;
-    ren2008_status status = ren2008_enter(&w, joints, pose);
+    ren2008_status status = ren2008_read_guess(&w, joints, pose);
     if (status == REN2008_OK) {
-        ren2008_direct_target(&w, joints);
+        /* one step of Newton's method from the last pose */
+        ren2008_direct_set_target(&w, joints);
         ren2008_direct_rows(&w);
         if ((ren2008_direct_factor(&w) == 0) && (ren2008_direct_pivoted(&w) == 0)) {
-            ren2008_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-            status = ren2008_failed(joints, pose, REN2008_SINGULAR);
+            ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+            status = ren2008_failure_status(joints, pose, REN2008_SINGULAR);
         } else {
             ren2008_direct_solve(&w);
-            const ren2008_real size = ren2008_direct_move(&w);
-            ren2008_tell(info, 1U, 0.471f * size, size, w.spread);
+            const ren2008_real size = ren2008_direct_apply_step(&w);
+            ren2008_write_info(info, 1U, 0.471f * size, size, w.spread);
             if (size <= 0.004959483f) {
-                ren2008_leave(&w, pose);
+                ren2008_write_pose(&w, pose);
             } else {
-                status = ren2008_failed(joints, pose, REN2008_WRONG_BRANCH);
+                status = ren2008_failure_status(joints, pose, REN2008_WRONG_BRANCH);
             }
         }
     } else {
-        ren2008_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
 
+/* Joint values of a pose: lengths of the rod vectors, less the offsets. */
 ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[6])
 {
     ren2008_direct_work w;
-    ren2008_status status = ren2008_unit(pose, w.x);
+    ren2008_status status = ren2008_normalise_pose(pose, w.x);
     if (status == REN2008_OK) {
-        ren2008_legs(&w);
-        status = ren2008_check(w.k);
+        ren2008_rod_values(&w);
+        status = ren2008_check_limits(w.k);
         if (status == REN2008_OK) {
             joints[0] = w.k[0];
             joints[1] = w.k[1];
@@ -835,16 +880,17 @@ ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[6])
             joints[4] = w.k[4];
             joints[5] = w.k[5];
         } else {
-            status = ren2008_verdict(w.x, 3, status);
+            status = ren2008_check_finite(w.x, 3, status);
         }
     }
     return status;
 }
 
+/* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
 ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[36])
 {
     ren2008_real x[7];
-    ren2008_status status = ren2008_unit(pose, x);
+    ren2008_status status = ren2008_normalise_pose(pose, x);
     if (status == REN2008_OK) {
         const ren2008_real t0 = x[0] * x[0];
         const ren2008_real t1 = x[1] * x[1];
@@ -1055,8 +1101,9 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
         const ren2008_real t206 = t204 - t205;
         const ren2008_real t207 = t206 * t189;
         const ren2008_real shortest = t105;
+        /* where a rod has no length there is no direction */
         if (!(shortest > 0.0f)) {
-            status = ren2008_verdict(x, 3, REN2008_SINGULAR);
+            status = ren2008_check_finite(x, 3, REN2008_SINGULAR);
         } else {
             jacobian[0] = t108;
             jacobian[1] = t109;

@@ -15,12 +15,12 @@
 #define REN2008_TRUE_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static REN2008_TRUE_COLD ren2008_true_status ren2008_true_verdict(const ren2008_true_real values[], int count, ren2008_true_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_finite(const ren2008_true_real values[], int count, ren2008_true_status otherwise)
 {
     ren2008_true_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const ren2008_true_real none = values[i] - values[i];
+        const ren2008_true_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0)) {
             status = REN2008_TRUE_NONFINITE;
         }
@@ -28,8 +28,8 @@ static REN2008_TRUE_COLD ren2008_true_status ren2008_true_verdict(const ren2008_
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static ren2008_true_status ren2008_true_unit(const ren2008_true_pose *pose, ren2008_true_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *pose, ren2008_true_real x[7])
 {
     const ren2008_true_real *const q = pose->quaternion;
     const ren2008_true_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static ren2008_true_status ren2008_true_unit(const ren2008_true_pose *pose, ren2
     if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = ren2008_true_verdict(q, 4, REN2008_TRUE_OUT_OF_RANGE);
+        status = ren2008_true_check_finite(q, 4, REN2008_TRUE_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static ren2008_true_status ren2008_true_unit(const ren2008_true_pose *pose, ren2
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static REN2008_TRUE_COLD void ren2008_true_tell(ren2008_true_info *info, unsigned int count, ren2008_true_real residual, ren2008_true_real size, ren2008_true_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, unsigned int count, ren2008_true_real residual, ren2008_true_real size, ren2008_true_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -62,8 +63,8 @@ static REN2008_TRUE_COLD void ren2008_true_tell(ren2008_true_info *info, unsigne
 }
 
 
-/* Whether joint values are within their ranges and rods longer than zero. */
-static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check(const ren2008_true_real joints[6])
+/* Checks whether joint values are within their ranges and rods longer than zero. */
+static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joints[6])
 {
     ren2008_true_status status = REN2008_TRUE_OK;
     if (!((joints[0] >= -1.6960401439824473e-09)
@@ -78,26 +79,35 @@ static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check(const ren2008_
         && (joints[4] <= 0.5500000016960402)
         && (joints[5] >= -1.6960401439824473e-09)
         && (joints[5] <= 0.5500000016960402))) {
-        status = ren2008_true_verdict(joints, 6, REN2008_TRUE_OUT_OF_RANGE);
+        status = ren2008_true_check_finite(joints, 6, REN2008_TRUE_OUT_OF_RANGE);
     }
     return status;
 }
 
+/* Work space of ren2008_true_direct_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: position p and unit quaternion q (w, x, y, z) of the platform
+ * k: squared rod lengths L_i^2
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ *    base's origin is, and half its turn h
+ * d: rod vectors d_i, from the base point to the platform point
+ */
 typedef struct {
     ren2008_true_real x[7]; /* state */
-    ren2008_true_real x0[7]; /* state at the part of the line that is done */
-    ren2008_true_real k[6]; /* known values aimed at, as the rows take them */
-    ren2008_true_real f[6]; /* rows, then the step */
-    ren2008_true_real d[18]; /* what rows and matrix share */
-    ren2008_true_real a[36]; /* matrix, then its factors */
-    ren2008_true_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    const ren2008_true_pose *guess;
-    uint8_t order[6]; /* rows exchanged by the fallback */
-    bool pivoted;
+    ren2008_true_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    ren2008_true_real k[6]; /* known values aimed at */
+    ren2008_true_real f[6]; /* rows; the linear solver leaves the step in their place */
+    ren2008_true_real d[18]; /* values that rows and matrix share */
+    ren2008_true_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    ren2008_true_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    const ren2008_true_pose *guess; /* where the line begins */
+    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } ren2008_true_direct_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
 {
+    /* rod 1 */
     const ren2008_true_real t0 = w->x[0] * w->x[0];
     const ren2008_true_real t1 = w->x[1] * w->x[1];
     const ren2008_true_real t2 = t0 + t1;
@@ -108,6 +118,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
+    /* rod 2 */
     const ren2008_true_real t10 = w->x[5] + w->x[5];
     const ren2008_true_real t11 = t10 * w->x[5];
     const ren2008_true_real t12 = w->x[6] + w->x[6];
@@ -139,6 +150,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t33;
+    /* rod 3 */
     const ren2008_true_real t41 = 0.8295 * t15;
     const ren2008_true_real t42 = w->x[0] + t41;
     const ren2008_true_real t43 = t21 - t22;
@@ -181,6 +193,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[6] = t49;
     w->d[7] = t63;
     w->d[8] = t75;
+    /* rod 4 */
     const ren2008_true_real t83 = 0.4436 * t15;
     const ren2008_true_real t84 = w->x[0] + t83;
     const ren2008_true_real t85 = 0.7672 * t43;
@@ -212,6 +225,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[9] = t89;
     w->d[10] = t97;
     w->d[11] = t106;
+    /* rod 5 */
     const ren2008_true_real t114 = 0.3233 * t15;
     const ren2008_true_real t115 = w->x[0] + t114;
     const ren2008_true_real t116 = 0.7612 * t43;
@@ -243,6 +257,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[12] = t120;
     w->d[13] = t128;
     w->d[14] = t137;
+    /* rod 6 */
     const ren2008_true_real t145 = 0.0587 * t15;
     const ren2008_true_real t146 = w->x[0] - t145;
     const ren2008_true_real t147 = 0.0964 * t43;
@@ -270,7 +285,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[17] = t162;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(const ren2008_true_direct_work *w)
 {
     ren2008_true_real sum = w->f[0] * w->f[0];
@@ -282,8 +297,9 @@ static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(const 
     return sqrt(sum) * 0.3651083600724214;
 }
 
-/* Puts the step on; its squared length. */
-static ren2008_true_real ren2008_true_direct_move(ren2008_true_direct_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static ren2008_true_real ren2008_true_direct_apply_step(ren2008_true_direct_work *w)
 {
     const ren2008_true_real t0 = 4.0 * w->f[4];
     const ren2008_true_real t1 = t0 * w->x[2];
@@ -360,7 +376,7 @@ static ren2008_true_real ren2008_true_direct_move(ren2008_true_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void ren2008_true_legs(ren2008_true_direct_work *w)
+static void ren2008_true_rod_values(ren2008_true_direct_work *w)
 {
     w->k[0] = 0.0;
     w->k[1] = 0.0;
@@ -395,8 +411,8 @@ static void ren2008_true_legs(ren2008_true_direct_work *w)
     w->k[5] = t5_2;
 }
 
-/* Known values aimed at. */
-static REN2008_TRUE_SHARED void ren2008_true_direct_target(ren2008_true_direct_work *w, const ren2008_true_real to[6])
+/* Sets w->k, the known values aimed at. */
+static REN2008_TRUE_SHARED void ren2008_true_direct_set_target(ren2008_true_direct_work *w, const ren2008_true_real to[6])
 {
     const ren2008_true_real t0_0 = to[0] + 1.2037;
     const ren2008_true_real t0_1 = t0_0 * t0_0;
@@ -418,7 +434,7 @@ static REN2008_TRUE_SHARED void ren2008_true_direct_target(ren2008_true_direct_w
     w->k[5] = t5_1;
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
 {
     static const ren2008_true_real base[6][3] = { { 0.0, 0.0, 0.0 }, { 0.6172, 0.0, 0.01 }, { 2.4932, 3.3024, -0.02 }, { 2.2024, 3.8396, 0.012 }, { -1.6272, 3.8196, 0.0196 }, { -1.9044, 3.3004, 0.016 } }; /* 4 b */
@@ -444,6 +460,7 @@ static REN2008_TRUE_COLD int ren2008_true_direct_pivoted(ren2008_true_direct_wor
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 6; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         ren2008_true_real largest = 0.0;
         for (int r = c; r < 6; ++r) {
@@ -469,6 +486,7 @@ static REN2008_TRUE_COLD int ren2008_true_direct_pivoted(ren2008_true_direct_wor
         if (w->a[6 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const ren2008_true_real inverse = 1.0 / w->a[6 * c + c];
         w->a[6 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -486,6 +504,7 @@ static REN2008_TRUE_COLD int ren2008_true_direct_pivoted(ren2008_true_direct_wor
 /* The step from w->f into w->f with the factors of ren2008_true_direct_pivoted. */
 static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_direct_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 6; ++c) {
         const int best = (int)w->order[c];
         const ren2008_true_real t = w->f[best];
@@ -495,6 +514,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
             w->f[r] -= w->a[6 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 6 - 1; c >= 0; --c) {
         const ren2008_true_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
@@ -510,11 +530,13 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
 {
     ren2008_true_real det;
     w->pivoted = false;
+    /* pivot 1: row 1, unknown 3 */
     const ren2008_true_real t0 = 1.0 / w->d[2];
     w->a[0] = t0;
     const ren2008_true_real t2 = t0 * 1.7939999999999998;
     w->a[1] = w->d[0];
     w->a[2] = w->d[1];
+    /* pivot 2: row 2, unknown 1 */
     const ren2008_true_real t5 = 0.01 * w->d[3];
     const ren2008_true_real t6 = 0.6172 * w->d[5];
     const ren2008_true_real t7 = t5 - t6;
@@ -532,6 +554,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[9] = t7;
     w->a[10] = t8;
     w->a[11] = t10;
+    /* pivot 3: row 6, unknown 2 */
     const ren2008_true_real t22 = 0.016 * w->d[15];
     const ren2008_true_real t23 = 1.9044 * w->d[17];
     const ren2008_true_real t24 = t22 + t23;
@@ -558,6 +581,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[15] = t39;
     w->a[16] = t40;
     w->a[17] = t41;
+    /* pivot 4: row 3, unknown 5 */
     const ren2008_true_real t48 = 0.02 * w->d[6];
     const ren2008_true_real t49 = 2.4932 * w->d[8];
     const ren2008_true_real t50 = t48 + t49;
@@ -588,6 +612,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t75 = t73 * 6.1803;
     w->a[22] = t71;
     w->a[23] = t72;
+    /* pivot 5: row 4, unknown 6 */
     const ren2008_true_real t78 = 0.012 * w->d[9];
     const ren2008_true_real t79 = 2.2024 * w->d[11];
     const ren2008_true_real t80 = t78 - t79;
@@ -620,6 +645,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[28] = t106;
     const ren2008_true_real t108 = t106 * 4.622999999999999;
     w->a[29] = t105;
+    /* pivot 6: row 5, unknown 4 */
     const ren2008_true_real t110 = 0.0196 * w->d[12];
     const ren2008_true_real t111 = 1.6272 * w->d[14];
     const ren2008_true_real t112 = t110 + t111;
@@ -655,30 +681,34 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t142 = 1.0 / t141;
     w->a[35] = t142;
     const ren2008_true_real t144 = t142 * 9.664599999999998;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = t0 * t15 * t38 * t73 * t104 * t141;
     w->spread = t2 * t2 + t17 * t17 + t44 * t44 + t75 * t75 + t108 * t108 + t144 * t144;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void ren2008_true_direct_solve(ren2008_true_direct_work *w)
 {
     if (w->pivoted) {
         ren2008_true_direct_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const ren2008_true_real y0 = w->f[0];
     const ren2008_true_real y1 = w->f[1] - w->a[6] * y0;
     const ren2008_true_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const ren2008_true_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const ren2008_true_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
     const ren2008_true_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    /* back substitution */
     const ren2008_true_real s5 = (y5) * w->a[35];
     const ren2008_true_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const ren2008_true_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const ren2008_true_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const ren2008_true_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
     const ren2008_true_real s0 = (y0 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[2] = s0;
     w->f[0] = s1;
     w->f[1] = s2;
@@ -687,12 +717,14 @@ static void ren2008_true_direct_solve(ren2008_true_direct_work *w)
     w->f[3] = s5;
 }
 
-/* Aims at another part of the line from the guess's joint values; the state is put back to the part that is done. */
-static REN2008_TRUE_COLD void ren2008_true_direct_again(ren2008_true_direct_work *w, const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
+ * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
+static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_work *w, const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
 {
     const ren2008_true_real *goal = to;
     if (part < 1.0) {
-        (void)ren2008_true_unit(w->guess, w->x);
+        (void)ren2008_true_normalise_pose(w->guess, w->x);
+        /* joint values at the guess into w->k, the part of the line into w->f */
         w->k[0] = 0.0;
         w->k[1] = 0.0;
         w->k[2] = 0.0;
@@ -729,7 +761,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_again(ren2008_true_direct_work
         }
         goal = w->f;
     }
-    ren2008_true_direct_target(w, goal);
+    ren2008_true_direct_set_target(w, goal);
     if (done > 0.0) {
         for (int i = 0; i < 7; ++i) {
             w->x[i] = w->x0[i];
@@ -746,27 +778,30 @@ static REN2008_TRUE_COLD void ren2008_true_direct_again(ren2008_true_direct_work
  * answer's rows are evaluated before it is called OK. */
 static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w, const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const ren2008_true_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_true_real longest2 = config->max_step * config->max_step;
     ren2008_true_status status = REN2008_TRUE_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     ren2008_true_real done = 0.0;
     ren2008_true_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     ren2008_true_real size = 0.0;
     ren2008_true_real kappa2 = 0.21902400000000002;
     ren2008_true_real limit;
     ren2008_true_real most = 0.0;
     ren2008_true_real contraction2 = 0.0625;
     ren2008_true_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    ren2008_true_direct_target(w, to);
+    ren2008_true_direct_set_target(w, to);
     for (;;) {
         ren2008_true_direct_rows(w);
         if (verify) {
@@ -783,6 +818,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = ren2008_true_direct_factor(w);
             if (turn == 0) {
                 turn = ren2008_true_direct_pivoted(w);
@@ -798,9 +834,10 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
-        size = ren2008_true_direct_move(w);
+        size = ren2008_true_direct_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -811,6 +848,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         }
         if ((size <= limit) || (judging && (size <= 1.452287711194666e-28))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_true_real error2;
                 ren2008_true_real gain2;
                 if (judging) {
@@ -826,10 +864,12 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const ren2008_true_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -839,40 +879,43 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 for (int i = 0; i < 7; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                ren2008_true_direct_again(w, to, aim, done);
+                ren2008_true_direct_retarget(w, to, aim, done);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
-            ren2008_true_direct_again(w, to, aim, done);
+            ren2008_true_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = REN2008_TRUE_WRONG_BRANCH;
             break;
         }
     }
-    ren2008_true_tell(info, count, residual, size, w->spread);
+    ren2008_true_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* The state at the guess, and whether joints and guess can be used. */
-static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_enter(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
-    ren2008_true_status status = ren2008_true_check(joints);
+    ren2008_true_status status = ren2008_true_check_limits(joints);
     if (status == REN2008_TRUE_OK) {
         w->guess = guess;
-        status = ren2008_true_unit(guess, w->x);
+        status = ren2008_true_normalise_pose(guess, w->x);
     }
     return status;
 }
 
-/* The pose of the state. */
-static REN2008_TRUE_SHARED void ren2008_true_leave(const ren2008_true_direct_work *w, ren2008_true_pose *pose)
+/* Writes the pose of the state. */
+static REN2008_TRUE_SHARED void ren2008_true_write_pose(const ren2008_true_direct_work *w, ren2008_true_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -883,26 +926,26 @@ static REN2008_TRUE_SHARED void ren2008_true_leave(const ren2008_true_direct_wor
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: whether its inputs are finite comes first. */
-static REN2008_TRUE_COLD ren2008_true_status ren2008_true_failed(const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_status status)
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_failure_status(const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_status status)
 {
-    return ren2008_true_verdict(guess->position, 3, ren2008_true_verdict(joints, 6, status));
+    return ren2008_true_check_finite(guess->position, 3, ren2008_true_check_finite(joints, 6, status));
 }
 
 ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose, ren2008_true_info *info)
 {
     static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
     ren2008_true_direct_work w;
-    ren2008_true_status status = ren2008_true_enter(&w, joints, guess);
+    ren2008_true_status status = ren2008_true_read_guess(&w, joints, guess);
     if (status == REN2008_TRUE_OK) {
         status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_TRUE_OK) {
-            ren2008_true_leave(&w, pose);
+            ren2008_true_write_pose(&w, pose);
         } else {
-            status = ren2008_true_failed(joints, guess, status);
+            status = ren2008_true_failure_status(joints, guess, status);
         }
     } else {
-        ren2008_true_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -910,36 +953,38 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
 ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren2008_true_pose *pose, ren2008_true_info *info)
 {
     ren2008_true_direct_work w;
-    ren2008_true_status status = ren2008_true_enter(&w, joints, pose);
+    ren2008_true_status status = ren2008_true_read_guess(&w, joints, pose);
     if (status == REN2008_TRUE_OK) {
-        ren2008_true_direct_target(&w, joints);
+        /* one step of Newton's method from the last pose */
+        ren2008_true_direct_set_target(&w, joints);
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
-            ren2008_true_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = ren2008_true_failed(joints, pose, REN2008_TRUE_SINGULAR);
+            ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+            status = ren2008_true_failure_status(joints, pose, REN2008_TRUE_SINGULAR);
         } else {
             ren2008_true_direct_solve(&w);
-            const ren2008_true_real size = ren2008_true_direct_move(&w);
-            ren2008_true_tell(info, 1U, 0.468 * size, size, w.spread);
+            const ren2008_true_real size = ren2008_true_direct_apply_step(&w);
+            ren2008_true_write_info(info, 1U, 0.468 * size, size, w.spread);
             if (size <= 0.004994014184027777) {
-                ren2008_true_leave(&w, pose);
+                ren2008_true_write_pose(&w, pose);
             } else {
-                status = ren2008_true_failed(joints, pose, REN2008_TRUE_WRONG_BRANCH);
+                status = ren2008_true_failure_status(joints, pose, REN2008_TRUE_WRONG_BRANCH);
             }
         }
     } else {
-        ren2008_true_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
 
+/* Joint values of a pose: lengths of the rod vectors, less the offsets. */
 ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_true_real joints[6])
 {
     ren2008_true_direct_work w;
-    ren2008_true_status status = ren2008_true_unit(pose, w.x);
+    ren2008_true_status status = ren2008_true_normalise_pose(pose, w.x);
     if (status == REN2008_TRUE_OK) {
-        ren2008_true_legs(&w);
-        status = ren2008_true_check(w.k);
+        ren2008_true_rod_values(&w);
+        status = ren2008_true_check_limits(w.k);
         if (status == REN2008_TRUE_OK) {
             joints[0] = w.k[0];
             joints[1] = w.k[1];
@@ -948,16 +993,17 @@ ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_
             joints[4] = w.k[4];
             joints[5] = w.k[5];
         } else {
-            status = ren2008_true_verdict(w.x, 3, status);
+            status = ren2008_true_check_finite(w.x, 3, status);
         }
     }
     return status;
 }
 
+/* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
 ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008_true_real jacobian[36])
 {
     ren2008_true_real x[7];
-    ren2008_true_status status = ren2008_true_unit(pose, x);
+    ren2008_true_status status = ren2008_true_normalise_pose(pose, x);
     if (status == REN2008_TRUE_OK) {
         const ren2008_true_real t0 = x[0] * x[0];
         const ren2008_true_real t1 = x[1] * x[1];
@@ -1216,8 +1262,9 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
         const ren2008_true_real t254 = t252 - t253;
         const ren2008_true_real t255 = t254 * t237;
         const ren2008_true_real shortest = t144;
+        /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {
-            status = ren2008_true_verdict(x, 3, REN2008_TRUE_SINGULAR);
+            status = ren2008_true_check_finite(x, 3, REN2008_TRUE_SINGULAR);
         } else {
             jacobian[0] = t147;
             jacobian[1] = t148;

@@ -15,12 +15,12 @@
 #define YAO2020_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static YAO2020_COLD yao2020_status yao2020_verdict(const yao2020_real values[], int count, yao2020_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real values[], int count, yao2020_status otherwise)
 {
     yao2020_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const yao2020_real none = values[i] - values[i];
+        const yao2020_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0)) {
             status = YAO2020_NONFINITE;
         }
@@ -28,8 +28,8 @@ static YAO2020_COLD yao2020_status yao2020_verdict(const yao2020_real values[], 
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static yao2020_status yao2020_unit(const yao2020_pose *pose, yao2020_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
     const yao2020_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static yao2020_status yao2020_unit(const yao2020_pose *pose, yao2020_real x[7])
     if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = yao2020_verdict(q, 4, YAO2020_OUT_OF_RANGE);
+        status = yao2020_check_finite(q, 4, YAO2020_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static yao2020_status yao2020_unit(const yao2020_pose *pose, yao2020_real x[7])
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static YAO2020_COLD void yao2020_tell(yao2020_info *info, unsigned int count, yao2020_real residual, yao2020_real size, yao2020_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int count, yao2020_real residual, yao2020_real size, yao2020_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -62,8 +63,8 @@ static YAO2020_COLD void yao2020_tell(yao2020_info *info, unsigned int count, ya
 }
 
 
-/* Whether joint values are within their ranges. */
-static YAO2020_SHARED yao2020_status yao2020_check(const yao2020_real joints[6])
+/* Checks whether joint values are within their ranges. */
+static YAO2020_SHARED yao2020_status yao2020_check_limits(const yao2020_real joints[6])
 {
     yao2020_status status = YAO2020_OK;
     if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
@@ -72,12 +73,12 @@ static YAO2020_SHARED yao2020_status yao2020_check(const yao2020_real joints[6])
         && (joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001)
         && (joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001)
         && (joints[5] >= -555022.5220661015) && (joints[5] <= 555022.5220661015))) {
-        status = yao2020_verdict(joints, 6, YAO2020_OUT_OF_RANGE);
+        status = yao2020_check_finite(joints, 6, YAO2020_OUT_OF_RANGE);
     }
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
 static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
 {
     const yao2020_real t0 = cos(q[0]);
@@ -201,20 +202,28 @@ static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
     x[6] = t111;
 }
 
+/* Work space of yao2020_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta1, theta2, theta3, theta4, theta5, L6
+ * k: x, y, z, quaternion (w, x, y, z)
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     yao2020_real x[6]; /* state */
-    yao2020_real x0[6]; /* state at the part of the line that is done */
-    yao2020_real at[7]; /* known values at the guess */
-    yao2020_real k[7]; /* known values aimed at, as the rows take them */
-    yao2020_real f[6]; /* rows, then the step */
-    yao2020_real a[36]; /* matrix, then its factors */
-    yao2020_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[6]; /* rows exchanged by the fallback */
-    bool pivoted;
+    yao2020_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
+    yao2020_real at[7]; /* known values at the guess, where the line begins */
+    yao2020_real k[7]; /* known values aimed at */
+    yao2020_real f[6]; /* rows; the linear solver leaves the step in their place */
+    yao2020_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    yao2020_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } yao2020_inverse_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void yao2020_inverse_rows(yao2020_inverse_work *w)
 {
+    /* row 1 */
     const yao2020_real t0 = cos(w->x[0]);
     const yao2020_real t1 = cos(w->x[1]);
     const yao2020_real t2 = cos(w->x[2]);
@@ -265,12 +274,14 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t47 = w->k[0] - t46;
     const yao2020_real t48 = -t47;
     w->f[0] = t48;
+    /* row 2 */
     const yao2020_real t50 = t0 * t44;
     const yao2020_real t51 = t37 * t35;
     const yao2020_real t52 = t50 + t51;
     const yao2020_real t53 = w->k[1] - t52;
     const yao2020_real t54 = -t53;
     w->f[1] = t54;
+    /* row 3 */
     const yao2020_real t56 = t1 * t33;
     const yao2020_real t57 = t20 * t18;
     const yao2020_real t58 = t56 - t57;
@@ -281,6 +292,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t63 = w->k[2] - t62;
     const yao2020_real t64 = -t63;
     w->f[2] = t64;
+    /* row 4 */
     const yao2020_real t66 = 0.5 * w->x[0];
     const yao2020_real t67 = cos(t66);
     const yao2020_real t68 = 0.5 * w->x[1];
@@ -346,6 +358,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t128 = 1110.045044131093 * t127;
     const yao2020_real t129 = -t128;
     w->f[3] = t129;
+    /* row 5 */
     const yao2020_real t131 = t105 * w->k[5];
     const yao2020_real t132 = t115 * w->k[6];
     const yao2020_real t133 = t131 + t132;
@@ -356,6 +369,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t138 = 1110.045044131093 * t137;
     const yao2020_real t139 = -t138;
     w->f[4] = t139;
+    /* row 6 */
     const yao2020_real t141 = t105 * w->k[6];
     const yao2020_real t142 = t115 * w->k[5];
     const yao2020_real t143 = t141 - t142;
@@ -368,7 +382,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     w->f[5] = t149;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_inverse_work *w)
 {
     yao2020_real sum = w->f[0] * w->f[0];
@@ -380,8 +394,9 @@ static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_invers
     return sqrt(sum);
 }
 
-/* Puts the step on; its squared length. */
-static yao2020_real yao2020_inverse_move(yao2020_inverse_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static yao2020_real yao2020_inverse_apply_step(yao2020_inverse_work *w)
 {
     const yao2020_real t0 = 0.0018017286871142555 * w->f[0];
     const yao2020_real t1 = w->x[0] + t0;
@@ -414,12 +429,13 @@ static yao2020_real yao2020_inverse_move(yao2020_inverse_work *w)
     return t21;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static YAO2020_SHARED void yao2020_inverse_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
     }
+    /* of q and -q, one rotation, the one on the guess's side */
     if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0) {
         w->k[3] = -w->k[3];
         w->k[4] = -w->k[4];
@@ -438,7 +454,7 @@ static YAO2020_SHARED void yao2020_inverse_target(yao2020_inverse_work *w, const
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void yao2020_inverse_matrix(yao2020_inverse_work *w)
 {
     const yao2020_real t0 = cos(w->x[1]);
@@ -1017,6 +1033,7 @@ static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 6; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         yao2020_real largest = 0.0;
         for (int r = c; r < 6; ++r) {
@@ -1042,6 +1059,7 @@ static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
         if (w->a[6 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const yao2020_real inverse = 1.0 / w->a[6 * c + c];
         w->a[6 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -1059,6 +1077,7 @@ static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
 /* The step from w->f into w->f with the factors of yao2020_inverse_pivoted. */
 static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 6; ++c) {
         const int best = (int)w->order[c];
         const yao2020_real t = w->f[best];
@@ -1068,6 +1087,7 @@ static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
             w->f[r] -= w->a[6 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 6 - 1; c >= 0; --c) {
         const yao2020_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
@@ -1083,6 +1103,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
 {
     yao2020_real det;
     w->pivoted = false;
+    /* pivot 1: row 5, unknown 4 */
     const yao2020_real t0 = 0.5 * w->x[4];
     const yao2020_real t1 = cos(t0);
     const yao2020_real t2 = 0.5 * w->x[3];
@@ -1335,6 +1356,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     w->a[2] = t144;
     w->a[3] = t194;
     w->a[4] = t244;
+    /* pivot 2: row 4, unknown 3 */
     const yao2020_real t252 = w->k[5] * t41;
     const yao2020_real t253 = w->k[4] * t44;
     const yao2020_real t254 = w->k[3] * t53;
@@ -1387,6 +1409,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     w->a[8] = t295;
     w->a[9] = t296;
     w->a[10] = t297;
+    /* pivot 3: row 6, unknown 5 */
     const yao2020_real t304 = w->k[4] * t56;
     const yao2020_real t305 = w->k[6] * t44;
     const yao2020_real t306 = w->k[5] * t53;
@@ -1444,6 +1467,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t358 = t356 * 1.51;
     w->a[15] = t354;
     w->a[16] = t355;
+    /* pivot 4: row 2, unknown 1 */
     const yao2020_real t361 = cos(w->x[1]);
     const yao2020_real t362 = cos(w->x[2]);
     const yao2020_real t363 = cos(w->x[3]);
@@ -1605,6 +1629,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t519 = t517 * 0.9487499999999999;
     w->a[22] = t516;
     w->a[23] = t501;
+    /* pivot 5: row 3, unknown 2 */
     const yao2020_real t522 = 1.0 - t378;
     const yao2020_real t523 = t361 * t387;
     const yao2020_real t524 = t373 * t383;
@@ -1664,6 +1689,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     w->a[28] = t577;
     const yao2020_real t579 = t577 * 1.0097099999999999;
     w->a[29] = t576;
+    /* pivot 6: row 1, unknown 6 */
     const yao2020_real t581 = t378 * t389;
     const yao2020_real t582 = t376 * t393;
     const yao2020_real t583 = t581 - t582;
@@ -1715,30 +1741,34 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t629 = 1.0 / t628;
     w->a[35] = t629;
     const yao2020_real t631 = t629 * 0.9500399999999999;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = t245 * t294 * t356 * t515 * t577 * t628;
     w->spread = t247 * t247 + t300 * t300 + t358 * t358 + t519 * t519 + t579 * t579 + t631 * t631;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void yao2020_inverse_solve(yao2020_inverse_work *w)
 {
     if (w->pivoted) {
         yao2020_inverse_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const yao2020_real y0 = w->f[4];
     const yao2020_real y1 = w->f[3] - w->a[6] * y0;
     const yao2020_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const yao2020_real y3 = w->f[1] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const yao2020_real y4 = w->f[2] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
     const yao2020_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    /* back substitution */
     const yao2020_real s5 = (y5) * w->a[35];
     const yao2020_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const yao2020_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const yao2020_real s2 = (y2 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const yao2020_real s1 = (y1 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
     const yao2020_real s0 = (y0 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[3] = s0;
     w->f[2] = s1;
     w->f[4] = s2;
@@ -1756,27 +1786,30 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
  * answer's rows are evaluated before it is called OK. */
 static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7], const yao2020_config *config, yao2020_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const yao2020_real tolerance2 = config->tolerance * config->tolerance;
     const yao2020_real longest2 = config->max_step * config->max_step;
     yao2020_status status = YAO2020_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     yao2020_real done = 0.0;
     yao2020_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     yao2020_real size = 0.0;
     yao2020_real kappa2 = 1.05625e-05;
     yao2020_real limit;
     yao2020_real most = 0.0;
     yao2020_real contraction2 = 0.0625;
     yao2020_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    yao2020_inverse_target(w, to, aim);
+    yao2020_inverse_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -1799,15 +1832,16 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                yao2020_inverse_target(w, to, done);
+                yao2020_inverse_set_target(w, to, done);
             }
             int turn = yao2020_inverse_factor(w);
             if (turn == 0) {
                 turn = yao2020_inverse_pivoted(w);
             }
             if (!judging) {
-                yao2020_inverse_target(w, to, aim);
+                yao2020_inverse_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -1820,9 +1854,10 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         yao2020_inverse_solve(w);
         const yao2020_real before = size;
-        size = yao2020_inverse_move(w);
+        size = yao2020_inverse_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -1833,6 +1868,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         }
         if ((size <= limit) || (judging && (size <= 1.5552550518613292e-23))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 yao2020_real error2;
                 yao2020_real gain2;
                 if (judging) {
@@ -1848,10 +1884,12 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const yao2020_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -1861,33 +1899,37 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 for (int i = 0; i < 6; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                yao2020_inverse_target(w, to, aim);
+                yao2020_inverse_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 6; ++i) {
                 w->x[i] = w->x0[i];
             }
-            yao2020_inverse_target(w, to, aim);
+            yao2020_inverse_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = YAO2020_WRONG_BRANCH;
             break;
         }
     }
-    yao2020_tell(info, count, residual, size, w->spread);
+    yao2020_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* The tool's pose, its quaternion of unit length and with w >= 0. */
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 {
-    yao2020_status status = yao2020_check(joints);
+    yao2020_status status = yao2020_check_limits(joints);
     if (status == YAO2020_OK) {
         yao2020_real x[7];
         yao2020_forward(joints, x);
@@ -1904,16 +1946,17 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
     return status;
 }
 
+/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
     yao2020_inverse_work w;
     yao2020_real to[7];
-    yao2020_status status = yao2020_unit(pose, to);
+    yao2020_status status = yao2020_normalise_pose(pose, to);
     if (status == YAO2020_OK) {
-        status = yao2020_verdict(to, 7, yao2020_verdict(guess, 6, YAO2020_OK));
+        status = yao2020_check_finite(to, 7, yao2020_check_finite(guess, 6, YAO2020_OK));
     }
-    yao2020_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+    yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == YAO2020_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -1924,7 +1967,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         yao2020_forward(w.x, w.at);
         status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == YAO2020_OK) {
-            status = yao2020_check(w.x);
+            status = yao2020_check_limits(w.x);
         }
         if (status == YAO2020_OK) {
             joints[0] = w.x[0];
@@ -1938,9 +1981,10 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
     return status;
 }
 
+/* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacobian[36])
 {
-    yao2020_status status = yao2020_check(joints);
+    yao2020_status status = yao2020_check_limits(joints);
     if (status == YAO2020_OK) {
         const yao2020_real t0 = cos(joints[1]);
         const yao2020_real t1 = cos(joints[2]);

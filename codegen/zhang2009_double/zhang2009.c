@@ -15,12 +15,12 @@
 #define ZHANG2009_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_verdict(const zhang2009_real values[], int count, zhang2009_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_real values[], int count, zhang2009_status otherwise)
 {
     zhang2009_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const zhang2009_real none = values[i] - values[i];
+        const zhang2009_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0)) {
             status = ZHANG2009_NONFINITE;
         }
@@ -28,8 +28,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_verdict(const zhang2009_real va
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static zhang2009_status zhang2009_unit(const zhang2009_pose *pose, zhang2009_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
     const zhang2009_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static zhang2009_status zhang2009_unit(const zhang2009_pose *pose, zhang2009_rea
     if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = zhang2009_verdict(q, 4, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(q, 4, ZHANG2009_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static zhang2009_status zhang2009_unit(const zhang2009_pose *pose, zhang2009_rea
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static ZHANG2009_COLD void zhang2009_tell(zhang2009_info *info, unsigned int count, zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned int count, zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -62,8 +63,8 @@ static ZHANG2009_COLD void zhang2009_tell(zhang2009_info *info, unsigned int cou
 }
 
 
-/* Whether joint values are within their ranges and rods longer than zero. */
-static ZHANG2009_SHARED zhang2009_status zhang2009_check(const zhang2009_real joints[6])
+/* Checks whether joint values are within their ranges and rods longer than zero. */
+static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
 {
     zhang2009_status status = ZHANG2009_OK;
     if (!((joints[0] >= 0.0005312592044589876)
@@ -72,26 +73,35 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_check(const zhang2009_real jo
         && (joints[3] >= 0.0005312592044589876)
         && (joints[4] >= 0.0005312592044589876)
         && (joints[5] >= 0.0005312592044589876))) {
-        status = zhang2009_verdict(joints, 6, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
     return status;
 }
 
+/* Work space of zhang2009_direct_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: position p and unit quaternion q (w, x, y, z) of the platform
+ * k: squared rod lengths L_i^2
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ *    base's origin is, and half its turn h
+ * d: rod vectors d_i, from the base point to the platform point
+ */
 typedef struct {
     zhang2009_real x[7]; /* state */
-    zhang2009_real x0[7]; /* state at the part of the line that is done */
-    zhang2009_real k[6]; /* known values aimed at, as the rows take them */
-    zhang2009_real f[6]; /* rows, then the step */
-    zhang2009_real d[18]; /* what rows and matrix share */
-    zhang2009_real a[36]; /* matrix, then its factors */
-    zhang2009_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    const zhang2009_pose *guess;
-    uint8_t order[6]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhang2009_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    zhang2009_real k[6]; /* known values aimed at */
+    zhang2009_real f[6]; /* rows; the linear solver leaves the step in their place */
+    zhang2009_real d[18]; /* values that rows and matrix share */
+    zhang2009_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    zhang2009_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    const zhang2009_pose *guess; /* where the line begins */
+    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhang2009_direct_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhang2009_direct_rows(zhang2009_direct_work *w)
 {
+    /* rod 1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -135,6 +145,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[0] = t13;
     w->d[1] = t23;
     w->d[2] = t35;
+    /* rod 2 */
     const zhang2009_real t43 = 125.0 * t11;
     const zhang2009_real t44 = w->x[0] - t43;
     const zhang2009_real t45 = 216.50635094610965 * t5;
@@ -159,6 +170,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[3] = t47;
     w->d[4] = t53;
     w->d[5] = t59;
+    /* rod 3 */
     const zhang2009_real t67 = 250.0 * t5;
     const zhang2009_real t68 = w->x[0] + t67;
     const zhang2009_real t69 = t68 - 238.15698604072062;
@@ -177,6 +189,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[6] = t69;
     w->d[7] = t73;
     w->d[8] = t77;
+    /* rod 4 */
     const zhang2009_real t85 = 250.0 * t11;
     const zhang2009_real t86 = w->x[0] + t85;
     const zhang2009_real t87 = t86 - 137.5;
@@ -195,6 +208,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[9] = t87;
     w->d[10] = t91;
     w->d[11] = t95;
+    /* rod 5 */
     const zhang2009_real t103 = t7 + t12;
     const zhang2009_real t104 = t103 - (-238.15698604072062);
     const zhang2009_real t105 = t104 * t104;
@@ -210,6 +224,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[12] = t104;
     w->d[13] = t107;
     w->d[14] = t110;
+    /* rod 6 */
     const zhang2009_real t118 = t44 - t45;
     const zhang2009_real t119 = t118 - (-275.0);
     const zhang2009_real t120 = t119 * t119;
@@ -226,7 +241,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[17] = t124;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009_direct_work *w)
 {
     zhang2009_real sum = w->f[0] * w->f[0];
@@ -238,8 +253,9 @@ static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009
     return sqrt(sum) * 0.0011309829238371526;
 }
 
-/* Puts the step on; its squared length. */
-static zhang2009_real zhang2009_direct_move(zhang2009_direct_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
 {
     const zhang2009_real t0 = 4.0 * w->f[4];
     const zhang2009_real t1 = t0 * w->x[2];
@@ -316,7 +332,7 @@ static zhang2009_real zhang2009_direct_move(zhang2009_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void zhang2009_legs(zhang2009_direct_work *w)
+static void zhang2009_rod_values(zhang2009_direct_work *w)
 {
     w->k[0] = 0.0;
     w->k[1] = 0.0;
@@ -332,8 +348,8 @@ static void zhang2009_legs(zhang2009_direct_work *w)
     }
 }
 
-/* Known values aimed at. */
-static ZHANG2009_SHARED void zhang2009_direct_target(zhang2009_direct_work *w, const zhang2009_real to[6])
+/* Sets w->k, the known values aimed at. */
+static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *w, const zhang2009_real to[6])
 {
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real t0 = to[i] * to[i];
@@ -341,7 +357,7 @@ static ZHANG2009_SHARED void zhang2009_direct_target(zhang2009_direct_work *w, c
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(zhang2009_direct_work *w)
 {
     static const zhang2009_real base[6][2] = { { 0.0, -1100.0 }, { 550.0, -952.6279441628825 }, { 952.6279441628825, 550.0 }, { 550.0, 952.6279441628825 }, { -952.6279441628825, 550.0 }, { -1100.0, 0.0 } }; /* 4 b */
@@ -367,6 +383,7 @@ static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 6; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         zhang2009_real largest = 0.0;
         for (int r = c; r < 6; ++r) {
@@ -392,6 +409,7 @@ static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
         if (w->a[6 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const zhang2009_real inverse = 1.0 / w->a[6 * c + c];
         w->a[6 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -409,6 +427,7 @@ static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
 /* The step from w->f into w->f with the factors of zhang2009_direct_pivoted. */
 static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 6; ++c) {
         const int best = (int)w->order[c];
         const zhang2009_real t = w->f[best];
@@ -418,6 +437,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
             w->f[r] -= w->a[6 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 6 - 1; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
@@ -433,6 +453,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
 {
     zhang2009_real det;
     w->pivoted = false;
+    /* pivot 1: row 6, unknown 5 */
     const zhang2009_real t0 = 1100.0 * w->d[17];
     const zhang2009_real t1 = 1100.0 * w->d[16];
     const zhang2009_real t2 = -t1;
@@ -443,6 +464,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[2] = w->d[16];
     w->a[3] = t2;
     w->a[5] = w->d[15];
+    /* pivot 2: row 3, unknown 3 */
     const zhang2009_real t10 = 952.6279441628825 * w->d[8];
     const zhang2009_real t11 = -t10;
     const zhang2009_real t12 = 952.6279441628825 * w->d[7];
@@ -462,6 +484,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[9] = t20;
     w->a[10] = t15;
     w->a[11] = t21;
+    /* pivot 3: row 2, unknown 2 */
     const zhang2009_real t29 = 550.0 * w->d[5];
     const zhang2009_real t30 = -t29;
     const zhang2009_real t31 = 550.0 * w->d[4];
@@ -487,6 +510,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[15] = t45;
     w->a[16] = t46;
     w->a[17] = t47;
+    /* pivot 4: row 5, unknown 6 */
     const zhang2009_real t54 = 952.6279441628825 * w->d[14];
     const zhang2009_real t55 = 952.6279441628825 * w->d[13];
     const zhang2009_real t56 = 550.0 * w->d[12];
@@ -515,6 +539,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t79 = t77 * 386460.0;
     w->a[22] = t75;
     w->a[23] = t76;
+    /* pivot 5: row 4, unknown 4 */
     const zhang2009_real t82 = 550.0 * w->d[11];
     const zhang2009_real t83 = -t82;
     const zhang2009_real t84 = 550.0 * w->d[10];
@@ -546,6 +571,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[28] = t109;
     const zhang2009_real t111 = t109 * 765880.0;
     w->a[29] = t108;
+    /* pivot 6: row 1, unknown 1 */
     const zhang2009_real t113 = 1100.0 * w->d[0];
     const zhang2009_real t114 = 1100.0 * w->d[2];
     const zhang2009_real t115 = -t114;
@@ -570,30 +596,34 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t134 = 1.0 / t133;
     w->a[35] = t134;
     const zhang2009_real t136 = t134 * 316.59;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = t3 * t22 * t48 * t74 * t107 * t133;
     w->spread = t5 * t5 + t24 * t24 + t50 * t50 + t79 * t79 + t111 * t111 + t136 * t136;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void zhang2009_direct_solve(zhang2009_direct_work *w)
 {
     if (w->pivoted) {
         zhang2009_direct_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const zhang2009_real y0 = w->f[5];
     const zhang2009_real y1 = w->f[2] - w->a[6] * y0;
     const zhang2009_real y2 = w->f[1] - w->a[12] * y0 - w->a[13] * y1;
     const zhang2009_real y3 = w->f[4] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const zhang2009_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
     const zhang2009_real y5 = w->f[0] - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    /* back substitution */
     const zhang2009_real s5 = (y5) * w->a[35];
     const zhang2009_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const zhang2009_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const zhang2009_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const zhang2009_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
     const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[4] = s0;
     w->f[2] = s1;
     w->f[1] = s2;
@@ -602,12 +632,14 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     w->f[0] = s5;
 }
 
-/* Aims at another part of the line from the guess's joint values; the state is put back to the part that is done. */
-static ZHANG2009_COLD void zhang2009_direct_again(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
+ * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
+static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
     const zhang2009_real *goal = to;
     if (part < 1.0) {
-        (void)zhang2009_unit(w->guess, w->x);
+        (void)zhang2009_normalise_pose(w->guess, w->x);
+        /* joint values at the guess into w->k, the part of the line into w->f */
         w->k[0] = 0.0;
         w->k[1] = 0.0;
         w->k[2] = 0.0;
@@ -625,7 +657,7 @@ static ZHANG2009_COLD void zhang2009_direct_again(zhang2009_direct_work *w, cons
         }
         goal = w->f;
     }
-    zhang2009_direct_target(w, goal);
+    zhang2009_direct_set_target(w, goal);
     if (done > 0.0) {
         for (int i = 0; i < 7; ++i) {
             w->x[i] = w->x0[i];
@@ -642,27 +674,30 @@ static ZHANG2009_COLD void zhang2009_direct_again(zhang2009_direct_work *w, cons
  * answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
     const zhang2009_real longest2 = config->max_step * config->max_step;
     zhang2009_status status = ZHANG2009_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhang2009_real done = 0.0;
     zhang2009_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhang2009_real size = 0.0;
     zhang2009_real kappa2 = 2.0164000000000003e-06;
     zhang2009_real limit;
     zhang2009_real most = 0.0;
     zhang2009_real contraction2 = 0.0625;
     zhang2009_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    zhang2009_direct_target(w, to);
+    zhang2009_direct_set_target(w, to);
     for (;;) {
         zhang2009_direct_rows(w);
         if (verify) {
@@ -679,6 +714,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = zhang2009_direct_factor(w);
             if (turn == 0) {
                 turn = zhang2009_direct_pivoted(w);
@@ -694,9 +730,10 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
-        size = zhang2009_direct_move(w);
+        size = zhang2009_direct_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -707,6 +744,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
         }
         if ((size <= limit) || (judging && (size <= 1.4249293855405632e-23))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhang2009_real error2;
                 zhang2009_real gain2;
                 if (judging) {
@@ -722,10 +760,12 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -735,40 +775,43 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 for (int i = 0; i < 7; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhang2009_direct_again(w, to, aim, done);
+                zhang2009_direct_retarget(w, to, aim, done);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
-            zhang2009_direct_again(w, to, aim, done);
+            zhang2009_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHANG2009_WRONG_BRANCH;
             break;
         }
     }
-    zhang2009_tell(info, count, residual, size, w->spread);
+    zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* The state at the guess, and whether joints and guess can be used. */
-static ZHANG2009_SHARED zhang2009_status zhang2009_enter(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
-    zhang2009_status status = zhang2009_check(joints);
+    zhang2009_status status = zhang2009_check_limits(joints);
     if (status == ZHANG2009_OK) {
         w->guess = guess;
-        status = zhang2009_unit(guess, w->x);
+        status = zhang2009_normalise_pose(guess, w->x);
     }
     return status;
 }
 
-/* The pose of the state. */
-static ZHANG2009_SHARED void zhang2009_leave(const zhang2009_direct_work *w, zhang2009_pose *pose)
+/* Writes the pose of the state. */
+static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w, zhang2009_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -779,26 +822,26 @@ static ZHANG2009_SHARED void zhang2009_leave(const zhang2009_direct_work *w, zha
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: whether its inputs are finite comes first. */
-static ZHANG2009_COLD zhang2009_status zhang2009_failed(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static ZHANG2009_COLD zhang2009_status zhang2009_failure_status(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
 {
-    return zhang2009_verdict(guess->position, 3, zhang2009_verdict(joints, 6, status));
+    return zhang2009_check_finite(guess->position, 3, zhang2009_check_finite(joints, 6, status));
 }
 
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
-    zhang2009_status status = zhang2009_enter(&w, joints, guess);
+    zhang2009_status status = zhang2009_read_guess(&w, joints, guess);
     if (status == ZHANG2009_OK) {
         status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
-            zhang2009_leave(&w, pose);
+            zhang2009_write_pose(&w, pose);
         } else {
-            status = zhang2009_failed(joints, guess, status);
+            status = zhang2009_failure_status(joints, guess, status);
         }
     } else {
-        zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -806,36 +849,38 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
 zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose, zhang2009_info *info)
 {
     zhang2009_direct_work w;
-    zhang2009_status status = zhang2009_enter(&w, joints, pose);
+    zhang2009_status status = zhang2009_read_guess(&w, joints, pose);
     if (status == ZHANG2009_OK) {
-        zhang2009_direct_target(&w, joints);
+        /* one step of Newton's method from the last pose */
+        zhang2009_direct_set_target(&w, joints);
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
-            zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = zhang2009_failed(joints, pose, ZHANG2009_SINGULAR);
+            zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+            status = zhang2009_failure_status(joints, pose, ZHANG2009_SINGULAR);
         } else {
             zhang2009_direct_solve(&w);
-            const zhang2009_real size = zhang2009_direct_move(&w);
-            zhang2009_tell(info, 1U, 0.00142 * size, size, w.spread);
+            const zhang2009_real size = zhang2009_direct_apply_step(&w);
+            zhang2009_write_info(info, 1U, 0.00142 * size, size, w.spread);
             if (size <= 489.99364986527155) {
-                zhang2009_leave(&w, pose);
+                zhang2009_write_pose(&w, pose);
             } else {
-                status = zhang2009_failed(joints, pose, ZHANG2009_WRONG_BRANCH);
+                status = zhang2009_failure_status(joints, pose, ZHANG2009_WRONG_BRANCH);
             }
         }
     } else {
-        zhang2009_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
 
+/* Joint values of a pose: lengths of the rod vectors, less the offsets. */
 zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real joints[6])
 {
     zhang2009_direct_work w;
-    zhang2009_status status = zhang2009_unit(pose, w.x);
+    zhang2009_status status = zhang2009_normalise_pose(pose, w.x);
     if (status == ZHANG2009_OK) {
-        zhang2009_legs(&w);
-        status = zhang2009_check(w.k);
+        zhang2009_rod_values(&w);
+        status = zhang2009_check_limits(w.k);
         if (status == ZHANG2009_OK) {
             joints[0] = w.k[0];
             joints[1] = w.k[1];
@@ -844,16 +889,17 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
             joints[4] = w.k[4];
             joints[5] = w.k[5];
         } else {
-            status = zhang2009_verdict(w.x, 3, status);
+            status = zhang2009_check_finite(w.x, 3, status);
         }
     }
     return status;
 }
 
+/* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
 zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real jacobian[36])
 {
     zhang2009_real x[7];
-    zhang2009_status status = zhang2009_unit(pose, x);
+    zhang2009_status status = zhang2009_normalise_pose(pose, x);
     if (status == ZHANG2009_OK) {
         const zhang2009_real t0 = x[5] + x[5];
         const zhang2009_real t1 = t0 * x[5];
@@ -1077,8 +1123,9 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t219 = t217 - t218;
         const zhang2009_real t220 = t219 * t202;
         const zhang2009_real shortest = t106;
+        /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {
-            status = zhang2009_verdict(x, 3, ZHANG2009_SINGULAR);
+            status = zhang2009_check_finite(x, 3, ZHANG2009_SINGULAR);
         } else {
             jacobian[0] = t109;
             jacobian[1] = t110;

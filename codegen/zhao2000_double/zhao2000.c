@@ -15,12 +15,12 @@
 #define ZHAO2000_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static ZHAO2000_COLD zhao2000_status zhao2000_verdict(const zhao2000_real values[], int count, zhao2000_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count, zhao2000_status otherwise)
 {
     zhao2000_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const zhao2000_real none = values[i] - values[i];
+        const zhao2000_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0)) {
             status = ZHAO2000_NONFINITE;
         }
@@ -28,8 +28,8 @@ static ZHAO2000_COLD zhao2000_status zhao2000_verdict(const zhao2000_real values
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static zhao2000_status zhao2000_unit(const zhao2000_pose *pose, zhao2000_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
     const zhao2000_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static zhao2000_status zhao2000_unit(const zhao2000_pose *pose, zhao2000_real x[
     if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = zhao2000_verdict(q, 4, ZHAO2000_OUT_OF_RANGE);
+        status = zhao2000_check_finite(q, 4, ZHAO2000_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static zhao2000_status zhao2000_unit(const zhao2000_pose *pose, zhao2000_real x[
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static ZHAO2000_COLD void zhao2000_tell(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -63,10 +64,10 @@ static ZHAO2000_COLD void zhao2000_tell(zhao2000_info *info, unsigned int count,
 
 
 /* Pose coordinates of a pose. */
-static zhao2000_status zhao2000_coordinates(const zhao2000_pose *pose, zhao2000_real c[4])
+static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao2000_real c[4])
 {
     zhao2000_real x[7];
-    zhao2000_status status = zhao2000_unit(pose, x);
+    zhao2000_status status = zhao2000_normalise_pose(pose, x);
     if (status == ZHAO2000_OK) {
         const zhao2000_real t0 = atan2(x[6], x[3]);
         const zhao2000_real t1 = t0 + t0;
@@ -83,14 +84,14 @@ static zhao2000_status zhao2000_coordinates(const zhao2000_pose *pose, zhao2000_
             c[3] += 6.283185307179586;
         }
         if (!((fabs(t2) <= 0.00023999999999999998) && (fabs(t3) <= 0.00023999999999999998))) {
-            status = zhao2000_verdict(x, 7, ZHAO2000_OUT_OF_RANGE);
+            status = zhao2000_check_finite(x, 7, ZHAO2000_OUT_OF_RANGE);
         }
     }
     return status;
 }
 
 /* The pose of pose coordinates. */
-static void zhao2000_pose_of(const zhao2000_real c[4], zhao2000_pose *pose)
+static void zhao2000_pose_from_coordinates(const zhao2000_real c[4], zhao2000_pose *pose)
 {
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
@@ -104,33 +105,41 @@ static void zhao2000_pose_of(const zhao2000_real c[4], zhao2000_pose *pose)
     pose->quaternion[3] = t2;
 }
 
-/* Whether joint values are within their ranges. */
-static ZHAO2000_SHARED zhao2000_status zhao2000_check(const zhao2000_real joints[4])
+/* Checks whether joint values are within their ranges. */
+static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real joints[4])
 {
     zhao2000_status status = ZHAO2000_OK;
     if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
         && (joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001)
         && (joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001)
         && (joints[3] >= 0.00023975999999999997) && (joints[3] <= 240000.00000024))) {
-        status = zhao2000_verdict(joints, 4, ZHAO2000_OUT_OF_RANGE);
+        status = zhao2000_check_finite(joints, 4, ZHAO2000_OUT_OF_RANGE);
     }
     return status;
 }
 
+/* Work space of zhao2000_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta1, radial1, height1
+ * k: x, y, z, gamma
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done */
-    zhao2000_real at[4]; /* known values at the guess */
-    zhao2000_real k[4]; /* known values aimed at, as the rows take them */
-    zhao2000_real f[3]; /* rows, then the step */
-    zhao2000_real a[9]; /* matrix, then its factors */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[3]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_real at[4]; /* known values at the guess, where the line begins */
+    zhao2000_real k[4]; /* known values aimed at */
+    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_limb1_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
 {
+    /* row 1 */
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -148,6 +157,7 @@ static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
     const zhao2000_real t14 = t7 + t13;
     const zhao2000_real t15 = -t14;
     w->f[0] = t15;
+    /* row 2 */
     const zhao2000_real t17 = t2 * t3;
     const zhao2000_real t18 = -t17;
     const zhao2000_real t19 = t18 + t18;
@@ -159,6 +169,7 @@ static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
     const zhao2000_real t25 = t21 - t24;
     const zhao2000_real t26 = -t25;
     w->f[1] = t26;
+    /* row 3 */
     const zhao2000_real t28 = t22 * w->x[2];
     const zhao2000_real t29 = 1.0 - t22;
     const zhao2000_real t30 = t29 * w->x[2];
@@ -168,7 +179,7 @@ static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
     w->f[2] = t33;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb1_residual(const zhao2000_limb1_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
@@ -177,8 +188,9 @@ static ZHAO2000_SHARED zhao2000_real zhao2000_limb1_residual(const zhao2000_limb
     return sqrt(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_real zhao2000_limb1_move(zhao2000_limb1_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_real zhao2000_limb1_apply_step(zhao2000_limb1_work *w)
 {
     const zhao2000_real t0 = 0.004166666666666667 * w->f[0];
     const zhao2000_real t1 = w->x[0] + t0;
@@ -195,8 +207,8 @@ static zhao2000_real zhao2000_limb1_move(zhao2000_limb1_work *w)
     return t8;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb1_target(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb1_set_target(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -208,7 +220,7 @@ static ZHAO2000_SHARED void zhao2000_limb1_target(zhao2000_limb1_work *w, const 
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhao2000_limb1_matrix(zhao2000_limb1_work *w)
 {
     const zhao2000_real t0 = w->x[1] - 69.28203230275508;
@@ -242,6 +254,7 @@ static ZHAO2000_COLD int zhao2000_limb1_pivoted(zhao2000_limb1_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 3; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         zhao2000_real largest = 0.0;
         for (int r = c; r < 3; ++r) {
@@ -267,6 +280,7 @@ static ZHAO2000_COLD int zhao2000_limb1_pivoted(zhao2000_limb1_work *w)
         if (w->a[3 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const zhao2000_real inverse = 1.0 / w->a[3 * c + c];
         w->a[3 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -284,6 +298,7 @@ static ZHAO2000_COLD int zhao2000_limb1_pivoted(zhao2000_limb1_work *w)
 /* The step from w->f into w->f with the factors of zhao2000_limb1_pivoted. */
 static ZHAO2000_COLD void zhao2000_limb1_pivoted_solve(zhao2000_limb1_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 3; ++c) {
         const int best = (int)w->order[c];
         const zhao2000_real t = w->f[best];
@@ -293,6 +308,7 @@ static ZHAO2000_COLD void zhao2000_limb1_pivoted_solve(zhao2000_limb1_work *w)
             w->f[r] -= w->a[3 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 3 - 1; c >= 0; --c) {
         const zhao2000_real t = w->f[c] * w->a[3 * c + c];
         w->f[c] = t;
@@ -308,9 +324,11 @@ static int zhao2000_limb1_factor(zhao2000_limb1_work *w)
 {
     zhao2000_real det;
     w->pivoted = false;
+    /* pivot 1: row 3, unknown 3 */
     const zhao2000_real t0 = 1.0 / -1.0;
     w->a[0] = t0;
     const zhao2000_real t2 = t0 * 1.0;
+    /* pivot 2: row 2, unknown 2 */
     const zhao2000_real t3 = w->x[0] - 1.5707963267948966;
     const zhao2000_real t4 = cos(t3);
     const zhao2000_real t5 = -t4;
@@ -324,6 +342,7 @@ static int zhao2000_limb1_factor(zhao2000_limb1_work *w)
     w->a[4] = t12;
     const zhao2000_real t14 = t12 * 1.00091;
     w->a[5] = t11;
+    /* pivot 3: row 1, unknown 1 */
     const zhao2000_real t16 = t8 * t4;
     const zhao2000_real t17 = 0.004166666666666667 * t16;
     const zhao2000_real t18 = t9 * t12;
@@ -332,24 +351,28 @@ static int zhao2000_limb1_factor(zhao2000_limb1_work *w)
     const zhao2000_real t21 = 1.0 / t20;
     w->a[8] = t21;
     const zhao2000_real t23 = t21 * 0.29997;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = -1.0 * t12 * t20;
     w->spread = t2 * t2 + t14 * t14 + t23 * t23;
     return (w->spread < 1000000.0) ? ((det > 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void zhao2000_limb1_solve(zhao2000_limb1_work *w)
 {
     if (w->pivoted) {
         zhao2000_limb1_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const zhao2000_real y0 = w->f[2];
     const zhao2000_real y1 = w->f[1];
     const zhao2000_real y2 = w->f[0] - w->a[7] * y1;
+    /* back substitution */
     const zhao2000_real s2 = (y2) * w->a[8];
     const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
     const zhao2000_real s0 = (y0) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[2] = s0;
     w->f[1] = s1;
     w->f[0] = s2;
@@ -364,27 +387,30 @@ static void zhao2000_limb1_solve(zhao2000_limb1_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_real longest2 = config->max_step * config->max_step;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_real done = 0.0;
     zhao2000_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_real size = 0.0;
     zhao2000_real kappa2 = 3.969e-05;
     zhao2000_real limit;
     zhao2000_real most = 0.0;
     zhao2000_real contraction2 = 0.0625;
     zhao2000_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    zhao2000_limb1_target(w, to, aim);
+    zhao2000_limb1_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -404,6 +430,7 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = zhao2000_limb1_factor(w);
             if (turn == 0) {
                 turn = zhao2000_limb1_pivoted(w);
@@ -419,9 +446,10 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_limb1_solve(w);
         const zhao2000_real before = size;
-        size = zhao2000_limb1_move(w);
+        size = zhao2000_limb1_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -432,6 +460,7 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
         }
         if ((size <= limit) || (judging && (size <= 2.908056841006738e-24))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_real error2;
                 zhao2000_real gain2;
                 if (judging) {
@@ -447,10 +476,12 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -460,34 +491,38 @@ static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_limb1_target(w, to, aim);
+                zhao2000_limb1_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_limb1_target(w, to, aim);
+            zhao2000_limb1_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, w->spread);
+    zhao2000_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb1_at(zhao2000_limb1_work *w, const zhao2000_real c[4])
+static zhao2000_status zhao2000_limb1_follow_pose(zhao2000_limb1_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 1.5707963267948966;
     w->x[1] = 69.28203230275508;
     w->x[2] = 100.0;
@@ -498,8 +533,8 @@ static zhao2000_status zhao2000_limb1_at(zhao2000_limb1_work *w, const zhao2000_
     return zhao2000_limb1_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_limb1_sides(const zhao2000_limb1_work *w, zhao2000_real sides[12])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_limb1_twist_columns(const zhao2000_limb1_work *w, zhao2000_real sides[12])
 {
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
@@ -530,20 +565,28 @@ static void zhao2000_limb1_sides(const zhao2000_limb1_work *w, zhao2000_real sid
     sides[11] = 0.0;
 }
 
+/* Work space of zhao2000_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta2, radial2, height2
+ * k: x, y, z, gamma
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done */
-    zhao2000_real at[4]; /* known values at the guess */
-    zhao2000_real k[4]; /* known values aimed at, as the rows take them */
-    zhao2000_real f[3]; /* rows, then the step */
-    zhao2000_real a[9]; /* matrix, then its factors */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[3]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_real at[4]; /* known values at the guess, where the line begins */
+    zhao2000_real k[4]; /* known values aimed at */
+    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_limb2_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
 {
+    /* row 1 */
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -573,6 +616,7 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
     const zhao2000_real t26 = t11 - t25;
     const zhao2000_real t27 = -t26;
     w->f[0] = t27;
+    /* row 2 */
     const zhao2000_real t29 = t1 * t5;
     const zhao2000_real t30 = t2 * t3;
     const zhao2000_real t31 = t29 - t30;
@@ -586,6 +630,7 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
     const zhao2000_real t39 = t34 - t38;
     const zhao2000_real t40 = -t39;
     w->f[1] = t40;
+    /* row 3 */
     const zhao2000_real t42 = t13 * w->x[2];
     const zhao2000_real t43 = 1.0 - t13;
     const zhao2000_real t44 = t43 * w->x[2];
@@ -595,7 +640,7 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
     w->f[2] = t47;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb2_residual(const zhao2000_limb2_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
@@ -604,8 +649,9 @@ static ZHAO2000_SHARED zhao2000_real zhao2000_limb2_residual(const zhao2000_limb
     return sqrt(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_real zhao2000_limb2_move(zhao2000_limb2_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_real zhao2000_limb2_apply_step(zhao2000_limb2_work *w)
 {
     const zhao2000_real t0 = 0.004166666666666667 * w->f[0];
     const zhao2000_real t1 = w->x[0] + t0;
@@ -622,8 +668,8 @@ static zhao2000_real zhao2000_limb2_move(zhao2000_limb2_work *w)
     return t8;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb2_target(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb2_set_target(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -635,7 +681,7 @@ static ZHAO2000_SHARED void zhao2000_limb2_target(zhao2000_limb2_work *w, const 
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhao2000_limb2_matrix(zhao2000_limb2_work *w)
 {
     const zhao2000_real t0 = w->x[1] - 69.28203230275508;
@@ -685,6 +731,7 @@ static ZHAO2000_COLD int zhao2000_limb2_pivoted(zhao2000_limb2_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 3; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         zhao2000_real largest = 0.0;
         for (int r = c; r < 3; ++r) {
@@ -710,6 +757,7 @@ static ZHAO2000_COLD int zhao2000_limb2_pivoted(zhao2000_limb2_work *w)
         if (w->a[3 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const zhao2000_real inverse = 1.0 / w->a[3 * c + c];
         w->a[3 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -727,6 +775,7 @@ static ZHAO2000_COLD int zhao2000_limb2_pivoted(zhao2000_limb2_work *w)
 /* The step from w->f into w->f with the factors of zhao2000_limb2_pivoted. */
 static ZHAO2000_COLD void zhao2000_limb2_pivoted_solve(zhao2000_limb2_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 3; ++c) {
         const int best = (int)w->order[c];
         const zhao2000_real t = w->f[best];
@@ -736,6 +785,7 @@ static ZHAO2000_COLD void zhao2000_limb2_pivoted_solve(zhao2000_limb2_work *w)
             w->f[r] -= w->a[3 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 3 - 1; c >= 0; --c) {
         const zhao2000_real t = w->f[c] * w->a[3 * c + c];
         w->f[c] = t;
@@ -751,9 +801,11 @@ static int zhao2000_limb2_factor(zhao2000_limb2_work *w)
 {
     zhao2000_real det;
     w->pivoted = false;
+    /* pivot 1: row 3, unknown 3 */
     const zhao2000_real t0 = 1.0 / -1.0;
     w->a[0] = t0;
     const zhao2000_real t2 = t0 * 1.0;
+    /* pivot 2: row 1, unknown 2 */
     const zhao2000_real t3 = w->x[0] - 3.6651914291880923;
     const zhao2000_real t4 = sin(t3);
     const zhao2000_real t5 = cos(t3);
@@ -776,6 +828,7 @@ static int zhao2000_limb2_factor(zhao2000_limb2_work *w)
     w->a[4] = t21;
     const zhao2000_real t23 = t21 * 1.00165;
     w->a[5] = t20;
+    /* pivot 3: row 2, unknown 1 */
     const zhao2000_real t25 = -0.5 * t5;
     const zhao2000_real t26 = -0.8660254037844387 * t4;
     const zhao2000_real t27 = t25 + t26;
@@ -791,24 +844,28 @@ static int zhao2000_limb2_factor(zhao2000_limb2_work *w)
     const zhao2000_real t37 = 1.0 / t36;
     w->a[8] = t37;
     const zhao2000_real t39 = t37 * 0.28635;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = -1.0 * t21 * t36;
     w->spread = t2 * t2 + t23 * t23 + t39 * t39;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void zhao2000_limb2_solve(zhao2000_limb2_work *w)
 {
     if (w->pivoted) {
         zhao2000_limb2_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const zhao2000_real y0 = w->f[2];
     const zhao2000_real y1 = w->f[0];
     const zhao2000_real y2 = w->f[1] - w->a[7] * y1;
+    /* back substitution */
     const zhao2000_real s2 = (y2) * w->a[8];
     const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
     const zhao2000_real s0 = (y0) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[2] = s0;
     w->f[1] = s1;
     w->f[0] = s2;
@@ -823,27 +880,30 @@ static void zhao2000_limb2_solve(zhao2000_limb2_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_real longest2 = config->max_step * config->max_step;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_real done = 0.0;
     zhao2000_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_real size = 0.0;
     zhao2000_real kappa2 = 3.78225e-05;
     zhao2000_real limit;
     zhao2000_real most = 0.0;
     zhao2000_real contraction2 = 0.0625;
     zhao2000_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    zhao2000_limb2_target(w, to, aim);
+    zhao2000_limb2_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -863,6 +923,7 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = zhao2000_limb2_factor(w);
             if (turn == 0) {
                 turn = zhao2000_limb2_pivoted(w);
@@ -878,9 +939,10 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_limb2_solve(w);
         const zhao2000_real before = size;
-        size = zhao2000_limb2_move(w);
+        size = zhao2000_limb2_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -891,6 +953,7 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
         }
         if ((size <= limit) || (judging && (size <= 2.908056841006738e-24))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_real error2;
                 zhao2000_real gain2;
                 if (judging) {
@@ -906,10 +969,12 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -919,34 +984,38 @@ static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_limb2_target(w, to, aim);
+                zhao2000_limb2_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_limb2_target(w, to, aim);
+            zhao2000_limb2_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, w->spread);
+    zhao2000_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb2_at(zhao2000_limb2_work *w, const zhao2000_real c[4])
+static zhao2000_status zhao2000_limb2_follow_pose(zhao2000_limb2_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 3.6651914291880923;
     w->x[1] = 69.28203230275508;
     w->x[2] = 100.0;
@@ -957,8 +1026,8 @@ static zhao2000_status zhao2000_limb2_at(zhao2000_limb2_work *w, const zhao2000_
     return zhao2000_limb2_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_limb2_sides(const zhao2000_limb2_work *w, zhao2000_real sides[12])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_limb2_twist_columns(const zhao2000_limb2_work *w, zhao2000_real sides[12])
 {
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
@@ -1000,20 +1069,28 @@ static void zhao2000_limb2_sides(const zhao2000_limb2_work *w, zhao2000_real sid
     sides[11] = 0.0;
 }
 
+/* Work space of zhao2000_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta3, radial3, height3
+ * k: x, y, z, gamma
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done */
-    zhao2000_real at[4]; /* known values at the guess */
-    zhao2000_real k[4]; /* known values aimed at, as the rows take them */
-    zhao2000_real f[3]; /* rows, then the step */
-    zhao2000_real a[9]; /* matrix, then its factors */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[3]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_real at[4]; /* known values at the guess, where the line begins */
+    zhao2000_real k[4]; /* known values aimed at */
+    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_limb3_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
 {
+    /* row 1 */
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -1043,6 +1120,7 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
     const zhao2000_real t26 = t11 - t25;
     const zhao2000_real t27 = -t26;
     w->f[0] = t27;
+    /* row 2 */
     const zhao2000_real t29 = t1 * t5;
     const zhao2000_real t30 = t2 * t3;
     const zhao2000_real t31 = t29 - t30;
@@ -1056,6 +1134,7 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
     const zhao2000_real t39 = t34 - t38;
     const zhao2000_real t40 = -t39;
     w->f[1] = t40;
+    /* row 3 */
     const zhao2000_real t42 = t13 * w->x[2];
     const zhao2000_real t43 = 1.0 - t13;
     const zhao2000_real t44 = t43 * w->x[2];
@@ -1065,7 +1144,7 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
     w->f[2] = t47;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_SHARED zhao2000_real zhao2000_limb3_residual(const zhao2000_limb3_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
@@ -1074,8 +1153,9 @@ static ZHAO2000_SHARED zhao2000_real zhao2000_limb3_residual(const zhao2000_limb
     return sqrt(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_real zhao2000_limb3_move(zhao2000_limb3_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_real zhao2000_limb3_apply_step(zhao2000_limb3_work *w)
 {
     const zhao2000_real t0 = 0.004166666666666667 * w->f[0];
     const zhao2000_real t1 = w->x[0] + t0;
@@ -1092,8 +1172,8 @@ static zhao2000_real zhao2000_limb3_move(zhao2000_limb3_work *w)
     return t8;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb3_target(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_limb3_set_target(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -1105,7 +1185,7 @@ static ZHAO2000_SHARED void zhao2000_limb3_target(zhao2000_limb3_work *w, const 
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhao2000_limb3_matrix(zhao2000_limb3_work *w)
 {
     const zhao2000_real t0 = w->x[1] - 69.28203230275508;
@@ -1155,6 +1235,7 @@ static ZHAO2000_COLD int zhao2000_limb3_pivoted(zhao2000_limb3_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 3; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         zhao2000_real largest = 0.0;
         for (int r = c; r < 3; ++r) {
@@ -1180,6 +1261,7 @@ static ZHAO2000_COLD int zhao2000_limb3_pivoted(zhao2000_limb3_work *w)
         if (w->a[3 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const zhao2000_real inverse = 1.0 / w->a[3 * c + c];
         w->a[3 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -1197,6 +1279,7 @@ static ZHAO2000_COLD int zhao2000_limb3_pivoted(zhao2000_limb3_work *w)
 /* The step from w->f into w->f with the factors of zhao2000_limb3_pivoted. */
 static ZHAO2000_COLD void zhao2000_limb3_pivoted_solve(zhao2000_limb3_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 3; ++c) {
         const int best = (int)w->order[c];
         const zhao2000_real t = w->f[best];
@@ -1206,6 +1289,7 @@ static ZHAO2000_COLD void zhao2000_limb3_pivoted_solve(zhao2000_limb3_work *w)
             w->f[r] -= w->a[3 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 3 - 1; c >= 0; --c) {
         const zhao2000_real t = w->f[c] * w->a[3 * c + c];
         w->f[c] = t;
@@ -1221,9 +1305,11 @@ static int zhao2000_limb3_factor(zhao2000_limb3_work *w)
 {
     zhao2000_real det;
     w->pivoted = false;
+    /* pivot 1: row 3, unknown 3 */
     const zhao2000_real t0 = 1.0 / -1.0;
     w->a[0] = t0;
     const zhao2000_real t2 = t0 * 1.0;
+    /* pivot 2: row 1, unknown 2 */
     const zhao2000_real t3 = w->x[0] - 5.759586531581287;
     const zhao2000_real t4 = sin(t3);
     const zhao2000_real t5 = cos(t3);
@@ -1246,6 +1332,7 @@ static int zhao2000_limb3_factor(zhao2000_limb3_work *w)
     w->a[4] = t21;
     const zhao2000_real t23 = t21 * 1.0005;
     w->a[5] = t20;
+    /* pivot 3: row 2, unknown 1 */
     const zhao2000_real t25 = -0.5 * t5;
     const zhao2000_real t26 = 0.8660254037844387 * t4;
     const zhao2000_real t27 = t25 + t26;
@@ -1261,24 +1348,28 @@ static int zhao2000_limb3_factor(zhao2000_limb3_work *w)
     const zhao2000_real t37 = 1.0 / t36;
     w->a[8] = t37;
     const zhao2000_real t39 = t37 * 0.29601;
+    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
     det = -1.0 * t21 * t36;
     w->spread = t2 * t2 + t23 * t23 + t39 * t39;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void zhao2000_limb3_solve(zhao2000_limb3_work *w)
 {
     if (w->pivoted) {
         zhao2000_limb3_pivoted_solve(w);
         return;
     }
+    /* forward substitution, the rows in the order of the pivots */
     const zhao2000_real y0 = w->f[2];
     const zhao2000_real y1 = w->f[0];
     const zhao2000_real y2 = w->f[1] - w->a[7] * y1;
+    /* back substitution */
     const zhao2000_real s2 = (y2) * w->a[8];
     const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
     const zhao2000_real s0 = (y0) * w->a[0];
+    /* the step in the order of the unknowns */
     w->f[2] = s0;
     w->f[1] = s1;
     w->f[0] = s2;
@@ -1293,27 +1384,30 @@ static void zhao2000_limb3_solve(zhao2000_limb3_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_real longest2 = config->max_step * config->max_step;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_real done = 0.0;
     zhao2000_real aim = 1.0;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_real size = 0.0;
     zhao2000_real kappa2 = 3.67236e-05;
     zhao2000_real limit;
     zhao2000_real most = 0.0;
     zhao2000_real contraction2 = 0.0625;
     zhao2000_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    zhao2000_limb3_target(w, to, aim);
+    zhao2000_limb3_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -1333,6 +1427,7 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             int turn = zhao2000_limb3_factor(w);
             if (turn == 0) {
                 turn = zhao2000_limb3_pivoted(w);
@@ -1348,9 +1443,10 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_limb3_solve(w);
         const zhao2000_real before = size;
-        size = zhao2000_limb3_move(w);
+        size = zhao2000_limb3_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -1361,6 +1457,7 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
         }
         if ((size <= limit) || (judging && (size <= 2.908056841006738e-24))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_real error2;
                 zhao2000_real gain2;
                 if (judging) {
@@ -1376,10 +1473,12 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -1389,34 +1488,38 @@ static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2
                 for (int i = 0; i < 3; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_limb3_target(w, to, aim);
+                zhao2000_limb3_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 3; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_limb3_target(w, to, aim);
+            zhao2000_limb3_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, w->spread);
+    zhao2000_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb3_at(zhao2000_limb3_work *w, const zhao2000_real c[4])
+static zhao2000_status zhao2000_limb3_follow_pose(zhao2000_limb3_work *w, const zhao2000_real c[4])
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 5.759586531581287;
     w->x[1] = 69.28203230275508;
     w->x[2] = 100.0;
@@ -1427,8 +1530,8 @@ static zhao2000_status zhao2000_limb3_at(zhao2000_limb3_work *w, const zhao2000_
     return zhao2000_limb3_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_limb3_sides(const zhao2000_limb3_work *w, zhao2000_real sides[12])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_limb3_twist_columns(const zhao2000_limb3_work *w, zhao2000_real sides[12])
 {
     const zhao2000_real t0 = 0.5 * w->k[3];
     const zhao2000_real t1 = cos(t0);
@@ -1470,32 +1573,36 @@ static void zhao2000_limb3_sides(const zhao2000_limb3_work *w, zhao2000_real sid
     sides[11] = 0.0;
 }
 
-/* Joint values of a pose, actuated and passive, on the branches of the reference configuration. */
-static zhao2000_status zhao2000_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
+    /* theta1, radial1, height1 */
     if (status == ZHAO2000_OK) {
         zhao2000_limb1_work w;
-        status = zhao2000_limb1_at(&w, c);
+        status = zhao2000_limb1_follow_pose(&w, c);
         q[0] = w.x[0];
         passive[0] = w.x[1];
         passive[1] = w.x[2];
     }
+    /* theta2, radial2, height2 */
     if (status == ZHAO2000_OK) {
         zhao2000_limb2_work w;
-        status = zhao2000_limb2_at(&w, c);
+        status = zhao2000_limb2_follow_pose(&w, c);
         q[1] = w.x[0];
         passive[2] = w.x[1];
         passive[3] = w.x[2];
     }
+    /* theta3, radial3, height3 */
     if (status == ZHAO2000_OK) {
         zhao2000_limb3_work w;
-        status = zhao2000_limb3_at(&w, c);
+        status = zhao2000_limb3_follow_pose(&w, c);
         q[2] = w.x[0];
         passive[4] = w.x[1];
         passive[5] = w.x[2];
     }
+    /* op */
     const zhao2000_real op_0 = c[0] * c[0];
     const zhao2000_real op_1 = c[1] * c[1];
     const zhao2000_real op_2 = op_0 + op_1;
@@ -1506,21 +1613,29 @@ static zhao2000_status zhao2000_limbs(const zhao2000_real c[4], zhao2000_real q[
     return status;
 }
 
+/* Work space of zhao2000_direct_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: radial1, height1, radial2, height2, radial3, height3, x, y, z, gamma
+ * k: theta1, theta2, theta3, op
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_real x[10]; /* state */
-    zhao2000_real x0[10]; /* state at the part of the line that is done */
-    zhao2000_real at[4]; /* known values at the guess */
-    zhao2000_real k[4]; /* known values aimed at, as the rows take them */
-    zhao2000_real f[10]; /* rows, then the step */
-    zhao2000_real a[100]; /* matrix, then its factors */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots */
+    zhao2000_real x0[10]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_real at[4]; /* known values at the guess, where the line begins */
+    zhao2000_real k[4]; /* known values aimed at */
+    zhao2000_real f[10]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_real a[100]; /* matrix -df/dstep, row by row; then its LU factors in its place */
+    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
     zhao2000_real aim; /* how much of the line to try first */
-    uint8_t order[10]; /* rows exchanged by the fallback */
-    bool pivoted;
+    uint8_t order[10]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_direct_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_direct_rows(zhao2000_direct_work *w)
 {
+    /* row 1 */
     const zhao2000_real t0 = 0.5 * w->x[9];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -1538,6 +1653,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t14 = t7 + t13;
     const zhao2000_real t15 = -t14;
     w->f[0] = t15;
+    /* row 2 */
     const zhao2000_real t17 = t2 * t3;
     const zhao2000_real t18 = -t17;
     const zhao2000_real t19 = t18 + t18;
@@ -1549,6 +1665,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t25 = t21 - t24;
     const zhao2000_real t26 = -t25;
     w->f[1] = t26;
+    /* row 3 */
     const zhao2000_real t28 = t22 * w->x[1];
     const zhao2000_real t29 = 1.0 - t22;
     const zhao2000_real t30 = t29 * w->x[1];
@@ -1556,6 +1673,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t32 = w->x[8] - t31;
     const zhao2000_real t33 = -t32;
     w->f[2] = t33;
+    /* row 4 */
     const zhao2000_real t35 = 34.64101615137754 * t2;
     const zhao2000_real t36 = t1 * t35;
     const zhao2000_real t37 = 60.0 * t2;
@@ -1582,6 +1700,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t58 = t43 - t57;
     const zhao2000_real t59 = -t58;
     w->f[3] = t59;
+    /* row 5 */
     const zhao2000_real t61 = t1 * t37;
     const zhao2000_real t62 = t2 * t35;
     const zhao2000_real t63 = t61 - t62;
@@ -1595,6 +1714,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t71 = t66 - t70;
     const zhao2000_real t72 = -t71;
     w->f[4] = t72;
+    /* row 6 */
     const zhao2000_real t74 = t45 * w->x[3];
     const zhao2000_real t75 = 1.0 - t45;
     const zhao2000_real t76 = t75 * w->x[3];
@@ -1602,6 +1722,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t78 = w->x[8] - t77;
     const zhao2000_real t79 = -t78;
     w->f[5] = t79;
+    /* row 7 */
     const zhao2000_real t81 = -60.0 * t2;
     const zhao2000_real t82 = t2 * t81;
     const zhao2000_real t83 = t36 + t82;
@@ -1626,6 +1747,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t102 = t87 - t101;
     const zhao2000_real t103 = -t102;
     w->f[6] = t103;
+    /* row 8 */
     const zhao2000_real t105 = t1 * t81;
     const zhao2000_real t106 = t105 - t62;
     const zhao2000_real t107 = t106 + t106;
@@ -1638,6 +1760,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t114 = t109 - t113;
     const zhao2000_real t115 = -t114;
     w->f[7] = t115;
+    /* row 9 */
     const zhao2000_real t117 = t89 * w->x[5];
     const zhao2000_real t118 = 1.0 - t89;
     const zhao2000_real t119 = t118 * w->x[5];
@@ -1645,6 +1768,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     const zhao2000_real t121 = w->x[8] - t120;
     const zhao2000_real t122 = -t121;
     w->f[8] = t122;
+    /* row 10 */
     const zhao2000_real t124 = w->x[6] * w->x[6];
     const zhao2000_real t125 = w->x[7] * w->x[7];
     const zhao2000_real t126 = t124 + t125;
@@ -1657,7 +1781,7 @@ static void zhao2000_direct_rows(zhao2000_direct_work *w)
     w->f[9] = t132;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_SHARED zhao2000_real zhao2000_direct_residual(const zhao2000_direct_work *w)
 {
     zhao2000_real sum = w->f[0] * w->f[0];
@@ -1673,8 +1797,9 @@ static ZHAO2000_SHARED zhao2000_real zhao2000_direct_residual(const zhao2000_dir
     return sqrt(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_real zhao2000_direct_move(zhao2000_direct_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_real zhao2000_direct_apply_step(zhao2000_direct_work *w)
 {
     const zhao2000_real t0 = w->x[0] + w->f[0];
     const zhao2000_real t1 = w->x[1] + w->f[1];
@@ -1719,8 +1844,8 @@ static zhao2000_real zhao2000_direct_move(zhao2000_direct_work *w)
     return t29;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_direct_target(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_SHARED void zhao2000_direct_set_target(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -1732,7 +1857,7 @@ static ZHAO2000_SHARED void zhao2000_direct_target(zhao2000_direct_work *w, cons
     }
 }
 
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhao2000_direct_matrix(zhao2000_direct_work *w)
 {
     const zhao2000_real t0 = w->k[0] - 1.5707963267948966;
@@ -1926,6 +2051,7 @@ static ZHAO2000_COLD int zhao2000_direct_pivoted(zhao2000_direct_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     for (int c = 0; c < 10; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         zhao2000_real largest = 0.0;
         for (int r = c; r < 10; ++r) {
@@ -1951,6 +2077,7 @@ static ZHAO2000_COLD int zhao2000_direct_pivoted(zhao2000_direct_work *w)
         if (w->a[10 * c + c] < 0.0) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const zhao2000_real inverse = 1.0 / w->a[10 * c + c];
         w->a[10 * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -1968,6 +2095,7 @@ static ZHAO2000_COLD int zhao2000_direct_pivoted(zhao2000_direct_work *w)
 /* The step from w->f into w->f with the factors of zhao2000_direct_pivoted. */
 static ZHAO2000_COLD void zhao2000_direct_pivoted_solve(zhao2000_direct_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < 10; ++c) {
         const int best = (int)w->order[c];
         const zhao2000_real t = w->f[best];
@@ -1977,6 +2105,7 @@ static ZHAO2000_COLD void zhao2000_direct_pivoted_solve(zhao2000_direct_work *w)
             w->f[r] -= w->a[10 * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = 10 - 1; c >= 0; --c) {
         const zhao2000_real t = w->f[c] * w->a[10 * c + c];
         w->f[c] = t;
@@ -1986,6 +2115,7 @@ static ZHAO2000_COLD void zhao2000_direct_pivoted_solve(zhao2000_direct_work *w)
     }
 }
 
+/* The step from w->f into w->f. */
 static void zhao2000_direct_solve(zhao2000_direct_work *w)
 {
     zhao2000_direct_pivoted_solve(w);
@@ -2000,27 +2130,30 @@ static void zhao2000_direct_solve(zhao2000_direct_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_real longest2 = config->max_step * config->max_step;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_real done = 0.0;
     zhao2000_real aim = w->aim;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_real size = 0.0;
     zhao2000_real kappa2 = 1.83184e-05;
     zhao2000_real limit;
     zhao2000_real most = 0.0;
     zhao2000_real contraction2 = 0.0625;
     zhao2000_real residual = HUGE_VAL;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
-    zhao2000_direct_target(w, to, aim);
+    zhao2000_direct_set_target(w, to, aim);
     for (int i = 0; i < 10; ++i) {
         w->x0[i] = w->x[i];
     }
@@ -2040,12 +2173,13 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                zhao2000_direct_target(w, to, done);
+                zhao2000_direct_set_target(w, to, done);
             }
             int turn = zhao2000_direct_pivoted(w);
             if (!judging) {
-                zhao2000_direct_target(w, to, aim);
+                zhao2000_direct_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -2058,9 +2192,10 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_direct_solve(w);
         const zhao2000_real before = size;
-        size = zhao2000_direct_move(w);
+        size = zhao2000_direct_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -2071,6 +2206,7 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
         }
         if ((size <= limit) || (judging && (size <= 2.908056841006738e-24))) {
             if (aim >= 1.0) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_real error2;
                 zhao2000_real gain2;
                 if (judging) {
@@ -2086,10 +2222,12 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0 <= before) ? (part + part) : part;
@@ -2099,33 +2237,36 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                 for (int i = 0; i < 10; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_direct_target(w, to, aim);
+                zhao2000_direct_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             for (int i = 0; i < 10; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_direct_target(w, to, aim);
+            zhao2000_direct_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_tell(info, count, residual, size, w->spread);
+    zhao2000_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
- * angles by at most half a radian. */
-static zhao2000_real zhao2000_towards(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. Returns how
+ * much of the line to try first: angles by at most half a radian. */
+static zhao2000_real zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
     static const bool angular[4] = { true, true, true, false };
@@ -2146,18 +2287,18 @@ static zhao2000_real zhao2000_towards(const zhao2000_real at[4], const zhao2000_
     return 0.5 / widest;
 }
 
-/* Whether the limbs at the answer, solved as zhao2000_inverse does, have the given joint values. Else a limb has passed a dead
- * centre on the way, which is a singularity, or the line of poses from the reference does not lead to this one: the pose alone
- * would not say where the limb stands. */
-static ZHAO2000_COLD zhao2000_status zhao2000_agrees(const zhao2000_real c[4], const zhao2000_real given[4])
+/* Checks the branch of an answer: whether the limbs there, solved as zhao2000_inverse does, have the given joint values. Else
+ * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
+ * to this one: the pose alone would not say where the limb stands. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real c[4], const zhao2000_real given[4])
 {
     static const zhao2000_real near[4] = { 4.21e-06, 4.21e-06, 4.21e-06, 0.00101 };
     zhao2000_real q[4] = { 0.0 };
     zhao2000_real passive[6] = { 0.0 };
     zhao2000_real turned[4];
-    zhao2000_status status = zhao2000_limbs(c, q, passive);
+    zhao2000_status status = zhao2000_solve_limbs(c, q, passive);
     if (status == ZHAO2000_OK) {
-        (void)zhao2000_towards(q, given, turned);
+        (void)zhao2000_unwrap_joints(q, given, turned);
         for (int i = 0; i < 4; ++i) {
             if (!(fabs(turned[i] - q[i]) <= near[i])) {
                 status = ZHAO2000_WRONG_BRANCH;
@@ -2169,16 +2310,16 @@ static ZHAO2000_COLD zhao2000_status zhao2000_agrees(const zhao2000_real c[4], c
     return status;
 }
 
-/* The state at the guess, and whether joints and guess can be used. */
-static ZHAO2000_SHARED zhao2000_status zhao2000_enter(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static ZHAO2000_SHARED zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
 {
-    zhao2000_status status = zhao2000_check(joints);
+    zhao2000_status status = zhao2000_check_limits(joints);
     if (status == ZHAO2000_OK) {
         zhao2000_real c[4];
         zhao2000_real passive[6] = { 0.0 };
-        status = zhao2000_coordinates(guess, c);
+        status = zhao2000_pose_coordinates(guess, c);
         if (status == ZHAO2000_OK) {
-            status = zhao2000_limbs(c, w->at, passive);
+            status = zhao2000_solve_limbs(c, w->at, passive);
             w->x[0] = passive[0];
             w->x[1] = passive[1];
             w->x[2] = passive[2];
@@ -2187,7 +2328,7 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_enter(zhao2000_direct_work *w, c
             w->x[5] = passive[5];
         }
         if (status != ZHAO2000_OK) {
-            status = zhao2000_verdict(guess->position, 3, ZHAO2000_OUT_OF_RANGE);
+            status = zhao2000_check_finite(guess->position, 3, ZHAO2000_OUT_OF_RANGE);
         }
         w->x[6] = c[0];
         w->x[7] = c[1];
@@ -2197,37 +2338,37 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_enter(zhao2000_direct_work *w, c
     return status;
 }
 
-/* The pose of the state. */
-static ZHAO2000_SHARED void zhao2000_leave(const zhao2000_direct_work *w, zhao2000_pose *pose)
+/* Writes the pose of the state. */
+static ZHAO2000_SHARED void zhao2000_write_pose(const zhao2000_direct_work *w, zhao2000_pose *pose)
 {
-    zhao2000_pose_of(&w->x[6], pose);
+    zhao2000_pose_from_coordinates(&w->x[6], pose);
 }
 
-/* The status of a call that failed: whether its inputs are finite comes first. */
-static ZHAO2000_COLD zhao2000_status zhao2000_failed(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_status status)
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static ZHAO2000_COLD zhao2000_status zhao2000_failure_status(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_status status)
 {
-    return zhao2000_verdict(guess->position, 3, zhao2000_verdict(joints, 4, status));
+    return zhao2000_check_finite(guess->position, 3, zhao2000_check_finite(joints, 4, status));
 }
 
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
 {
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
-    zhao2000_status status = zhao2000_enter(&w, joints, guess);
+    zhao2000_status status = zhao2000_read_guess(&w, joints, guess);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
-        w.aim = zhao2000_towards(w.at, joints, given);
+        w.aim = zhao2000_unwrap_joints(w.at, joints, given);
         status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_OK) {
-            status = zhao2000_agrees(&w.x[6], given);
+            status = zhao2000_check_branch(&w.x[6], given);
         }
         if (status == ZHAO2000_OK) {
-            zhao2000_leave(&w, pose);
+            zhao2000_write_pose(&w, pose);
         } else {
-            status = zhao2000_failed(joints, guess, status);
+            status = zhao2000_failure_status(joints, guess, status);
         }
     } else {
-        zhao2000_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhao2000_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
@@ -2235,43 +2376,45 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
 zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose, zhao2000_info *info)
 {
     zhao2000_direct_work w;
-    zhao2000_status status = zhao2000_enter(&w, joints, pose);
+    zhao2000_status status = zhao2000_read_guess(&w, joints, pose);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
-        w.aim = zhao2000_towards(w.at, joints, given);
-        zhao2000_direct_target(&w, given, 1.0);
+        w.aim = zhao2000_unwrap_joints(w.at, joints, given);
+        /* one step of Newton's method from the last pose */
+        zhao2000_direct_set_target(&w, given, 1.0);
         zhao2000_direct_rows(&w);
         if (zhao2000_direct_pivoted(&w) == 0) {
-            zhao2000_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = zhao2000_failed(joints, pose, ZHAO2000_SINGULAR);
+            zhao2000_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+            status = zhao2000_failure_status(joints, pose, ZHAO2000_SINGULAR);
         } else {
             zhao2000_direct_solve(&w);
-            const zhao2000_real size = zhao2000_direct_move(&w);
-            zhao2000_tell(info, 1U, 0.00428 * size, size, w.spread);
+            const zhao2000_real size = zhao2000_direct_apply_step(&w);
+            zhao2000_write_info(info, 1U, 0.00428 * size, size, w.spread);
             if (size <= 100.0) {
-                zhao2000_leave(&w, pose);
+                zhao2000_write_pose(&w, pose);
             } else {
-                status = zhao2000_failed(joints, pose, ZHAO2000_WRONG_BRANCH);
+                status = zhao2000_failure_status(joints, pose, ZHAO2000_WRONG_BRANCH);
             }
         }
     } else {
-        zhao2000_tell(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhao2000_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     return status;
 }
 
+/* Joint values of a pose, limb by limb. */
 zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints[4])
 {
     zhao2000_real c[4];
     zhao2000_real q[4] = { 0.0 };
     zhao2000_real passive[6] = { 0.0 };
-    zhao2000_status status = zhao2000_coordinates(pose, c);
+    zhao2000_status status = zhao2000_pose_coordinates(pose, c);
     if (status == ZHAO2000_OK) {
-        status = zhao2000_limbs(c, q, passive);
+        status = zhao2000_solve_limbs(c, q, passive);
         if (status != ZHAO2000_OK) {
-            status = zhao2000_verdict(c, 4, ZHAO2000_OUT_OF_RANGE);
+            status = zhao2000_check_finite(c, 4, ZHAO2000_OUT_OF_RANGE);
         } else {
-            status = zhao2000_check(q);
+            status = zhao2000_check_limits(q);
         }
         if (status == ZHAO2000_OK) {
             joints[0] = q[0];
@@ -2283,18 +2426,20 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     return status;
 }
 
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
 zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates[4 * 6])
 {
     zhao2000_real c[4];
     zhao2000_real jacobian[4 * 6] = { 0.0 };
-    zhao2000_status status = zhao2000_coordinates(pose, c);
+    zhao2000_status status = zhao2000_pose_coordinates(pose, c);
     if (status == ZHAO2000_OK) {
+        /* theta1, radial1, height1 */
         if (status == ZHAO2000_OK) {
             zhao2000_limb1_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb1_at(&w, c);
+            status = zhao2000_limb1_follow_pose(&w, c);
             if (status == ZHAO2000_OK) {
-                zhao2000_limb1_sides(&w, sides);
+                zhao2000_limb1_twist_columns(&w, sides);
                 if ((zhao2000_limb1_factor(&w) == 0) && (zhao2000_limb1_pivoted(&w) == 0)) {
                     status = ZHAO2000_SINGULAR;
                 } else {
@@ -2321,12 +2466,13 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                 }
             }
         }
+        /* theta2, radial2, height2 */
         if (status == ZHAO2000_OK) {
             zhao2000_limb2_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb2_at(&w, c);
+            status = zhao2000_limb2_follow_pose(&w, c);
             if (status == ZHAO2000_OK) {
-                zhao2000_limb2_sides(&w, sides);
+                zhao2000_limb2_twist_columns(&w, sides);
                 if ((zhao2000_limb2_factor(&w) == 0) && (zhao2000_limb2_pivoted(&w) == 0)) {
                     status = ZHAO2000_SINGULAR;
                 } else {
@@ -2353,12 +2499,13 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                 }
             }
         }
+        /* theta3, radial3, height3 */
         if (status == ZHAO2000_OK) {
             zhao2000_limb3_work w;
             zhao2000_real sides[12];
-            status = zhao2000_limb3_at(&w, c);
+            status = zhao2000_limb3_follow_pose(&w, c);
             if (status == ZHAO2000_OK) {
-                zhao2000_limb3_sides(&w, sides);
+                zhao2000_limb3_twist_columns(&w, sides);
                 if ((zhao2000_limb3_factor(&w) == 0) && (zhao2000_limb3_pivoted(&w) == 0)) {
                     status = ZHAO2000_SINGULAR;
                 } else {
@@ -2385,6 +2532,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                 }
             }
         }
+        /* op */
         const zhao2000_real op_0 = c[0] * c[0];
         const zhao2000_real op_1 = c[1] * c[1];
         const zhao2000_real op_2 = op_0 + op_1;
@@ -2404,7 +2552,7 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
                 rates[i] = jacobian[i];
             }
         } else if (status != ZHAO2000_SINGULAR) {
-            status = zhao2000_verdict(c, 4, ZHAO2000_OUT_OF_RANGE);
+            status = zhao2000_check_finite(c, 4, ZHAO2000_OUT_OF_RANGE);
         } else {
             /* singular */
         }

@@ -15,12 +15,12 @@
 #define ZHAO2000_LINKS_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_verdict(const zhao2000_links_real values[], int count, zhao2000_links_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_finite(const zhao2000_links_real values[], int count, zhao2000_links_status otherwise)
 {
     zhao2000_links_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const zhao2000_links_real none = values[i] - values[i];
+        const zhao2000_links_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0f)) {
             status = ZHAO2000_LINKS_NONFINITE;
         }
@@ -28,8 +28,8 @@ static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_verdict(const zh
     return status;
 }
 
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static zhao2000_links_status zhao2000_links_unit(const zhao2000_links_pose *pose, zhao2000_links_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static zhao2000_links_status zhao2000_links_normalise_pose(const zhao2000_links_pose *pose, zhao2000_links_real x[7])
 {
     const zhao2000_links_real *const q = pose->quaternion;
     const zhao2000_links_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -41,7 +41,7 @@ static zhao2000_links_status zhao2000_links_unit(const zhao2000_links_pose *pose
     if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = zhao2000_links_verdict(q, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
+        status = zhao2000_links_check_finite(q, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -50,8 +50,9 @@ static zhao2000_links_status zhao2000_links_unit(const zhao2000_links_pose *pose
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static ZHAO2000_LINKS_COLD void zhao2000_links_tell(zhao2000_links_info *info, unsigned int count, zhao2000_links_real residual, zhao2000_links_real size, zhao2000_links_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static ZHAO2000_LINKS_COLD void zhao2000_links_write_info(zhao2000_links_info *info, unsigned int count, zhao2000_links_real residual, zhao2000_links_real size, zhao2000_links_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -63,10 +64,10 @@ static ZHAO2000_LINKS_COLD void zhao2000_links_tell(zhao2000_links_info *info, u
 
 
 /* Pose coordinates of a pose. */
-static zhao2000_links_status zhao2000_links_coordinates(const zhao2000_links_pose *pose, zhao2000_links_real c[7])
+static zhao2000_links_status zhao2000_links_pose_coordinates(const zhao2000_links_pose *pose, zhao2000_links_real c[7])
 {
     zhao2000_links_real x[7];
-    zhao2000_links_status status = zhao2000_links_unit(pose, x);
+    zhao2000_links_status status = zhao2000_links_normalise_pose(pose, x);
     if (status == ZHAO2000_LINKS_OK) {
         c[0] = x[0];
         c[1] = x[1];
@@ -80,7 +81,7 @@ static zhao2000_links_status zhao2000_links_coordinates(const zhao2000_links_pos
 }
 
 /* The pose of pose coordinates. */
-static void zhao2000_links_pose_of(const zhao2000_links_real c[7], zhao2000_links_pose *pose)
+static void zhao2000_links_pose_from_coordinates(const zhao2000_links_real c[7], zhao2000_links_pose *pose)
 {
     pose->position[0] = c[0];
     pose->position[1] = c[1];
@@ -91,34 +92,42 @@ static void zhao2000_links_pose_of(const zhao2000_links_real c[7], zhao2000_link
     pose->quaternion[3] = c[6];
 }
 
-/* Whether joint values are within their ranges. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check(const zhao2000_links_real joints[4])
+/* Checks whether joint values are within their ranges. */
+static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check_limits(const zhao2000_links_real joints[4])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
     if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
         && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
         && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
         && (joints[3] >= 1.13414435e-05f) && (joints[3] <= 244819.78f))) {
-        status = zhao2000_links_verdict(joints, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
+        status = zhao2000_links_check_finite(joints, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
     }
     return status;
 }
 
+/* Work space of zhao2000_links_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta1, hip1, elbow1, wrist1
+ * k: x, y, z, quaternion (w, x, y, z)
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done */
-    zhao2000_links_real at[7]; /* known values at the guess */
-    zhao2000_links_real k[7]; /* known values aimed at, as the rows take them */
-    zhao2000_links_real f[5]; /* rows, then the step */
-    zhao2000_links_real a[20]; /* matrix, then its factors */
-    zhao2000_links_real r[16]; /* R of QR */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[4]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
+    zhao2000_links_real k[7]; /* known values aimed at */
+    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
+    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
+    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_links_limb1_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
 {
+    /* row 1 */
     const zhao2000_links_real t0 = -69.282036f * w->k[4];
     const zhao2000_links_real t1 = w->k[5] * t0;
     const zhao2000_links_real t2 = -69.282036f * w->k[6];
@@ -148,6 +157,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
     const zhao2000_links_real t26 = t6 + t25;
     const zhao2000_links_real t27 = -t26;
     w->f[0] = t27;
+    /* row 2 */
     const zhao2000_links_real t29 = w->k[6] * t2;
     const zhao2000_links_real t30 = w->k[4] * t0;
     const zhao2000_links_real t31 = t29 + t30;
@@ -161,6 +171,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
     const zhao2000_links_real t39 = t35 - t38;
     const zhao2000_links_real t40 = -t39;
     w->f[1] = t40;
+    /* row 3 */
     const zhao2000_links_real t42 = w->k[3] * t0;
     const zhao2000_links_real t43 = w->k[5] * t2;
     const zhao2000_links_real t44 = t42 + t43;
@@ -176,6 +187,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
     const zhao2000_links_real t54 = t46 - t53;
     const zhao2000_links_real t55 = -t54;
     w->f[2] = t55;
+    /* row 4 */
     const zhao2000_links_real t57 = 0.5f * t7;
     const zhao2000_links_real t58 = cosf(t57);
     const zhao2000_links_real t59 = 0.5f * w->x[1];
@@ -225,6 +237,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
     const zhao2000_links_real t103 = t98 - t102;
     const zhao2000_links_real t104 = 489.63956f * t103;
     w->f[3] = t104;
+    /* row 5 */
     const zhao2000_links_real t106 = t78 * w->k[4];
     const zhao2000_links_real t107 = t82 * w->k[3];
     const zhao2000_links_real t108 = t106 - t107;
@@ -237,7 +250,7 @@ static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
     w->f[4] = t114;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb1_residual(const zhao2000_links_limb1_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
@@ -247,8 +260,9 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb1_residual(c
     return sqrtf(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_links_real zhao2000_links_limb1_move(zhao2000_links_limb1_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_links_real zhao2000_links_limb1_apply_step(zhao2000_links_limb1_work *w)
 {
     const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
     const zhao2000_links_real t1 = w->x[0] + t0;
@@ -272,12 +286,13 @@ static zhao2000_links_real zhao2000_links_limb1_move(zhao2000_links_limb1_work *
     return t14;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb1_target(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb1_set_target(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
     }
+    /* of q and -q, one rotation, the one on the guess's side */
     if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
         w->k[3] = -w->k[3];
         w->k[4] = -w->k[4];
@@ -587,6 +602,7 @@ static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
     zhao2000_links_limb1_matrix(w);
     w->spread = 0.0f;
     for (int c = 0; c < 4; ++c) {
+        /* the length of the column, its reciprocal on R's diagonal */
         zhao2000_links_real squared = 0.0f;
         for (int i = 0; i < 5; ++i) {
             squared += w->a[4 * i + c] * w->a[4 * i + c];
@@ -619,6 +635,7 @@ static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
 static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
 {
     zhao2000_links_real y[4];
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < 4; ++c) {
         y[c] = 0.0f;
         for (int i = 0; i < 5; ++i) {
@@ -628,6 +645,7 @@ static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
             w->f[i] -= y[c] * w->a[4 * i + c];
         }
     }
+    /* back substitution with R */
     for (int c = 4 - 1; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
@@ -645,27 +663,30 @@ static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_links_real longest2 = config->max_step * config->max_step;
     zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_links_real done = 0.0f;
     zhao2000_links_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_links_real size = 0.0f;
     zhao2000_links_real kappa2 = 4.39569e-05f;
     zhao2000_links_real limit;
     zhao2000_links_real most = 0.0f;
     zhao2000_links_real contraction2 = 0.0625f;
     zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    zhao2000_links_limb1_target(w, to, aim);
+    zhao2000_links_limb1_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -686,12 +707,13 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                zhao2000_links_limb1_target(w, to, done);
+                zhao2000_links_limb1_set_target(w, to, done);
             }
             int turn = zhao2000_links_limb1_factor(w);
             if (!judging) {
-                zhao2000_links_limb1_target(w, to, aim);
+                zhao2000_links_limb1_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -704,9 +726,10 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_links_limb1_solve(w);
         const zhao2000_links_real before = size;
-        size = zhao2000_links_limb1_move(w);
+        size = zhao2000_links_limb1_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -717,6 +740,7 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
         }
         if ((size <= limit) || (judging && (size <= 8.7219416e-07f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_links_real error2;
                 zhao2000_links_real gain2;
                 if (judging) {
@@ -732,10 +756,12 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -745,34 +771,38 @@ static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_wo
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_links_limb1_target(w, to, aim);
+                zhao2000_links_limb1_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_links_limb1_target(w, to, aim);
+            zhao2000_links_limb1_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_LINKS_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, w->spread);
+    zhao2000_links_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb1_at(zhao2000_links_limb1_work *w, const zhao2000_links_real c[7])
+static zhao2000_links_status zhao2000_links_limb1_follow_pose(zhao2000_links_limb1_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 1.5707964f;
     w->x[1] = 0.0f;
     w->x[2] = 0.0f;
@@ -787,8 +817,8 @@ static zhao2000_links_status zhao2000_links_limb1_at(zhao2000_links_limb1_work *
     return zhao2000_links_limb1_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_links_limb1_sides(const zhao2000_links_limb1_work *w, zhao2000_links_real sides[30])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_links_limb1_twist_columns(const zhao2000_links_limb1_work *w, zhao2000_links_real sides[30])
 {
     const zhao2000_links_real t0 = -138.56407f * w->k[5];
     const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
@@ -995,21 +1025,29 @@ static void zhao2000_links_limb1_sides(const zhao2000_links_limb1_work *w, zhao2
     sides[29] = t172;
 }
 
+/* Work space of zhao2000_links_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta2, hip2, elbow2, wrist2
+ * k: x, y, z, quaternion (w, x, y, z)
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done */
-    zhao2000_links_real at[7]; /* known values at the guess */
-    zhao2000_links_real k[7]; /* known values aimed at, as the rows take them */
-    zhao2000_links_real f[5]; /* rows, then the step */
-    zhao2000_links_real a[20]; /* matrix, then its factors */
-    zhao2000_links_real r[16]; /* R of QR */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[4]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
+    zhao2000_links_real k[7]; /* known values aimed at */
+    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
+    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
+    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_links_limb2_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
 {
+    /* row 1 */
     const zhao2000_links_real t0 = 34.641018f * w->k[4];
     const zhao2000_links_real t1 = 60.0f * w->k[5];
     const zhao2000_links_real t2 = t0 - t1;
@@ -1068,6 +1106,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
     const zhao2000_links_real t55 = t12 - t54;
     const zhao2000_links_real t56 = -t55;
     w->f[0] = t56;
+    /* row 2 */
     const zhao2000_links_real t58 = w->k[3] * t4;
     const zhao2000_links_real t59 = w->k[6] * t7;
     const zhao2000_links_real t60 = w->k[4] * t2;
@@ -1083,6 +1122,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
     const zhao2000_links_real t70 = t65 - t69;
     const zhao2000_links_real t71 = -t70;
     w->f[1] = t71;
+    /* row 3 */
     const zhao2000_links_real t73 = w->k[3] * t2;
     const zhao2000_links_real t74 = w->k[4] * t4;
     const zhao2000_links_real t75 = w->k[5] * t7;
@@ -1103,6 +1143,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
     const zhao2000_links_real t90 = t79 - t89;
     const zhao2000_links_real t91 = -t90;
     w->f[2] = t91;
+    /* row 4 */
     const zhao2000_links_real t93 = 0.5f * t13;
     const zhao2000_links_real t94 = cosf(t93);
     const zhao2000_links_real t95 = 0.5f * w->x[1];
@@ -1178,6 +1219,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
     const zhao2000_links_real t165 = t158 - t164;
     const zhao2000_links_real t166 = 489.63956f * t165;
     w->f[3] = t166;
+    /* row 5 */
     const zhao2000_links_real t168 = t138 * w->k[4];
     const zhao2000_links_real t169 = t149 * w->k[3];
     const zhao2000_links_real t170 = t168 - t169;
@@ -1190,7 +1232,7 @@ static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
     w->f[4] = t176;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb2_residual(const zhao2000_links_limb2_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
@@ -1200,8 +1242,9 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb2_residual(c
     return sqrtf(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_links_real zhao2000_links_limb2_move(zhao2000_links_limb2_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_links_real zhao2000_links_limb2_apply_step(zhao2000_links_limb2_work *w)
 {
     const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
     const zhao2000_links_real t1 = w->x[0] + t0;
@@ -1225,12 +1268,13 @@ static zhao2000_links_real zhao2000_links_limb2_move(zhao2000_links_limb2_work *
     return t14;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb2_target(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb2_set_target(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
     }
+    /* of q and -q, one rotation, the one on the guess's side */
     if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
         w->k[3] = -w->k[3];
         w->k[4] = -w->k[4];
@@ -1688,6 +1732,7 @@ static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
     zhao2000_links_limb2_matrix(w);
     w->spread = 0.0f;
     for (int c = 0; c < 4; ++c) {
+        /* the length of the column, its reciprocal on R's diagonal */
         zhao2000_links_real squared = 0.0f;
         for (int i = 0; i < 5; ++i) {
             squared += w->a[4 * i + c] * w->a[4 * i + c];
@@ -1720,6 +1765,7 @@ static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
 static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
 {
     zhao2000_links_real y[4];
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < 4; ++c) {
         y[c] = 0.0f;
         for (int i = 0; i < 5; ++i) {
@@ -1729,6 +1775,7 @@ static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
             w->f[i] -= y[c] * w->a[4 * i + c];
         }
     }
+    /* back substitution with R */
     for (int c = 4 - 1; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
@@ -1746,27 +1793,30 @@ static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_links_real longest2 = config->max_step * config->max_step;
     zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_links_real done = 0.0f;
     zhao2000_links_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_links_real size = 0.0f;
     zhao2000_links_real kappa2 = 4.00689e-05f;
     zhao2000_links_real limit;
     zhao2000_links_real most = 0.0f;
     zhao2000_links_real contraction2 = 0.0625f;
     zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    zhao2000_links_limb2_target(w, to, aim);
+    zhao2000_links_limb2_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -1787,12 +1837,13 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                zhao2000_links_limb2_target(w, to, done);
+                zhao2000_links_limb2_set_target(w, to, done);
             }
             int turn = zhao2000_links_limb2_factor(w);
             if (!judging) {
-                zhao2000_links_limb2_target(w, to, aim);
+                zhao2000_links_limb2_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -1805,9 +1856,10 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_links_limb2_solve(w);
         const zhao2000_links_real before = size;
-        size = zhao2000_links_limb2_move(w);
+        size = zhao2000_links_limb2_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -1818,6 +1870,7 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
         }
         if ((size <= limit) || (judging && (size <= 8.7219416e-07f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_links_real error2;
                 zhao2000_links_real gain2;
                 if (judging) {
@@ -1833,10 +1886,12 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -1846,34 +1901,38 @@ static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_wo
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_links_limb2_target(w, to, aim);
+                zhao2000_links_limb2_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_links_limb2_target(w, to, aim);
+            zhao2000_links_limb2_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_LINKS_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, w->spread);
+    zhao2000_links_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb2_at(zhao2000_links_limb2_work *w, const zhao2000_links_real c[7])
+static zhao2000_links_status zhao2000_links_limb2_follow_pose(zhao2000_links_limb2_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 3.6651914f;
     w->x[1] = 0.0f;
     w->x[2] = 0.0f;
@@ -1888,8 +1947,8 @@ static zhao2000_links_status zhao2000_links_limb2_at(zhao2000_links_limb2_work *
     return zhao2000_links_limb2_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_links_limb2_sides(const zhao2000_links_limb2_work *w, zhao2000_links_real sides[30])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_links_limb2_twist_columns(const zhao2000_links_limb2_work *w, zhao2000_links_real sides[30])
 {
     const zhao2000_links_real t0 = 69.282036f * w->k[5];
     const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
@@ -2160,21 +2219,29 @@ static void zhao2000_links_limb2_sides(const zhao2000_links_limb2_work *w, zhao2
     sides[29] = t236;
 }
 
+/* Work space of zhao2000_links_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: theta3, hip3, elbow3, wrist3
+ * k: x, y, z, quaternion (w, x, y, z)
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done */
-    zhao2000_links_real at[7]; /* known values at the guess */
-    zhao2000_links_real k[7]; /* known values aimed at, as the rows take them */
-    zhao2000_links_real f[5]; /* rows, then the step */
-    zhao2000_links_real a[20]; /* matrix, then its factors */
-    zhao2000_links_real r[16]; /* R of QR */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots */
-    uint8_t order[4]; /* rows exchanged by the fallback */
-    bool pivoted;
+    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
+    zhao2000_links_real k[7]; /* known values aimed at */
+    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
+    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
+    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_links_limb3_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
 {
+    /* row 1 */
     const zhao2000_links_real t0 = 34.641018f * w->k[4];
     const zhao2000_links_real t1 = -60.0f * w->k[5];
     const zhao2000_links_real t2 = t0 - t1;
@@ -2233,6 +2300,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
     const zhao2000_links_real t55 = t12 - t54;
     const zhao2000_links_real t56 = -t55;
     w->f[0] = t56;
+    /* row 2 */
     const zhao2000_links_real t58 = w->k[3] * t4;
     const zhao2000_links_real t59 = w->k[6] * t7;
     const zhao2000_links_real t60 = w->k[4] * t2;
@@ -2248,6 +2316,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
     const zhao2000_links_real t70 = t65 - t69;
     const zhao2000_links_real t71 = -t70;
     w->f[1] = t71;
+    /* row 3 */
     const zhao2000_links_real t73 = w->k[3] * t2;
     const zhao2000_links_real t74 = w->k[4] * t4;
     const zhao2000_links_real t75 = w->k[5] * t7;
@@ -2268,6 +2337,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
     const zhao2000_links_real t90 = t79 - t89;
     const zhao2000_links_real t91 = -t90;
     w->f[2] = t91;
+    /* row 4 */
     const zhao2000_links_real t93 = 0.5f * t13;
     const zhao2000_links_real t94 = cosf(t93);
     const zhao2000_links_real t95 = 0.5f * w->x[1];
@@ -2343,6 +2413,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
     const zhao2000_links_real t165 = t158 - t164;
     const zhao2000_links_real t166 = 489.63956f * t165;
     w->f[3] = t166;
+    /* row 5 */
     const zhao2000_links_real t168 = t138 * w->k[4];
     const zhao2000_links_real t169 = t149 * w->k[3];
     const zhao2000_links_real t170 = t168 - t169;
@@ -2355,7 +2426,7 @@ static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
     w->f[4] = t176;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb3_residual(const zhao2000_links_limb3_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
@@ -2365,8 +2436,9 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb3_residual(c
     return sqrtf(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_links_real zhao2000_links_limb3_move(zhao2000_links_limb3_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_links_real zhao2000_links_limb3_apply_step(zhao2000_links_limb3_work *w)
 {
     const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
     const zhao2000_links_real t1 = w->x[0] + t0;
@@ -2390,12 +2462,13 @@ static zhao2000_links_real zhao2000_links_limb3_move(zhao2000_links_limb3_work *
     return t14;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb3_target(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_limb3_set_target(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
     }
+    /* of q and -q, one rotation, the one on the guess's side */
     if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
         w->k[3] = -w->k[3];
         w->k[4] = -w->k[4];
@@ -2853,6 +2926,7 @@ static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
     zhao2000_links_limb3_matrix(w);
     w->spread = 0.0f;
     for (int c = 0; c < 4; ++c) {
+        /* the length of the column, its reciprocal on R's diagonal */
         zhao2000_links_real squared = 0.0f;
         for (int i = 0; i < 5; ++i) {
             squared += w->a[4 * i + c] * w->a[4 * i + c];
@@ -2885,6 +2959,7 @@ static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
 static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
 {
     zhao2000_links_real y[4];
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < 4; ++c) {
         y[c] = 0.0f;
         for (int i = 0; i < 5; ++i) {
@@ -2894,6 +2969,7 @@ static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
             w->f[i] -= y[c] * w->a[4 * i + c];
         }
     }
+    /* back substitution with R */
     for (int c = 4 - 1; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
@@ -2911,27 +2987,30 @@ static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_links_real longest2 = config->max_step * config->max_step;
     zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_links_real done = 0.0f;
     zhao2000_links_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_links_real size = 0.0f;
     zhao2000_links_real kappa2 = 5.28529e-05f;
     zhao2000_links_real limit;
     zhao2000_links_real most = 0.0f;
     zhao2000_links_real contraction2 = 0.0625f;
     zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    zhao2000_links_limb3_target(w, to, aim);
+    zhao2000_links_limb3_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
@@ -2952,12 +3031,13 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                zhao2000_links_limb3_target(w, to, done);
+                zhao2000_links_limb3_set_target(w, to, done);
             }
             int turn = zhao2000_links_limb3_factor(w);
             if (!judging) {
-                zhao2000_links_limb3_target(w, to, aim);
+                zhao2000_links_limb3_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -2970,9 +3050,10 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_links_limb3_solve(w);
         const zhao2000_links_real before = size;
-        size = zhao2000_links_limb3_move(w);
+        size = zhao2000_links_limb3_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -2983,6 +3064,7 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
         }
         if ((size <= limit) || (judging && (size <= 8.7219416e-07f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_links_real error2;
                 zhao2000_links_real gain2;
                 if (judging) {
@@ -2998,10 +3080,12 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -3011,34 +3095,38 @@ static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_wo
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_links_limb3_target(w, to, aim);
+                zhao2000_links_limb3_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_links_limb3_target(w, to, aim);
+            zhao2000_links_limb3_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_LINKS_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, w->spread);
+    zhao2000_links_write_info(info, count, residual, size, w->spread);
     return status;
 }
 /* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb3_at(zhao2000_links_limb3_work *w, const zhao2000_links_real c[7])
+static zhao2000_links_status zhao2000_links_limb3_follow_pose(zhao2000_links_limb3_work *w, const zhao2000_links_real c[7])
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
+    /* state and pose of the reference configuration */
     w->x[0] = 5.7595863f;
     w->x[1] = 0.0f;
     w->x[2] = 0.0f;
@@ -3053,8 +3141,8 @@ static zhao2000_links_status zhao2000_links_limb3_at(zhao2000_links_limb3_work *
     return zhao2000_links_limb3_newton(w, c, &usual, NULL);
 }
 
-/* What the limb's rows lose when the platform moves: minus their derivative by the twist, row by row. */
-static void zhao2000_links_limb3_sides(const zhao2000_links_limb3_work *w, zhao2000_links_real sides[30])
+/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
+static void zhao2000_links_limb3_twist_columns(const zhao2000_links_limb3_work *w, zhao2000_links_real sides[30])
 {
     const zhao2000_links_real t0 = 69.282036f * w->k[5];
     const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
@@ -3325,35 +3413,39 @@ static void zhao2000_links_limb3_sides(const zhao2000_links_limb3_work *w, zhao2
     sides[29] = t236;
 }
 
-/* Joint values of a pose, actuated and passive, on the branches of the reference configuration. */
-static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7], zhao2000_links_real q[4], zhao2000_links_real passive[9])
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+static zhao2000_links_status zhao2000_links_solve_limbs(const zhao2000_links_real c[7], zhao2000_links_real q[4], zhao2000_links_real passive[9])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
     (void)passive;
+    /* theta1, hip1, elbow1, wrist1 */
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb1_work w;
-        status = zhao2000_links_limb1_at(&w, c);
+        status = zhao2000_links_limb1_follow_pose(&w, c);
         q[0] = w.x[0];
         passive[0] = w.x[1];
         passive[1] = w.x[2];
         passive[2] = w.x[3];
     }
+    /* theta2, hip2, elbow2, wrist2 */
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb2_work w;
-        status = zhao2000_links_limb2_at(&w, c);
+        status = zhao2000_links_limb2_follow_pose(&w, c);
         q[1] = w.x[0];
         passive[3] = w.x[1];
         passive[4] = w.x[2];
         passive[5] = w.x[3];
     }
+    /* theta3, hip3, elbow3, wrist3 */
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_limb3_work w;
-        status = zhao2000_links_limb3_at(&w, c);
+        status = zhao2000_links_limb3_follow_pose(&w, c);
         q[2] = w.x[0];
         passive[6] = w.x[1];
         passive[7] = w.x[2];
         passive[8] = w.x[3];
     }
+    /* op */
     const zhao2000_links_real op_0 = c[0] * c[0];
     const zhao2000_links_real op_1 = c[1] * c[1];
     const zhao2000_links_real op_2 = op_0 + op_1;
@@ -3364,22 +3456,30 @@ static zhao2000_links_status zhao2000_links_limbs(const zhao2000_links_real c[7]
     return status;
 }
 
+/* Work space of zhao2000_links_direct_newton, which solves the rows f(x; k) = 0 for the state x.
+ * x: hip1, elbow1, wrist1, hip2, elbow2, wrist2, hip3, elbow3, wrist3, x, y, z, quaternion (w, x, y, z)
+ * k: theta1, theta2, theta3, op
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ *    angles and turns times the size
+ */
 typedef struct {
     zhao2000_links_real x[16]; /* state */
-    zhao2000_links_real x0[16]; /* state at the part of the line that is done */
-    zhao2000_links_real at[4]; /* known values at the guess */
-    zhao2000_links_real k[4]; /* known values aimed at, as the rows take them */
-    zhao2000_links_real f[16]; /* rows, then the step */
-    zhao2000_links_real a[240]; /* matrix, then its factors */
-    zhao2000_links_real r[225]; /* R of QR */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots */
+    zhao2000_links_real x0[16]; /* state at the part of the line that is done, to which a failed try returns */
+    zhao2000_links_real at[4]; /* known values at the guess, where the line begins */
+    zhao2000_links_real k[4]; /* known values aimed at */
+    zhao2000_links_real f[16]; /* rows; the linear solver leaves the step in their place */
+    zhao2000_links_real a[240]; /* matrix -df/dstep, row by row; then Q of QR in its place */
+    zhao2000_links_real r[225]; /* R of QR, reciprocals on its diagonal */
+    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
     zhao2000_links_real aim; /* how much of the line to try first */
-    uint8_t order[15]; /* rows exchanged by the fallback */
-    bool pivoted;
+    uint8_t order[15]; /* rows exchanged by the pivoting fallback */
+    bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_links_direct_work;
 
+/* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
 {
+    /* row 1 */
     const zhao2000_links_real t0 = -69.282036f * w->x[13];
     const zhao2000_links_real t1 = w->x[14] * t0;
     const zhao2000_links_real t2 = -69.282036f * w->x[15];
@@ -3409,6 +3509,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t26 = t6 + t25;
     const zhao2000_links_real t27 = -t26;
     w->f[0] = t27;
+    /* row 2 */
     const zhao2000_links_real t29 = w->x[15] * t2;
     const zhao2000_links_real t30 = w->x[13] * t0;
     const zhao2000_links_real t31 = t29 + t30;
@@ -3422,6 +3523,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t39 = t35 - t38;
     const zhao2000_links_real t40 = -t39;
     w->f[1] = t40;
+    /* row 3 */
     const zhao2000_links_real t42 = w->x[12] * t0;
     const zhao2000_links_real t43 = w->x[14] * t2;
     const zhao2000_links_real t44 = t42 + t43;
@@ -3437,6 +3539,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t54 = t46 - t53;
     const zhao2000_links_real t55 = -t54;
     w->f[2] = t55;
+    /* row 4 */
     const zhao2000_links_real t57 = 0.5f * t7;
     const zhao2000_links_real t58 = cosf(t57);
     const zhao2000_links_real t59 = 0.5f * w->x[0];
@@ -3486,6 +3589,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t103 = t98 - t102;
     const zhao2000_links_real t104 = 489.63956f * t103;
     w->f[3] = t104;
+    /* row 5 */
     const zhao2000_links_real t106 = t78 * w->x[13];
     const zhao2000_links_real t107 = t82 * w->x[12];
     const zhao2000_links_real t108 = t106 - t107;
@@ -3496,6 +3600,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t113 = 489.63956f * t112;
     const zhao2000_links_real t114 = -t113;
     w->f[4] = t114;
+    /* row 6 */
     const zhao2000_links_real t116 = 34.641018f * w->x[13];
     const zhao2000_links_real t117 = 60.0f * w->x[14];
     const zhao2000_links_real t118 = t116 - t117;
@@ -3554,6 +3659,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t171 = t128 - t170;
     const zhao2000_links_real t172 = -t171;
     w->f[5] = t172;
+    /* row 7 */
     const zhao2000_links_real t174 = w->x[12] * t120;
     const zhao2000_links_real t175 = w->x[15] * t123;
     const zhao2000_links_real t176 = w->x[13] * t118;
@@ -3569,6 +3675,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t186 = t181 - t185;
     const zhao2000_links_real t187 = -t186;
     w->f[6] = t187;
+    /* row 8 */
     const zhao2000_links_real t189 = w->x[12] * t118;
     const zhao2000_links_real t190 = w->x[13] * t120;
     const zhao2000_links_real t191 = w->x[14] * t123;
@@ -3589,6 +3696,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t206 = t195 - t205;
     const zhao2000_links_real t207 = -t206;
     w->f[7] = t207;
+    /* row 9 */
     const zhao2000_links_real t209 = 0.5f * t129;
     const zhao2000_links_real t210 = cosf(t209);
     const zhao2000_links_real t211 = 0.5f * w->x[3];
@@ -3664,6 +3772,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t281 = t274 - t280;
     const zhao2000_links_real t282 = 489.63956f * t281;
     w->f[8] = t282;
+    /* row 10 */
     const zhao2000_links_real t284 = t254 * w->x[13];
     const zhao2000_links_real t285 = t265 * w->x[12];
     const zhao2000_links_real t286 = t284 - t285;
@@ -3674,6 +3783,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t291 = 489.63956f * t290;
     const zhao2000_links_real t292 = -t291;
     w->f[9] = t292;
+    /* row 11 */
     const zhao2000_links_real t294 = -60.0f * w->x[14];
     const zhao2000_links_real t295 = t116 - t294;
     const zhao2000_links_real t296 = w->x[14] * t295;
@@ -3729,6 +3839,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t346 = t303 - t345;
     const zhao2000_links_real t347 = -t346;
     w->f[10] = t347;
+    /* row 12 */
     const zhao2000_links_real t349 = w->x[12] * t297;
     const zhao2000_links_real t350 = w->x[13] * t295;
     const zhao2000_links_real t351 = t175 + t350;
@@ -3743,6 +3854,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t360 = t355 - t359;
     const zhao2000_links_real t361 = -t360;
     w->f[11] = t361;
+    /* row 13 */
     const zhao2000_links_real t363 = w->x[12] * t295;
     const zhao2000_links_real t364 = w->x[13] * t297;
     const zhao2000_links_real t365 = t364 + t191;
@@ -3762,6 +3874,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t379 = t368 - t378;
     const zhao2000_links_real t380 = -t379;
     w->f[12] = t380;
+    /* row 14 */
     const zhao2000_links_real t382 = 0.5f * t304;
     const zhao2000_links_real t383 = cosf(t382);
     const zhao2000_links_real t384 = 0.5f * w->x[6];
@@ -3837,6 +3950,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t454 = t447 - t453;
     const zhao2000_links_real t455 = 489.63956f * t454;
     w->f[13] = t455;
+    /* row 15 */
     const zhao2000_links_real t457 = t427 * w->x[13];
     const zhao2000_links_real t458 = t438 * w->x[12];
     const zhao2000_links_real t459 = t457 - t458;
@@ -3847,6 +3961,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t464 = 489.63956f * t463;
     const zhao2000_links_real t465 = -t464;
     w->f[14] = t465;
+    /* row 16 */
     const zhao2000_links_real t467 = w->x[9] * w->x[9];
     const zhao2000_links_real t468 = w->x[10] * w->x[10];
     const zhao2000_links_real t469 = t467 + t468;
@@ -3859,7 +3974,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     w->f[15] = t475;
 }
 
-/* Root of the sum of the squared rows, as a length: no row is further from zero. */
+/* Norm of the rows in w->f as a length: no row is further from zero. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_direct_residual(const zhao2000_links_direct_work *w)
 {
     zhao2000_links_real sum = w->f[0] * w->f[0];
@@ -3869,8 +3984,9 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_direct_residual(
     return sqrtf(sum);
 }
 
-/* Puts the step on; its squared length. */
-static zhao2000_links_real zhao2000_links_direct_move(zhao2000_links_direct_work *w)
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
+ * length of the step, angles times the size. */
+static zhao2000_links_real zhao2000_links_direct_apply_step(zhao2000_links_direct_work *w)
 {
     const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
     const zhao2000_links_real t1 = w->x[0] + t0;
@@ -3981,8 +4097,8 @@ static zhao2000_links_real zhao2000_links_direct_move(zhao2000_links_direct_work
     return t89;
 }
 
-/* Known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_direct_target(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real part)
+/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_direct_set_target(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real part)
 {
     for (int i = 0; i < 4; ++i) {
         w->k[i] = to[i];
@@ -5503,6 +5619,7 @@ static int zhao2000_links_direct_factor(zhao2000_links_direct_work *w)
     zhao2000_links_direct_matrix(w);
     w->spread = 0.0f;
     for (int c = 0; c < 15; ++c) {
+        /* the length of the column, its reciprocal on R's diagonal */
         zhao2000_links_real squared = 0.0f;
         for (int i = 0; i < 16; ++i) {
             squared += w->a[15 * i + c] * w->a[15 * i + c];
@@ -5535,6 +5652,7 @@ static int zhao2000_links_direct_factor(zhao2000_links_direct_work *w)
 static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
 {
     zhao2000_links_real y[15];
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < 15; ++c) {
         y[c] = 0.0f;
         for (int i = 0; i < 16; ++i) {
@@ -5544,6 +5662,7 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
             w->f[i] -= y[c] * w->a[15 * i + c];
         }
     }
+    /* back substitution with R */
     for (int c = 15 - 1; c >= 0; --c) {
         for (int j = c + 1; j < 15; ++j) {
             y[c] -= w->r[15 * c + j] * w->f[j];
@@ -5561,27 +5680,30 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
  * answer's rows are evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
     const zhao2000_links_real longest2 = config->max_step * config->max_step;
     zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_links_real done = 0.0f;
     zhao2000_links_real aim = w->aim;
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     zhao2000_links_real size = 0.0f;
     zhao2000_links_real kappa2 = 0.00034596f;
     zhao2000_links_real limit;
     zhao2000_links_real most = 0.0f;
     zhao2000_links_real contraction2 = 0.0625f;
     zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
-    zhao2000_links_direct_target(w, to, aim);
+    zhao2000_links_direct_set_target(w, to, aim);
     for (int i = 0; i < 16; ++i) {
         w->x0[i] = w->x[i];
     }
@@ -5601,12 +5723,13 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
             if (!judging) {
-                zhao2000_links_direct_target(w, to, done);
+                zhao2000_links_direct_set_target(w, to, done);
             }
             int turn = zhao2000_links_direct_factor(w);
             if (!judging) {
-                zhao2000_links_direct_target(w, to, aim);
+                zhao2000_links_direct_set_target(w, to, aim);
             }
             kept = !judging;
             if (turn == 0) {
@@ -5619,9 +5742,10 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         zhao2000_links_direct_solve(w);
         const zhao2000_links_real before = size;
-        size = zhao2000_links_direct_move(w);
+        size = zhao2000_links_direct_apply_step(w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -5632,6 +5756,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         }
         if ((size <= limit) || (judging && (size <= 8.7219416e-07f))) {
             if (aim >= 1.0f) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_links_real error2;
                 zhao2000_links_real gain2;
                 if (judging) {
@@ -5647,10 +5772,12 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;
                 aim += (size * 400.0f <= before) ? (part + part) : part;
@@ -5660,33 +5787,36 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 for (int i = 0; i < 16; ++i) {
                     w->x0[i] = w->x[i];
                 }
-                zhao2000_links_direct_target(w, to, aim);
+                zhao2000_links_direct_set_target(w, to, aim);
                 judging = false;
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > 0.0009765625f) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             for (int i = 0; i < 16; ++i) {
                 w->x[i] = w->x0[i];
             }
-            zhao2000_links_direct_target(w, to, aim);
+            zhao2000_links_direct_set_target(w, to, aim);
             fresh = settling || !kept;
             contraction2 = 0.015625f;
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = ZHAO2000_LINKS_WRONG_BRANCH;
             break;
         }
     }
-    zhao2000_links_tell(info, count, residual, size, w->spread);
+    zhao2000_links_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
- * angles by at most half a radian. */
-static zhao2000_links_real zhao2000_links_towards(const zhao2000_links_real at[4], const zhao2000_links_real joints[4], zhao2000_links_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. Returns how
+ * much of the line to try first: angles by at most half a radian. */
+static zhao2000_links_real zhao2000_links_unwrap_joints(const zhao2000_links_real at[4], const zhao2000_links_real joints[4], zhao2000_links_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
     static const bool angular[4] = { true, true, true, false };
@@ -5707,18 +5837,18 @@ static zhao2000_links_real zhao2000_links_towards(const zhao2000_links_real at[4
     return 0.5f / widest;
 }
 
-/* Whether the limbs at the answer, solved as zhao2000_links_inverse does, have the given joint values. Else a limb has passed a dead
- * centre on the way, which is a singularity, or the line of poses from the reference does not lead to this one: the pose alone
- * would not say where the limb stands. */
-static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_agrees(const zhao2000_links_real c[7], const zhao2000_links_real given[4])
+/* Checks the branch of an answer: whether the limbs there, solved as zhao2000_links_inverse does, have the given joint values. Else
+ * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
+ * to this one: the pose alone would not say where the limb stands. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_branch(const zhao2000_links_real c[7], const zhao2000_links_real given[4])
 {
     static const zhao2000_links_real near[4] = { 0.000977f, 0.000977f, 0.000977f, 0.239f };
     zhao2000_links_real q[4] = { 0.0f };
     zhao2000_links_real passive[9] = { 0.0f };
     zhao2000_links_real turned[4];
-    zhao2000_links_status status = zhao2000_links_limbs(c, q, passive);
+    zhao2000_links_status status = zhao2000_links_solve_limbs(c, q, passive);
     if (status == ZHAO2000_LINKS_OK) {
-        (void)zhao2000_links_towards(q, given, turned);
+        (void)zhao2000_links_unwrap_joints(q, given, turned);
         for (int i = 0; i < 4; ++i) {
             if (!(fabsf(turned[i] - q[i]) <= near[i])) {
                 status = ZHAO2000_LINKS_WRONG_BRANCH;
@@ -5730,22 +5860,22 @@ static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_agrees(const zha
     return status;
 }
 
-/* The state at the guess, and whether joints and guess can be used. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_enter(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_read_guess(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
 {
-    zhao2000_links_status status = zhao2000_links_check(joints);
+    zhao2000_links_status status = zhao2000_links_check_limits(joints);
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real c[7];
         zhao2000_links_real passive[9] = { 0.0f };
-        status = zhao2000_links_coordinates(guess, c);
+        status = zhao2000_links_pose_coordinates(guess, c);
         if (status == ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_limbs(c, w->at, passive);
+            status = zhao2000_links_solve_limbs(c, w->at, passive);
             for (int i = 0; i < 9; ++i) {
                 w->x[i] = passive[i];
             }
         }
         if (status != ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_verdict(guess->position, 3, ZHAO2000_LINKS_OUT_OF_RANGE);
+            status = zhao2000_links_check_finite(guess->position, 3, ZHAO2000_LINKS_OUT_OF_RANGE);
         }
         w->x[9] = c[0];
         w->x[10] = c[1];
@@ -5758,37 +5888,37 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_enter(zhao2000
     return status;
 }
 
-/* The pose of the state. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_leave(const zhao2000_links_direct_work *w, zhao2000_links_pose *pose)
+/* Writes the pose of the state. */
+static ZHAO2000_LINKS_SHARED void zhao2000_links_write_pose(const zhao2000_links_direct_work *w, zhao2000_links_pose *pose)
 {
-    zhao2000_links_pose_of(&w->x[9], pose);
+    zhao2000_links_pose_from_coordinates(&w->x[9], pose);
 }
 
-/* The status of a call that failed: whether its inputs are finite comes first. */
-static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_failed(const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_status status)
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_failure_status(const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_status status)
 {
-    return zhao2000_links_verdict(guess->position, 3, zhao2000_links_verdict(joints, 4, status));
+    return zhao2000_links_check_finite(guess->position, 3, zhao2000_links_check_finite(joints, 4, status));
 }
 
 zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess, zhao2000_links_pose *pose, zhao2000_links_info *info)
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     zhao2000_links_direct_work w;
-    zhao2000_links_status status = zhao2000_links_enter(&w, joints, guess);
+    zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, guess);
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
-        w.aim = zhao2000_links_towards(w.at, joints, given);
+        w.aim = zhao2000_links_unwrap_joints(w.at, joints, given);
         status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_agrees(&w.x[9], given);
+            status = zhao2000_links_check_branch(&w.x[9], given);
         }
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_leave(&w, pose);
+            zhao2000_links_write_pose(&w, pose);
         } else {
-            status = zhao2000_links_failed(joints, guess, status);
+            status = zhao2000_links_failure_status(joints, guess, status);
         }
     } else {
-        zhao2000_links_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
@@ -5796,43 +5926,45 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
 zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], zhao2000_links_pose *pose, zhao2000_links_info *info)
 {
     zhao2000_links_direct_work w;
-    zhao2000_links_status status = zhao2000_links_enter(&w, joints, pose);
+    zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, pose);
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
-        w.aim = zhao2000_links_towards(w.at, joints, given);
-        zhao2000_links_direct_target(&w, given, 1.0f);
+        w.aim = zhao2000_links_unwrap_joints(w.at, joints, given);
+        /* one step of Newton's method from the last pose */
+        zhao2000_links_direct_set_target(&w, given, 1.0f);
         zhao2000_links_direct_rows(&w);
         if (zhao2000_links_direct_factor(&w) == 0) {
-            zhao2000_links_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-            status = zhao2000_links_failed(joints, pose, ZHAO2000_LINKS_SINGULAR);
+            zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+            status = zhao2000_links_failure_status(joints, pose, ZHAO2000_LINKS_SINGULAR);
         } else {
             zhao2000_links_direct_solve(&w);
-            const zhao2000_links_real size = zhao2000_links_direct_move(&w);
-            zhao2000_links_tell(info, 1U, 0.0186f * size, size, w.spread);
+            const zhao2000_links_real size = zhao2000_links_direct_apply_step(&w);
+            zhao2000_links_write_info(info, 1U, 0.0186f * size, size, w.spread);
             if (size <= 104.056816f) {
-                zhao2000_links_leave(&w, pose);
+                zhao2000_links_write_pose(&w, pose);
             } else {
-                status = zhao2000_links_failed(joints, pose, ZHAO2000_LINKS_WRONG_BRANCH);
+                status = zhao2000_links_failure_status(joints, pose, ZHAO2000_LINKS_WRONG_BRANCH);
             }
         }
     } else {
-        zhao2000_links_tell(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
     return status;
 }
 
+/* Joint values of a pose, limb by limb. */
 zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose, zhao2000_links_real joints[4])
 {
     zhao2000_links_real c[7];
     zhao2000_links_real q[4] = { 0.0f };
     zhao2000_links_real passive[9] = { 0.0f };
-    zhao2000_links_status status = zhao2000_links_coordinates(pose, c);
+    zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
     if (status == ZHAO2000_LINKS_OK) {
-        status = zhao2000_links_limbs(c, q, passive);
+        status = zhao2000_links_solve_limbs(c, q, passive);
         if (status != ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_verdict(c, 7, ZHAO2000_LINKS_OUT_OF_RANGE);
+            status = zhao2000_links_check_finite(c, 7, ZHAO2000_LINKS_OUT_OF_RANGE);
         } else {
-            status = zhao2000_links_check(q);
+            status = zhao2000_links_check_limits(q);
         }
         if (status == ZHAO2000_LINKS_OK) {
             joints[0] = q[0];
@@ -5844,18 +5976,20 @@ zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose, zh
     return status;
 }
 
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
 zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, zhao2000_links_real rates[4 * 6])
 {
     zhao2000_links_real c[7];
     zhao2000_links_real jacobian[4 * 6] = { 0.0f };
-    zhao2000_links_status status = zhao2000_links_coordinates(pose, c);
+    zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
     if (status == ZHAO2000_LINKS_OK) {
+        /* theta1, hip1, elbow1, wrist1 */
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb1_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb1_at(&w, c);
+            status = zhao2000_links_limb1_follow_pose(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb1_sides(&w, sides);
+                zhao2000_links_limb1_twist_columns(&w, sides);
                 if (zhao2000_links_limb1_factor(&w) == 0) {
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
@@ -5892,12 +6026,13 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                 }
             }
         }
+        /* theta2, hip2, elbow2, wrist2 */
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb2_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb2_at(&w, c);
+            status = zhao2000_links_limb2_follow_pose(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb2_sides(&w, sides);
+                zhao2000_links_limb2_twist_columns(&w, sides);
                 if (zhao2000_links_limb2_factor(&w) == 0) {
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
@@ -5934,12 +6069,13 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                 }
             }
         }
+        /* theta3, hip3, elbow3, wrist3 */
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_limb3_work w;
             zhao2000_links_real sides[30];
-            status = zhao2000_links_limb3_at(&w, c);
+            status = zhao2000_links_limb3_follow_pose(&w, c);
             if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb3_sides(&w, sides);
+                zhao2000_links_limb3_twist_columns(&w, sides);
                 if (zhao2000_links_limb3_factor(&w) == 0) {
                     status = ZHAO2000_LINKS_SINGULAR;
                 } else {
@@ -5976,6 +6112,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                 }
             }
         }
+        /* op */
         const zhao2000_links_real op_0 = c[0] * c[0];
         const zhao2000_links_real op_1 = c[1] * c[1];
         const zhao2000_links_real op_2 = op_0 + op_1;
@@ -5997,7 +6134,7 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
                 rates[i] = jacobian[i];
             }
         } else if (status != ZHAO2000_LINKS_SINGULAR) {
-            status = zhao2000_links_verdict(c, 7, ZHAO2000_LINKS_OUT_OF_RANGE);
+            status = zhao2000_links_check_finite(c, 7, ZHAO2000_LINKS_OUT_OF_RANGE);
         } else {
             /* singular */
         }

@@ -157,7 +157,7 @@ class BlockPaths:
         """Instances with limbs that have several branches at one pose; None where there are none."""
         if not self.algebraic.limbs or not instance.size:
             return None
-        chosen = np.unique(instance)
+        chosen = np.flatnonzero(np.bincount(instance))
         ends = z.reshape(self.algebraic.width, len(chosen), -1).transpose(1, 0, 2)
         several = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
         found = np.zeros(int(chosen[-1]) + 1, dtype=bool)
@@ -212,7 +212,7 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     order = np.lexsort((mixed, owner))
     sorted_owner, gap = owner[order], np.diff(mixed[order])
     near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
-    return [i for i in np.unique(sorted_owner[1:][near]).tolist() if _has_equal(block, f[owner == i])]
+    return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
 
 
 @lru_cache(maxsize=64)
@@ -228,7 +228,7 @@ def _has_equal(block: System, f: np.ndarray) -> bool:
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
     """What is said of generic roots that no loop of the known values connects."""
-    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.unique(start.orbits)]
+    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.flatnonzero(np.bincount(start.orbits))]
     if len(sizes) < 2:
         return ()
     return (f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions",)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, overload
 
@@ -36,7 +36,8 @@ def modes(
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Sequence[Joints] | None = None, pose: Sequence[Sequence[float] | Pose] | None = None,
+    mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
+    pose: Sequence[Sequence[float] | Pose] | None = None,
     method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
     progress: Progress | None = None,
 ) -> tuple[Modes, ...]: ...  # fmt: skip
@@ -59,7 +60,7 @@ def modes(
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
-    `joints` are those of one input or, as an array (n, joints), of n inputs; `pose` is x, y, z, qw, qx, qy, qz, a `Pose`, or n of
+    `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx, qy, qz, a `Pose`, or n of
     them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in a fraction of the time.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how

@@ -100,6 +100,8 @@ class PlainModes:
         kept = np.flatnonzero(good & (np.prod(counts, axis=0) <= MOST_MODES))
         complete = [b.proofs.complete[kept] if b.proofs is not None else np.zeros(len(kept), dtype=bool) for b in blocks]
         proved = np.array(complete, dtype=bool).reshape(len(blocks), len(kept)).T
+        if not blocks:
+            proved = np.zeros((len(kept), len(self.parts)), dtype=bool)
         return Plain(self._combined(known, blocks, kept, proved), places[kept], proved)
 
     def _meets_conditions(self, known: np.ndarray) -> np.ndarray:
@@ -123,7 +125,7 @@ class PlainModes:
         chosen = _choices(blocks, kept, total, owner)
         values = np.empty((len(owner), width))
         values[:, problem.known_places] = known[kept][owner]
-        for part, block, which in zip(self.parts, blocks, chosen, strict=True):
+        for part, block, which in zip(self.parts, blocks, chosen, strict=bool(blocks)):
             values[:, problem.places(part.block.unknowns)] = block.points[which]
         values = canonical(problem.closure.coordinates, problem.closure.slices, values)
         position, quaternion = poses_of(problem.closure, values)

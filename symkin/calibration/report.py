@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,16 +18,15 @@ from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
 from symkin.calibration.judge.plausibility import Departure, describe_other_machine, is_other_machine
 from symkin.calibration.judge.pose_accuracy import PoseSigma
-from symkin.calibration.judge.result import Calibration, Parameter
+from symkin.calibration.judge.result import Calibration, Parameter, unit_of, value_out
 from symkin.calibration.judge.statistics import SIGNIFICANCE
+from symkin.position.solution import finite
 from symkin.text import markdown, markdown_block, markdown_code
 
 _MAX_SHOWN = 6
 """Changes and outliers that the short text shows."""
 _MAX_OUTSIDE_SHARE = 0.2
 """Share of the workspace's poses beyond the measured joint values that is worth a note."""
-_FRAME_WORD = "frame"
-"""Unobservable combinations with this word are frames: they move no pose against another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,16 +144,6 @@ class FitReport:
             "no reading has tested the model there; measure as far as the mechanism is used",
         )
 
-    @property
-    def frames(self) -> tuple[str, ...]:
-        """Unobservable combinations that are frames."""
-        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD in text)
-
-    @property
-    def unobservable(self) -> tuple[str, ...]:
-        """Unobservable combinations that are not frames."""
-        return tuple(text for text in self.fit.identifiability.unobservable if _FRAME_WORD not in text)
-
     def changes(self) -> list[Parameter]:
         """List the mechanism's parameters by the size of their change, angles times the size."""
         size = self.fit.mechanism.size
@@ -177,13 +166,13 @@ class FitReport:
             f"chi-square {fit.chi_square:.4g} with {fit.degrees} degrees of freedom{p}",
             f"  rank {found.rank} of {len(found.names)} parameters, condition {found.condition:.3g}",
         ]
-        if self.frames:
-            lines.append(f"  frames held by the least change: {_short(self.frames, 10)}")
+        if self.fit.frames:
+            lines.append(f"  frames held by the least change: {_short(self.fit.frames, 10)}")
         missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
-        lines += [f"  {missing}: {text}" for text in self.unobservable[:_MAX_SHOWN]]
-        if len(self.unobservable) > _MAX_SHOWN:
-            lines.append(f"  and {len(self.unobservable) - _MAX_SHOWN} more combinations (report.md)")
-        if self.unobservable:
+        lines += [f"  {missing}: {text}" for text in self.fit.unobservable[:_MAX_SHOWN]]
+        if len(self.fit.unobservable) > _MAX_SHOWN:
+            lines.append(f"  and {len(self.fit.unobservable) - _MAX_SHOWN} more combinations (report.md)")
+        if self.fit.unobservable:
             lines.append(f"  {len(found.base_set)} parameters are a base set, for --parameters (report.md)")
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
@@ -260,64 +249,40 @@ class FitReport:
         """Return the JSON object of the report, with or without `residuals`; lengths in the mechanism's unit, angles in its
         angle unit."""
         fit, m = self.fit, self.fit.mechanism
-        found = fit.identifiability
-        labels = fit.measurements.labels
         return {
             "mechanism": m.name, "data": self.data, "command": self.command, "length_unit": m.length_unit, "angle_unit": m.angle_unit,
-            "verdict": self.verdict, "believable": self.believable, "usable": self.usable, "status": fit.status,
-            "iterations": fit.iterations, "method": fit.method, "postures": len(fit.measurements), "used": len(fit.used),
-            "unsolved": [labels[k] for k in fit.unsolved], "silent": [labels[k] for k in fit.silent],
-            "changed_mode": [labels[k] for k in fit.changed_mode],
-            "chi_square": _finite(fit.chi_square), "degrees": fit.degrees, "p_value": _finite(fit.p_value),
+            "verdict": self.verdict, "believable": self.believable, "usable": self.usable, **fit.figures(),
             "euler_sequence": None if self.sequence is None or not self._fits else {
                 "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
-                "runner_up": self.sequence.runner_up, "runner_up_chi_square": _finite(self.sequence.runner_up_chi_square),
+                "runner_up": self.sequence.runner_up, "runner_up_chi_square": finite(self.sequence.runner_up_chi_square),
                 "clear": self.sequence.clear
             },
             "departure": {
-                "share": _finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.unclosed,
+                "share": finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.unclosed,
                 "postures": self.departure.configurations
             },
-            "rank": found.rank, "parameters_in_all": len(found.names), "condition": _finite(found.condition),
-            "base_set": list(found.base_set),
-            "singular_values": found.singular_values.tolist(), "frames": list(self.frames), "unobservable": list(self.unobservable),
-            "advice": list(found.advice),
-            "parameters": [
-                {"name": q.name, "unit": _unit(self, q), "nominal": _out(self, q, q.nominal), "value": _out(self, q, q.value),
-                 "sigma": None if q.sigma is None else _out(self, q, q.sigma), "held": q.held}
-                for q in fit.parameters
-            ],
-            "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in fit.outliers],
+            **fit.findings(),
             "pose_sigma": None if not self.usable else {
                 "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
                 "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max()))
             },
             "held_out": None if self.held_out is None else {
                 "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
-                "degrees": self.held_out.degrees, "p_value": _finite(self.held_out.p_value),
+                "degrees": self.held_out.degrees, "p_value": finite(self.held_out.p_value),
                 "rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.rms.items()},
                 "expected_rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()},
                 "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved)
             },
             "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
-            "residuals": list(self.residual_rows()) if residuals else []
+            "residuals": list(fit.residual_rows()) if residuals else [],
         }  # fmt: skip
-
-    def residual_rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the residuals as JSON objects."""
-        labels, out = self.fit.measurements.labels, self.fit.mechanism.angle_out
-        for r in self.fit.residuals:
-            value = out(r.value) if r.kind in ANGULAR else r.value
-            yield {
-                "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": _finite(r.normalised)
-            }  # fmt: skip
 
     def json_text(self) -> bytes:
         """Write `to_dict` as a file's content, residuals a line each: objects of many configurations would take more memory
         than all else."""
         head = json.dumps(self.to_dict(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
-        rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.residual_rows())
+        rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.fit.residual_rows())
         return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"
 
     def to_markdown(self, files: Sequence[Path]) -> str:
@@ -350,8 +315,8 @@ class FitReport:
             )
         lines += ["", "Parameters along what is not observable are held by the least change from nominal.", ""]
         lines += ["## Observability", "", f"Rank {fit.rank} of {len(fit.identifiability.names)}."]
-        lines += [f"- frame: {markdown(text)}" for text in self.frames]
-        lines += [f"- **not observable**: {markdown(text)}" for text in self.unobservable]
+        lines += [f"- frame: {markdown(text)}" for text in self.fit.frames]
+        lines += [f"- **not observable**: {markdown(text)}" for text in self.fit.unobservable]
         lines += [f"- to do: {markdown(text)}" for text in fit.identifiability.advice]
         if fit.identifiability.unobservable:
             names = ",".join(fit.identifiability.base_set)
@@ -376,12 +341,11 @@ def _unit_of_kind(report: FitReport, kind: str) -> str:
 
 
 def _unit(report: FitReport, q: Parameter) -> str:
-    m = report.fit.mechanism
-    return {"length": m.length_unit, "angle": m.angle_unit, "number": "1"}[q.kind]
+    return unit_of(report.fit.mechanism, q) or "1"
 
 
 def _out(report: FitReport, q: Parameter, value: float) -> float:
-    return report.fit.mechanism.angle_out(value) if q.kind == "angle" else value
+    return value_out(report.fit.mechanism, q, value)
 
 
 def _value(report: FitReport, q: Parameter, value: float, *, sign: bool = False) -> str:
@@ -391,7 +355,3 @@ def _value(report: FitReport, q: Parameter, value: float, *, sign: bool = False)
 
 def _short(items: Sequence[str], most: int) -> str:
     return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

@@ -168,7 +168,7 @@ class CertificateBatch:
             return nearest
         own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle[:, 0]
         owners = self.instance[proved]
-        for j in np.unique(instance).tolist():
+        for j in np.flatnonzero(np.bincount(instance)).tolist():
             here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, owners))
             if proved[roots].size:
                 far = np.abs(own[here, None] - marks[roots])
@@ -222,7 +222,7 @@ class _Roots:
         if found.all():
             return
         todo = np.flatnonzero(~found)
-        for j in np.unique(self.instance[todo]).tolist():
+        for j in np.flatnonzero(np.bincount(self.instance[todo])).tolist():
             self._prove_some(j, todo[self.instance[todo] == j])
 
     @precision(_DOUBLE)

@@ -35,7 +35,7 @@ def jacobian(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.")] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
-    from symkin.codegen.jacobian_file import jacobian_text
+    from symkin.codegen.jacobian_formats import jacobian_text
     from symkin.files.outputs import write_output
     from symkin.model.file import load
     from symkin.velocity.jacobian import jacobian as symbolic

@@ -87,9 +87,7 @@ def sweep(
         )  # fmt: skip
     print(swept)
     if plot is not None:
-        from symkin.plots.sweep_plot import draw_sweep
-
-        draw_sweep(output, plot, slices=cuts)
+        swept.plot(plot, slices=cuts)
         print(f"picture: {plot}")
 
 

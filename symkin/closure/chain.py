@@ -1,4 +1,4 @@
-"""Symbolic displacements of joints, applied to points, directions and quaternions (product of exponentials).
+"""Displace points, directions and quaternions symbolically by chains of joints (product of exponentials).
 
 Matrix products are never formed: a point is carried through the joints one by one, which keeps expressions short.
 """

@@ -1,4 +1,4 @@
-"""The loop closure F(q, x, X, p) = 0 of a mechanism, built once and symbolically (rows: see `closure_rows`)."""
+"""Build the loop closure F(q, x, X, p) = 0 of a mechanism, once and symbolically (its rows: see `closure.rows`)."""
 
 from __future__ import annotations
 
@@ -112,13 +112,17 @@ def numbered_rows(closure: Closure) -> ca.SX:
     return ca.substitute(ca.vertcat(*(builder.rows[k] for k in kept)), variables, closure.variables)
 
 
-@lru_cache(maxsize=128)
 def build_algebraic_closure(
     mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
 ) -> AlgebraicClosure:
     """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
     limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `replace_universal`, universal
     joints before spherical ones are left out where the pose is unknown."""
+    return _algebraic_closure(mechanism, form, eliminate, replace_universal)
+
+
+@lru_cache(maxsize=128)
+def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool, replace_universal: bool) -> AlgebraicClosure:
     builder = RowBuilder(mechanism, form, eliminate=eliminate, replace_universal=replace_universal)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))

@@ -1,4 +1,8 @@
-"""A CasADi function as straight-line NumPy code: its SX graph is walked once, and every value is an array over points."""
+"""Compile a CasADi function into straight-line NumPy code, in which every value is an array over points.
+
+The code uses the slots of the function's instructions as its variables: each is overwritten as soon as its value is not read any
+more, which bounds the memory of large batches.
+"""
 
 from __future__ import annotations
 

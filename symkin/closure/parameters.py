@@ -1,4 +1,4 @@
-"""The geometry p: named numbers that stay symbols in the closure until they are bound."""
+"""Collect the geometry p: named numbers that stay symbols in the closure until they are bound."""
 
 from __future__ import annotations
 

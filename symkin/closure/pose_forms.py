@@ -1,4 +1,4 @@
-"""The platform's pose in the forms in which closure rows take it.
+"""State the platform's pose in the forms in which closure rows take it.
 
 Each form gives points, directions and squared distances times a weight N, so that rows stay polynomial in the pose:
 N = 1 for a unit quaternion, N = q.q for quaternions of any length. Quaternions may then be complex and projective, which

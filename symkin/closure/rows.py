@@ -1,4 +1,4 @@
-"""The rows of a closure, limb by limb, from the cut-joint rules.
+"""Write the rows of a closure, limb by limb, by the rules of where a loop is cut.
 
 Each loop is cut at its passive joint of most freedom, and only what that joint constrains is written: two spherical
 ends give one distance equation, a spherical end three, a universal or cylindrical end four, a revolute or prismatic

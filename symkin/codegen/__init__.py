@@ -1,5 +1,15 @@
-"""Code written from the closure: C99 folders for controllers, and Jacobians in C, NumPy, SymPy and LaTeX.
+"""Write code from the closure: C99 folders for controllers, and Jacobians in C, NumPy, SymPy and LaTeX.
 
-`options` says what can be chosen, `folder` writes the files; `emit` turns CasADi graphs into C, `kernel` states what is
-solved, `factor` how its linear systems are, and `templates/` holds the C that is the same for every mechanism.
+A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the kind of the mechanism, `vectors`
+(on `samples`) and `readme` make its test and its README. The kinds: `rod_platform`, `rod_platform_source` (six rods, with
+`rod_kernel`, `home_pose`), `limb_platform`, `limb_platform_source` (any limbs, with `pose_coordinates`), `serial_arm`; their
+geometry is numbers or a struct (`geometry`).
+
+Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it, `linear_solver` its LU or QR.
+
+Text: `c_emitter` turns CasADi graphs into C, `c_templates` fills `templates/`, which holds the C that is the same for every
+mechanism; `expression` writes graphs in other languages, `latex` in LaTeX (with `simplification`).
+
+Jacobians: `jacobian_formats` lists the formats, `jacobian_header` writes what each begins with, `jacobian_c`, `jacobian_python`,
+`jacobian_latex` the rest.
 """

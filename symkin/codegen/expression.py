@@ -1,4 +1,4 @@
-"""Expressions as text of another language: one walk over the graph, and what differs from language to language.
+"""Write expressions as text of another language: one walk over the graph, and what differs from language to language.
 
 What is used more than once gets a name, and so do parts of what grows longer than the language likes; the rest is written in
 place.
@@ -6,14 +6,14 @@ place.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Protocol
 
 import casadi as ca
 
-from symkin.closure.graph import instructions
+from symkin.closure.graph import walk
 
 ATOM, POWER, PRODUCT, SUM = 3, 2, 1, 0
 """How tightly a text binds."""
@@ -38,52 +38,93 @@ class Language(Protocol):
     def temporary(self, number: int) -> str: ...
 
 
+@dataclass
+class _Part:
+    """A value on its way: its text, or the name that it has got, and its place among all values."""
+
+    text: Text
+    place: int
+
+
+@dataclass
+class _UseCounts:
+    """Evaluator that counts how often each value is read, in order of their making."""
+
+    counts: list[int] = field(default_factory=list)
+
+    def input(self, number: int, nonzero: int) -> int:  # noqa: ARG002 - the walker's signature
+        return self._new()
+
+    def constant(self, number: float) -> int:  # noqa: ARG002 - the walker's signature
+        return self._new()
+
+    def operation(self, op: int, operands: list[int]) -> int:  # noqa: ARG002 - the walker's signature
+        for k in operands:
+            self.counts[k] += 1
+        return self._new()
+
+    def output(self, number: int, nonzero: int, value: int) -> None:  # noqa: ARG002 - the walker's signature
+        self.counts[value] += 1
+
+    def _new(self) -> int:
+        self.counts.append(0)
+        return len(self.counts) - 1
+
+
+@dataclass
+class _Writer:
+    """Evaluator that writes values as text and names those that are read more than once or grow too long."""
+
+    names: Sequence[Sequence[str]]
+    language: Language
+    uses: Sequence[int]
+    results: list[str]
+    definitions: list[tuple[str, str]] = field(default_factory=list)
+    made: int = 0
+
+    def input(self, number: int, nonzero: int) -> _Part:
+        return self._part(Text(self.names[number][nonzero], ATOM))
+
+    def constant(self, number: float) -> _Part:
+        return self._part(self.language.constant(number))
+
+    def operation(self, op: int, operands: list[_Part]) -> _Part:
+        language = self.language
+        text = language.operation(op, [part.text for part in operands])
+        while language.longest is not None and language.width(text.text) > language.longest:
+            widest = max(operands, key=lambda part: language.width(part.text.text))
+            if language.width(widest.text.text) <= language.width(language.temporary(len(self.definitions) + 1)):
+                break
+            widest.text = self._named(widest.text.text)
+            text = language.operation(op, [part.text for part in operands])
+        part = self._part(text)
+        if self.uses[part.place] > 1:
+            part.text = self._named(text.text)
+        return part
+
+    def output(self, number: int, nonzero: int, value: _Part) -> None:
+        if number == 0:
+            self.results[nonzero] = value.text.text
+
+    def _part(self, text: Text) -> _Part:
+        self.made += 1
+        return _Part(text, self.made - 1)
+
+    def _named(self, text: str) -> Text:
+        self.definitions.append((self.language.temporary(len(self.definitions) + 1), text))
+        return Text(self.definitions[-1][0], ATOM)
+
+
 def write(function: ca.Function, names: Sequence[str], language: Language) -> tuple[list[tuple[str, str]], list[str]]:
-    """Named intermediate values, in order, and the text of each entry of the dense first output (column by column). `names`
-    are the texts of all inputs' entries, input after input."""
-    starts = [sum(function.numel_in(k) for k in range(i)) for i in range(function.n_in())]
-    uses = _use_counts(function)
-    slots: dict[int, Text] = {}
-    definitions: list[tuple[str, str]] = []
-
-    def named(text: str) -> Text:
-        definitions.append((language.temporary(len(definitions) + 1), text))
-        return Text(definitions[-1][0], ATOM)
-
-    results = [language.constant(0.0).text] * int(function.numel_out(0))
-    for k, (op, inputs, outputs, constant) in enumerate(instructions(function)):
-        if op == ca.OP_OUTPUT:
-            results[outputs[1]] = slots[inputs[0]].text
-            continue
-        if op == ca.OP_INPUT:
-            value = Text(names[starts[inputs[0]] + inputs[1]], ATOM)
-        elif op == ca.OP_CONST:
-            value = language.constant(constant)
-        else:
-            value = language.operation(op, [slots[i] for i in inputs])
-            while language.longest is not None and language.width(value.text) > language.longest:
-                part = max(inputs, key=lambda i: language.width(slots[i].text))
-                if language.width(slots[part].text) <= language.width(language.temporary(len(definitions) + 1)):
-                    break
-                slots[part] = named(slots[part].text)
-                value = language.operation(op, [slots[i] for i in inputs])
-            if uses[k] > 1:
-                value = named(value.text)
-        slots[outputs[0]] = value
-    return definitions, results
-
-
-def _use_counts(function: ca.Function) -> Counter[int]:
-    """How often the result of each instruction is read."""
-    counts: Counter[int] = Counter()
-    writer: dict[int, int] = {}
-    for k, (op, inputs, outputs, _) in enumerate(instructions(function)):
-        if op not in (ca.OP_INPUT, ca.OP_CONST):
-            for slot in inputs[:1] if op == ca.OP_OUTPUT else inputs:
-                counts[writer[slot]] += 1
-        if op != ca.OP_OUTPUT:
-            writer[outputs[0]] = k
-    return counts
+    """Write a function: named intermediate values, in order, and the text of each entry of the dense first output (column by
+    column). `names` are the texts of all inputs' entries, input after input."""
+    ends = [sum(function.numel_in(k) for k in range(i)) for i in range(function.n_in() + 1)]
+    uses = _UseCounts()
+    walk(function, uses)
+    inputs = [names[begin:end] for begin, end in pairwise(ends)]
+    writer = _Writer(inputs, language, uses.counts, [language.constant(0.0).text] * int(function.numel_out(0)))
+    walk(function, writer)
+    return writer.definitions, writer.results
 
 
 _PYTHON: dict[int, tuple[str, int, tuple[int, ...]]] = {

@@ -1,4 +1,4 @@
-"""The folder of one mechanism: sources, test, build files, derivation and manifest; the same model gives the same bytes."""
+"""Write the folder of one mechanism: sources, test, build files, README and manifest; the same model gives the same bytes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
-from symkin.codegen.derivation import readme
-from symkin.codegen.emit import Real, indent
+from symkin.codegen.c_emitter import Real, indent
+from symkin.codegen.c_templates import fill
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
-from symkin.codegen.serial import SerialArm
-from symkin.codegen.source import fill
+from symkin.codegen.readme import readme
+from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output

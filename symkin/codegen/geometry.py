@@ -1,4 +1,4 @@
-"""Where generated code takes its geometry from: numbers folded into it, or the members of a struct given at run time."""
+"""Give generated code its geometry: numbers folded into it, or the members of a struct given at run time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.closure.closure import Closure
-from symkin.codegen.emit import Real
+from symkin.codegen.c_emitter import Real
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem

@@ -1,4 +1,4 @@
-"""Jacobians as one C function, printed by the firmware's emitter."""
+"""Write a Jacobian as one C function."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import textwrap
 
 import casadi as ca
 
-from symkin.codegen.emit import Emitter, Real, indent, indexed
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.jacobian_header import header
 from symkin.text import c_comment
 from symkin.velocity.jacobian import Jacobian

@@ -1,4 +1,4 @@
-"""What the head of every exported Jacobian says, and names that a language allows."""
+"""Write the head of an exported Jacobian (kind, shape, units, inputs), and find names that a language allows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jacobians as a LaTeX document, common subexpressions named."""
+"""Write a Jacobian as a LaTeX document, common subexpressions named."""
 
 from __future__ import annotations
 

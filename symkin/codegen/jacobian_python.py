@@ -1,4 +1,4 @@
-"""Jacobians as Python source: over NumPy arrays, and as SymPy expressions."""
+"""Write a Jacobian as Python source: over NumPy arrays, or as SymPy expressions."""
 
 from __future__ import annotations
 

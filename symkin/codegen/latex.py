@@ -1,4 +1,4 @@
-"""Expressions and closure equations as LaTeX."""
+"""Write expressions and closure equations as LaTeX."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from symkin.closure.closure import Closure, build_closure, numbered_rows
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
 from symkin.codegen.expression import write as write_in
-from symkin.codegen.tidying import tidied
+from symkin.codegen.simplification import tidied
 from symkin.model.mechanism import Mechanism
 from symkin.text import ascii_letters, latex_text
 

@@ -1,11 +1,11 @@
-"""What can be chosen about generated code."""
+"""State what can be chosen about generated code."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-from symkin.codegen.kernel import is_rod_platform
+from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 

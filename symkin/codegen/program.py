@@ -1,24 +1,26 @@
-"""The C of one mechanism: which of the three kinds it is, its source text and its header."""
+"""Write source and header of one mechanism: choose which of the three kinds it is, and state its ranges and rules."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from textwrap import wrap
 
-from symkin.codegen.closed import ClosedMechanism
-from symkin.codegen.closed_source import closed_source
-from symkin.codegen.emit import Real
-from symkin.codegen.home import home_pose
-from symkin.codegen.kernel import is_rod_platform
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.c_templates import fill
+from symkin.codegen.home_pose import home_pose
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.limb_platform_source import LimbSource
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
-from symkin.codegen.rods import RodPlatform, rod_source
-from symkin.codegen.serial import SerialArm, serial_source
-from symkin.codegen.source import KernelSource, fill, fill_text, substitute
+from symkin.codegen.rod_kernel import is_rod_platform
+from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.rod_platform_source import RodSource
+from symkin.codegen.serial_arm import ArmSource, SerialArm
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.text import c_comment
 
-Kind = RodPlatform | ClosedMechanism | SerialArm
+Kind = RodPlatform | LimbPlatform | SerialArm
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,7 @@ class Program:
     kind: Kind
     source: str
     header: str
-    main: KernelSource
+    main: NewtonCode
     values: dict[str, object]
 
     @property
@@ -48,23 +50,37 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     """Everything that is compiled, as text."""
     check_c_name(mechanism.name)
     options.check(mechanism)
-    real = Real(options.real, f"{mechanism.name}_real")
-    kind: Kind
-    if mechanism.serial:
-        kind = SerialArm(mechanism, options, real)
-        text, main, values = serial_source(kind)
-    elif is_rod_platform(mechanism):
-        kind = RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
-        text, main, values = rod_source(kind)
+    kind = _kind(mechanism, options)
+    source: RodSource | LimbSource | ArmSource
+    if isinstance(kind, SerialArm):
+        source = ArmSource(kind)
+    elif isinstance(kind, RodPlatform):
+        source = RodSource(kind)
     else:
-        kind = ClosedMechanism(mechanism, options, real)
-        text, main, values = closed_source(kind)
-    values = values | _header_values(kind, main)
-    values["declarations"] = substitute(fill_text("serial.h" if mechanism.serial else "parallel.h"), values)
-    return Program(kind, fill("begin.c", values) + text.rstrip() + "\n", fill("header.h", values), main, values)
+        source = LimbSource(kind)
+    kind.check()
+    values = source.values | _header_values(kind, source.code)
+    values["declarations"] = fill("serial.h" if mechanism.serial else "parallel.h", values)
+    return Program(
+        kind=kind,
+        source=fill("begin.c", values) + source.text.rstrip() + "\n",
+        header=fill("header.h", values),
+        main=source.code,
+        values=values,
+    )
 
 
-def _header_values(kind: Kind, main: KernelSource) -> dict[str, object]:
+def _kind(mechanism: Mechanism, options: Options) -> Kind:
+    """Which of the three kinds a mechanism is."""
+    real = Real(options.real, f"{mechanism.name}_real")
+    if mechanism.serial:
+        return SerialArm(mechanism, options, real)
+    if is_rod_platform(mechanism):
+        return RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
+    return LimbPlatform(mechanism, options, real)
+
+
+def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
@@ -112,7 +128,7 @@ def _range_lines(kind: Kind) -> list[str]:
 
 
 def _branch_lines(kind: Kind) -> list[str]:
-    if not isinstance(kind, ClosedMechanism) or not kind.has_dead_centres:
+    if not isinstance(kind, LimbPlatform) or not kind.has_dead_centres:
         return []
     return [
         "Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from",

@@ -1,4 +1,4 @@
-"""Closed configurations near home: what pivots are chosen over and what test vectors are made of."""
+"""Sample closed configurations near home, over which pivots are chosen and of which test vectors are made."""
 
 from __future__ import annotations
 

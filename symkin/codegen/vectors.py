@@ -1,4 +1,4 @@
-"""Test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
+"""Make test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.codegen.closed import ClosedMechanism
-from symkin.codegen.emit import Real
-from symkin.codegen.motion import COLUMNS
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.program import Kind
-from symkin.codegen.rods import RodPlatform
+from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
-from symkin.codegen.serial import SerialArm
+from symkin.codegen.serial_arm import SerialArm
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
@@ -90,7 +90,7 @@ def _bound(real: Real, size: float, condition: float, tolerance: float) -> float
     return float(f"{4 * tolerance + real.epsilon * size * (16 + 4 * min(condition, 1e4)):.2g}")
 
 
-def _parallel(kind: RodPlatform | ClosedMechanism) -> _Found:
+def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     mechanism, real = kind.mechanism, kind.real
     direct = build_problem(mechanism, "direct")
     closure, size = direct.closure, direct.closure.size
@@ -117,20 +117,20 @@ def _parallel(kind: RodPlatform | ClosedMechanism) -> _Found:
     return rows, jacobians, here, _flat(kind)
 
 
-def home_values(kind: RodPlatform | ClosedMechanism, closure: Closure) -> np.ndarray:
+def home_values(kind: RodPlatform | LimbPlatform, closure: Closure) -> np.ndarray:
     """All variables of the closure at home."""
-    if isinstance(kind, ClosedMechanism):
+    if isinstance(kind, LimbPlatform):
         return closure.reference
     return np.concatenate([kind.lengths(kind.home), kind.home.position, kind.home.quaternion])
 
 
-def stated(kind: RodPlatform | ClosedMechanism, pose: Pose) -> np.ndarray:
+def stated(kind: RodPlatform | LimbPlatform, pose: Pose) -> np.ndarray:
     if isinstance(kind, RodPlatform):
         return kind.stated(pose)
     return np.array([*pose.position, *pose.quaternion])
 
 
-def _zero(kind: RodPlatform | ClosedMechanism) -> np.ndarray | float:
+def _zero(kind: RodPlatform | LimbPlatform) -> np.ndarray | float:
     """Joint values at home where joints are changes from there."""
     return kind.lengths(kind.home) if isinstance(kind, RodPlatform) and kind.options.home_relative else 0.0
 
@@ -141,7 +141,7 @@ def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
     return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
 
 
-def _inverse_at(kind: RodPlatform | ClosedMechanism, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
+def _inverse_at(kind: RodPlatform | LimbPlatform, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Joint values at a pose as stated, by the closed form of rods or from a configuration near it."""
     if isinstance(kind, RodPlatform):
         pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
@@ -190,7 +190,7 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
-def _flat(kind: RodPlatform | ClosedMechanism) -> np.ndarray:
+def _flat(kind: RodPlatform | LimbPlatform) -> np.ndarray:
     """A pose with all six rods in one plane, where base and platform are plane; else nothing."""
     if not isinstance(kind, RodPlatform) or kind.options.home_relative:
         return np.zeros((0, 7))

@@ -1,4 +1,4 @@
-"""Matrices over balls, and bounds of fixed points, for proofs about a branch."""
+"""Matrices over balls and bounds of fixed points, for proofs about a branch."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from symkin.numeric.balls import upper
+from symkin.numeric.tolerances import ROUNDED_STEP
 
 
 def balls(centre: np.ndarray, half: np.ndarray) -> list[arb]:
@@ -63,4 +64,4 @@ def inverse_with(jacobian: np.ndarray, direction: np.ndarray) -> np.ndarray | No
 
 def _inverse(a: np.ndarray) -> np.ndarray:
     square = a.shape[0] == a.shape[1]
-    return np.asarray(np.linalg.inv(a) if square else np.linalg.pinv(a, rcond=1e-13))
+    return np.asarray(np.linalg.inv(a) if square else np.linalg.pinv(a, rcond=ROUNDED_STEP))

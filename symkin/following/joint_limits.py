@@ -1,4 +1,4 @@
-"""Where a followed branch first meets a joint limit.
+"""Find where a followed branch first meets a joint limit.
 
 As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits at the start, if any do, are
 subtracted along the whole path.
@@ -18,11 +18,10 @@ from symkin.following.step_certificate import Interval
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import LIMIT_SLACK
 from symkin.position.problem import Problem
 
-_SLACK = 1e-9
-"""A value beyond its limit by less than this (of the size, or rad) keeps it: a path may touch a limit."""
-_NEAR = 1e-4
+_NEAR_LIMIT = 1e-4
 """Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the branch itself."""
 _HALVINGS = 60
 
@@ -102,10 +101,9 @@ class LimitWatch:
         def excess(share: float) -> float:
             y = curve.at(share)
             beyond = self._excess(c, _value(system, place, y))
-            if beyond < -_NEAR * self._unit(c):
+            if beyond < -_NEAR_LIMIT * self._unit(c):
                 return beyond
-            z = system.correct(y[:-1], float(y[-1]), interval.c)[0]
-            return self._excess(c, _value(system, place, z))
+            return self._excess(c, _value(system, place, system.correct(y, interval.c)[0]))
 
         before = 0.0
         for share in (*_extremes(curve, place), 1.0):
@@ -122,7 +120,7 @@ class LimitWatch:
         """How far a value lies beyond its limits and their slack; negative inside."""
         low, high = c.limits or (-np.inf, np.inf)
         value -= self.turns.get(c.name, 0.0)
-        return max(low - value, value - high) - _SLACK * self._unit(c)
+        return max(low - value, value - high) - LIMIT_SLACK * self._unit(c)
 
     def _limit(self, c: Coordinate, value: float) -> Limit:
         """The limit that is nearest to a value."""
@@ -137,10 +135,10 @@ class LimitWatch:
 def _turns(c: Coordinate, value: float) -> float:
     """The whole turns (rad) that bring an angle within its limits; zero where none do or none are needed."""
     low, high = c.limits or (-np.inf, np.inf)
-    if not c.is_angular or low - _SLACK <= value <= high + _SLACK:
+    if not c.is_angular or low - LIMIT_SLACK <= value <= high + LIMIT_SLACK:
         return 0.0
-    turns = 2 * math.pi * math.ceil((low - _SLACK - value) / (2 * math.pi))
-    return -turns if value + turns <= high + _SLACK else 0.0
+    turns = 2 * math.pi * math.ceil((low - LIMIT_SLACK - value) / (2 * math.pi))
+    return -turns if value + turns <= high + LIMIT_SLACK else 0.0
 
 
 def _value(system: PathSystem, place: int, y: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""The last step to a turning point: a tube over s = e.y, e the null vector there, in which the branch is regular although u is
+"""Prove the last step to a turning point: a tube over s = e.y, e the null vector there, in which the branch is regular although u is
 not a parameter of it any more.
 
 If d2u/ds2 < 0 in all of the tube, du/ds > 0 at the station where it takes over, and the turning point, whose own box is proved,
@@ -12,15 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.following.cubic import Cubic
-from symkin.following.path_system import least_squares
+from symkin.following.path_system import NEWTON_ARRIVED, least_squares
 from symkin.following.singular_point import SingularPoint, turning_system
 from symkin.following.step_certificate import Interval, Tube
 
-_BEYOND = 0.02
+_OVERHANG = 0.02
 """The tube begins before the station and ends beyond the turning point by this share of the way between them."""
-_SHORTEST = 1e-11
+_SHORTEST_WAY = 1e-11
 """A way shorter than this (over the size, or rad) is within rounding."""
-_STEPS = 8
 
 
 @dataclass(frozen=True)
@@ -38,10 +37,10 @@ def prove_last_tube(
     v = point.null[:, 0]
     direction = np.append(v if v @ slope > 0.0 else -v, 0.0)
     pace, whole = float(direction[:-1] @ slope), float(direction @ (point.y - y))
-    if half is None or pace <= 0.0 or whole <= _SHORTEST:
+    if half is None or pace <= 0.0 or whole <= _SHORTEST_WAY:
         return None
-    begin = on_plane(interval, y - (_BEYOND * whole / pace) * np.append(slope, 1.0), direction)
-    end = on_plane(interval, point.y + _BEYOND * whole * direction, direction)
+    begin = on_plane(interval, y - (_OVERHANG * whole / pace) * np.append(slope, 1.0), direction)
+    end = on_plane(interval, point.y + _OVERHANG * whole * direction, direction)
     if begin is None or end is None:
         return None
     curve = Cubic.hermite(*begin, *end, float(direction @ (end[0] - begin[0])))
@@ -59,21 +58,12 @@ def prove_last_tube(
 
 
 def on_plane(interval: Interval, y: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """The branch's point on the hyperplane through y, and its tangent dy/ds there, by Newton."""
-    for _ in range(_STEPS):
-        values, jacobian = interval.evaluate(y)
-        if not (np.isfinite(values).all() and np.isfinite(jacobian).all()):
-            return None
-        step = least_squares(np.vstack([jacobian, direction]), np.append(values, 0.0))
-        size = float(np.max(np.abs(step)))
-        if not size < 1.0:
-            return None
-        y = y - step
-        if size < 1e-10:
-            matrix = np.vstack([interval.evaluate(y)[1], direction])
-            tangent = least_squares(matrix, np.append(np.zeros(len(matrix) - 1), 1.0))
-            return (y, tangent) if np.isfinite(tangent).all() else None
-    return None
+    """The branch's point on the hyperplane through y, and its tangent dy/ds there: [dG/dy; e] dy/ds = (0, 1)."""
+    y, jacobian, size = interval.system.correct(y, interval.c, direction)
+    if not size < NEWTON_ARRIVED:
+        return None
+    tangent = least_squares(np.vstack([jacobian, direction]), np.append(np.zeros(len(jacobian)), 1.0))
+    return (y, tangent) if np.isfinite(tangent).all() else None
 
 
 def _holds(curve: Cubic, tube: Tube, direction: np.ndarray, y: np.ndarray, half: np.ndarray) -> bool:

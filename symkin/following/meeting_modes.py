@@ -1,4 +1,4 @@
-"""Which modes meet at a singular point of a branch, by the complete enumeration a little before it."""
+"""Name the modes that meet at a singular point of a branch, by the complete enumeration a little before it."""
 
 from __future__ import annotations
 
@@ -17,18 +17,16 @@ from symkin.following.follow import Branch
 from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
-from symkin.model.joint import Coordinate
+from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem, build_problem
+from symkin.position.roots import features
 from symkin.position.solution import pose_of
-from symkin.spatial.pose import Pose
 
-_BEFORE = 1e-4
+_LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""
-_SAME = 1e-5
-"""Two writings of one configuration differ by less than this (lengths over the size, rotations by their matrices)."""
-_FEW_TIMES = 20.0
+_NEAR_RATIO = 20.0
 """At a bifurcation the modes nearer to the singular point than this times the followed one's distance are said to meet."""
-_MOST_TURNING = 8
+_MOST_COMBINED = 8
 """Blocks that turn together of which all combinations are looked for."""
 
 
@@ -76,7 +74,7 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
     """The modes that meet where a branch ends at a singular point. None where nothing lies before it or the enumeration
     refuses."""
     row, u = branch.last.row, branch.last.u
-    back = min(_BEFORE, 0.5 * u)
+    back = min(_LOOK_BACK, 0.5 * u)
     if back <= 0.0:
         return None
     given = user_values(trajectory, trajectory.at(row, u - back))
@@ -84,25 +82,32 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
         found = modes_at_need(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
     except SymkinError:
         return None
-    turning = [w for w in branch.stopped if _turns(w)]
+    turning = [w for w in branch.stopped if _is_turning(w)]
     sides = {id(w): _sides(w, u - back) for w in turning}
     signs = None
-    if len(turning) < len(branch.stopped) or len(turning) > _MOST_TURNING:
-        own_unknown = _together(problem, branch.blocks, {id(w): w.at(u - back) for w in branch.blocks})
-        reach = _FEW_TIMES * _apart(problem, own_unknown, branch.last.unknown) + _SAME
-        own = _number(problem, found, own_unknown)
-        near = [k for k, d in enumerate(_distances(problem, found, branch.last.unknown), start=1) if d < reach]
+    if len(turning) < len(branch.stopped) or len(turning) > _MOST_COMBINED:
+        own_unknown = _joined(problem, branch.blocks, {id(w): w.at(u - back) for w in branch.blocks})
+        reach = _NEAR_RATIO * float(_distances(problem, own_unknown[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
+        own = mode_number(problem, found, own_unknown)
+        near = [k for k, d in enumerate(mode_distances(problem, found, branch.last.unknown)) if d < reach]
     else:
         rest = {id(w): w.at(u - back) for w in branch.blocks if w not in turning}
         near, own = [], None
         for sign in product((0, 1), repeat=len(turning)):
             chosen = {id(w): sides[id(w)][k] for w, k in zip(turning, sign, strict=True)}
-            number = _number(problem, found, _together(problem, branch.blocks, rest | chosen))
+            number = mode_number(problem, found, _joined(problem, branch.blocks, rest | chosen))
             near += [] if number is None else [number]
             own = own if any(sign) else number
         signs = _opposite(turning, sides, u - back)
-    others = tuple(sorted({k for k in near if k != own}))
-    return Meeting(trajectory.parameter(row, u - back), given, own, others, len(found), found.completeness, signs)
+    return Meeting(
+        parameter=trajectory.parameter(row, u - back),
+        given=given,
+        own=None if own is None else own + 1,
+        others=tuple(sorted({k + 1 for k in near if k != own})),
+        count=len(found),
+        completeness=found.completeness,
+        opposite_signs=signs,
+    )
 
 
 def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[float]]:
@@ -111,19 +116,30 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[flo
     if trajectory.kind == "direct":
         pairs = zip(trajectory.coordinates, known.tolist(), strict=True)
         return {"joints": [mechanism.angle_out(v) if c.is_angular else v for c, v in pairs]}
-    pose = known_pose(trajectory, known)
+    problem = build_problem(mechanism, "inverse")
+    reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
+    pose = pose_of(problem.closure, problem.join_values(reference, known))
     return {"pose": [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]}
 
 
-def known_pose(trajectory: Trajectory, known: np.ndarray) -> Pose:
-    """The pose that the known coordinates of an inverse problem make."""
-    problem = build_problem(trajectory.mechanism, "inverse")
-    return pose_of(
-        problem.closure, problem.join_values(problem.select_values(problem.closure.reference, problem.system.unknowns), known)
-    )
+def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | None:
+    """The number (from 0) of the mode in a list that a configuration is, None where the list lacks it."""
+    distances = mode_distances(problem, modes, unknown)
+    return int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
 
 
-def _turns(block: BlockFollower) -> bool:
+def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:
+    """How far each mode is from a configuration: the largest difference of their features, over the size."""
+    listed = [np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) for mode in modes]
+    return _distances(problem, np.array(listed).reshape(-1, len(unknown)), unknown)
+
+
+def _distances(problem: Problem, points: np.ndarray, unknown: np.ndarray) -> np.ndarray:
+    away = features(problem.system, points) - features(problem.system, unknown[None])
+    return np.asarray(np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.size)
+
+
+def _is_turning(block: BlockFollower) -> bool:
     return block.stop is not None and block.stop.singular is not None and block.stop.singular.kind == "turning point"
 
 
@@ -132,7 +148,7 @@ def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
     v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0)
-    own, mate = (block.system.correct(point.y[:-1] + s * reach * v, u, block.interval.c)[0] for s in (1.0, -1.0))
+    own, mate = (block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1] for s in (1.0, -1.0))
     return own, mate
 
 
@@ -147,38 +163,9 @@ def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> 
     return float(np.linalg.slogdet(system.evaluate(np.append(z, u), block.interval.c)[1][:, :-1])[0])
 
 
-def _together(problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]) -> np.ndarray:
+def _joined(problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]) -> np.ndarray:
     """The unknowns (in radians and the length unit) that the blocks' z make."""
     unknown = np.empty(problem.system.width)
     for block in blocks:
         unknown[block.system.places] = block.system.unknown(z[id(block)])
     return unknown
-
-
-def _number(problem: Problem, found: Modes, unknown: np.ndarray) -> int | None:
-    distances = _distances(problem, found, unknown)
-    if not len(distances) or not np.min(distances) < _SAME:
-        return None
-    return int(np.argmin(distances)) + 1
-
-
-def _distances(problem: Problem, found: Modes, unknown: np.ndarray) -> np.ndarray:
-    """Largest difference of each mode from a configuration in the features of its unknowns."""
-    unknowns = problem.system.unknowns
-    listed = [np.concatenate([np.atleast_1d(mode.values[c.name]) for c in unknowns]) for mode in found]
-    return np.array([_apart(problem, other, unknown) for other in listed])
-
-
-def _apart(problem: Problem, a: np.ndarray, b: np.ndarray) -> float:
-    pairs = list(zip(problem.system.unknowns, problem.system.slices, strict=True))
-    one, two = (np.concatenate([_feature(c, x[place], problem.closure.size) for c, place in pairs]) for x in (a, b))
-    return float(np.max(np.abs(one - two)))
-
-
-def _feature(c: Coordinate, value: np.ndarray, size: float) -> np.ndarray:
-    """Numbers that two writings of one value share: of an angle its cosine and sine, of a unit quaternion its products."""
-    if c.kind == "quaternion":
-        return np.outer(value, value)[np.triu_indices(4)]
-    if c.kind == "angle":
-        return np.array([math.cos(value[0]), math.sin(value[0])])
-    return value / (1.0 if c.is_angular else size)

@@ -1,4 +1,4 @@
-"""Which assembly modes connect without a singularity, over a slice of two inputs: a graph of modes at grid points.
+"""Find which assembly modes connect without a singularity, over a slice of two inputs: a graph of modes at grid points.
 
 At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see `track`). Modes that a path
 without singularity joins are of one sheet. Two modes of one input on one sheet are joined by a path that leaves the input and
@@ -18,17 +18,14 @@ import numpy as np
 from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
 from symkin.errors import InputError
+from symkin.following.meeting_modes import mode_number
 from symkin.following.track import track
+from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
-from symkin.position.problem import build_problem
-from symkin.position.roots import features
-from symkin.position.solution import Solution
 from symkin.result import Result, Summary
 
-_SAME = 1e-6
-"""Configurations nearer than this (over the size) are the same mode."""
 _MOST_POINTS = 10_000
 """Grid points at most."""
 
@@ -47,10 +44,20 @@ class Axis:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModeGraph(Result):
-    """`found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
+    """Which modes connect without a singularity; made by `mode_graph`.
+
+    `found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
     in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
     `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
-    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete)."""
+    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete). `path`
+    gives the joint values that lead from one mode to another, `plot()` draws the sheets.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhao2000")
+    >>> graph = symkin.mode_graph(platform, [("theta1", 80.0, 82.0), ("op", 105.0, 106.0)], 2)
+    >>> len(graph.chosen), graph.groups
+    (4, [[0], [1], [2], [3]])
+    """
 
     mechanism: Mechanism
     axes: tuple[Axis, Axis]
@@ -98,7 +105,7 @@ class ModeGraph(Result):
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
             "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],
-            "sheets": [sorted(sheet) for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
+            "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
             "stopped": self.stopped, "unmatched": self.unmatched,
         }  # fmt: skip
 
@@ -120,8 +127,19 @@ def mode_graph(
     mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
     progress: Progress | None = None,
 ) -> ModeGraph:  # fmt: skip
-    """The graph over two actuated joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds
-    the other joints (default: the example's, else the reference's). Limits are left out of account. Raises InputError."""
+    """Find which assembly modes connect without a singularity over two actuated joints.
+
+    `axes` are the two joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds the other
+    joints (default: the example's, else the reference's). At each point all modes are found, and each is followed along the
+    grid's edges by `track`. Joint limits are left out of account. Raises InputError for axes, counts and values that do not fit,
+    and for serial arms. Source: Innocenti and Parenti-Castelli, Journal of Mechanical Design 120(1), 1998.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhao2000")
+    >>> graph = symkin.mode_graph(platform, [("theta1", 80.0, 82.0), ("op", 105.0, 106.0)], 2)
+    >>> len(graph.sheets), graph.certified
+    (4, True)
+    """
     if mechanism.serial:
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there is nothing to join"
@@ -138,10 +156,10 @@ def mode_graph(
             progress(k + 1, 2 * len(inputs))
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0
-    for a, b in _pairs(n, inputs, pair, mechanism):
+    for a, b in _grid_edges(n, inputs, pair, mechanism):
         for k, mode in enumerate(found[a]):
             followed = track(mechanism, joints=inputs[[a, b]], start=mode, limits=False, name_modes=False)
-            joined = _number(followed.end.solution, found[b]) if followed.reached else None
+            joined = _number_at_end(followed, found[b]) if followed.reached else None
             stopped, unmatched = stopped + (not followed.reached), unmatched + (followed.reached and joined is None)
             if joined is not None:
                 edges.append(((a, k), (b, joined)))
@@ -149,23 +167,24 @@ def mode_graph(
         if progress is not None:
             progress(len(inputs) + a + 1, 2 * len(inputs))
     nodes = [(p, k) for p, modes_there in enumerate(found) for k in range(len(modes_there))]
-    return ModeGraph(mechanism, pair, n, inputs, tuple(found), tuple(edges), _sheets(nodes, edges), certified, stopped, unmatched)
+    return ModeGraph(
+        mechanism=mechanism,
+        axes=pair,
+        n=n,
+        inputs=inputs,
+        found=tuple(found),
+        edges=tuple(edges),
+        sheets=_sheets(nodes, edges),
+        certified=certified,
+        stopped=stopped,
+        unmatched=unmatched,
+    )
 
 
-def _number(solution: Solution, there: Modes) -> int | None:
-    """Number of the mode in a list that a configuration is."""
-    if not len(there):
-        return None
-    problem = build_problem(solution.mechanism, "direct")
-    points = features(problem.system, np.array([_unknowns(mode) for mode in (solution, *there)]))
-    away = np.max(np.abs(points[1:] - points[0]), axis=1)
-    nearest = int(np.argmin(away))
-    return nearest if away[nearest] < _SAME * problem.closure.size else None
-
-
-def _unknowns(solution: Solution) -> np.ndarray:
-    unknowns = build_problem(solution.mechanism, "direct").system.unknowns
-    return np.concatenate([np.atleast_1d(np.asarray(solution.values[c.name], dtype=float)) for c in unknowns])
+def _number_at_end(followed: Track, there: Modes) -> int | None:
+    """Number of the mode in a list that the end of a track is."""
+    problem, end = followed.problem, followed.end
+    return mode_number(problem, there, problem.select_values(end.values, problem.system.unknowns))
 
 
 def _checked(mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int) -> tuple[Axis, Axis]:
@@ -196,7 +215,7 @@ def _grid(mechanism: Mechanism, axes: tuple[Axis, Axis], n: int, chosen: np.ndar
     return inputs
 
 
-def _pairs(n: int, inputs: np.ndarray, axes: tuple[Axis, Axis], mechanism: Mechanism) -> Iterator[tuple[int, int]]:
+def _grid_edges(n: int, inputs: np.ndarray, axes: tuple[Axis, Axis], mechanism: Mechanism) -> Iterator[tuple[int, int]]:
     """The grid's edges, then one from the chosen input to the nearest grid point."""
     for i in range(n):
         for j in range(n):

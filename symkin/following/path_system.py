@@ -1,4 +1,4 @@
-"""A block's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and the path parameter.
+"""Write a block's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and the path parameter.
 
 Lengths among the unknowns z are over the size, and so are the rows; angles and unit quaternions are as they are, and each
 quaternion has a row (q.q - 1) / 2 = 0 of its own. The coefficients c are the interval's ends (see `trajectory`), so that one
@@ -19,8 +19,14 @@ from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate
 from symkin.numeric.balls import BallFunction, raise_constants
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.pool import Pool
 from symkin.position.problem import Problem
+
+NEWTON_ARRIVED = 1e-7
+"""A Newton step below this (over the size, or rad) is that of a root: the next one would be its square."""
+_NEWTON_STEPS = 8
+"""Newton steps at most; from a good prediction two or three suffice."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,19 +107,23 @@ class PathSystem:
             call()
             return values.copy(), jacobian.T.copy()
 
-    def correct(self, z: np.ndarray, u: float, c: np.ndarray, steps: int = 6) -> tuple[np.ndarray, np.ndarray, float]:
-        """Newton (Gauss-Newton where rows are redundant) at a fixed u: z, dG/dy there, and the size of the last step."""
-        size, jacobian = np.inf, np.empty((0, 0))
-        for _ in range(steps):
-            values, jacobian = self.evaluate(np.append(z, u), c)
+    def correct(self, y: np.ndarray, c: np.ndarray, direction: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, float]:
+        """Newton (Gauss-Newton where rows are redundant) at a fixed u, or on the hyperplane through y across a direction: y and
+        dG/dy there, and the size of the last step (infinite where rows are not finite)."""
+        size = np.inf
+        for _ in range(_NEWTON_STEPS):
+            values, jacobian = self.evaluate(y, c)
             if not (np.isfinite(values).all() and np.isfinite(jacobian).all()):
-                return z, jacobian, np.inf
-            step = least_squares(jacobian[:, :-1], values)
+                return y, jacobian, np.inf
+            if direction is None:
+                step = np.append(least_squares(jacobian[:, :-1], values), 0.0)
+            else:
+                step = least_squares(np.vstack([jacobian, direction]), np.append(values, 0.0))
             before, size = size, float(np.max(np.abs(step), initial=0.0))
-            z = z - step
-            if size < 1e-9 or size > 1.0 or (size < 1e-7 and size > 0.5 * before):
+            y = y - step
+            if size < 1e-9 or size > 1.0 or (size < NEWTON_ARRIVED and size > 0.5 * before):
                 break
-        return z, self.evaluate(np.append(z, u), c)[1], size
+        return y, self.evaluate(y, c)[1], size
 
     def unknown(self, z: np.ndarray) -> np.ndarray:
         """The unknowns in radians and the length unit, quaternions of unit length."""
@@ -125,7 +135,7 @@ def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-13)[0])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=ROUNDED_STEP)[0])
     except np.linalg.LinAlgError:
         return np.full((matrix.shape[1], *right.shape[1:]), np.nan)
 

@@ -11,6 +11,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.following.follow import PathPoint
 from symkin.following.trajectory import Trajectory
+from symkin.numeric.linear_algebra import singular_values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, make_solution, pose_of
 from symkin.spatial.pose import Pose
@@ -84,9 +85,7 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, befo
     pose = pose_of(problem.closure, values)
     if before is not None and np.dot(pose.quaternion, before.pose.quaternion) < 0.0:
         pose = Pose(pose.position, -np.asarray(pose.quaternion))
-    jacobian = problem.system.linearise_one(unknown, known)[1]
-    singular = np.linalg.svd(jacobian, compute_uv=False)[: problem.system.freedom] if jacobian.size else np.ones(1)
-    smallest = float(singular[-1]) if len(singular) else 1.0
+    singular = singular_values(problem.system.linearise_one(unknown, known)[1])
     return Sample(
         problem=problem,
         parameter=trajectory.parameter(row, u),
@@ -94,7 +93,7 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, befo
         values=values,
         pose=pose,
         residual=problem.system.residual(unknown, known),
-        condition=float(singular[0] / smallest) if smallest > 1e-15 * singular[0] else math.inf,
-        smallest_singular_value=smallest,
+        condition=problem.system.condition(unknown, known),
+        smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
     )

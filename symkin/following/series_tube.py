@@ -1,4 +1,4 @@
-"""Tubes near a singularity, where the plain ones of `step_certificate` are too short.
+"""Prove a step near a singularity by power series, where the plain tubes of `step_certificate` are too short.
 
 With a small singular value r of dG/dz at the middle of a step, the plain tube's box has one width in all unknowns that move, and
 bounds of second order: its length is about r. Here the box is a parallelepiped L [-b, b], L the right singular vectors of
@@ -22,7 +22,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from symkin.caching import cached_property
 from symkin.following.ball_matrices import identity, inverse_with, matrix
 from symkin.following.cubic import Cubic
-from symkin.following.step_certificate import STILL, Interval, Tube
+from symkin.following.step_certificate import HELD_WIDTH, Interval, Tube
 from symkin.numeric.balls import UP, precision, upper
 
 _BITS = 96
@@ -30,7 +30,7 @@ _ORDER = 8
 """K: the order of the remainders."""
 _TRIALS = 6
 """Boxes tried for one tube."""
-_INSIDE = 0.99
+_LARGEST_FILL = 0.99
 """The image must lie in the box shrunk by this factor."""
 
 
@@ -51,7 +51,7 @@ def series_tube(interval: Interval, curve: Cubic, *ends: np.ndarray | None) -> T
     for end in ends:
         if end is not None:
             least = np.maximum(least, 2.0 * np.abs(frame.T) @ end)
-    least[-1] = STILL
+    least[-1] = HELD_WIDTH
     with precision(_BITS), _series_of(_ORDER + 1):
         proof = _Proof(interval, curve, frame, frame.T @ inverse)
         half = np.maximum(1.5 * proof.drift, least)
@@ -59,10 +59,10 @@ def series_tube(interval: Interval, curve: Cubic, *ends: np.ndarray | None) -> T
             image = proof.image(half)
             if not np.isfinite(image).all() or float(np.max(half)) > 1.0:
                 return None
-            if (image <= _INSIDE * half).all():
+            if (image <= _LARGEST_FILL * half).all():
                 return Tube(half, float(np.max(image / half)), frame)
             half = np.maximum(np.maximum(1.5 * image, 0.5 * half), least)
-            half[-1] = STILL
+            half[-1] = HELD_WIDTH
     return None
 
 

@@ -1,4 +1,4 @@
-"""Singular points of a branch G(z, u) = 0 in doubles: where dG/dz loses rank ahead of a regular point of it.
+"""Locate singular points of a branch G(z, u) = 0 in doubles: where dG/dz loses rank ahead of a regular point of it.
 
 A turning point is a root of G = 0, dG/dz v = 0, v0.v = 1 (v0 an estimate of v), at which the branch turns back in u:
 
@@ -18,20 +18,19 @@ import numpy as np
 
 from symkin.caching import lru_cache
 from symkin.following.path_system import PathSystem
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PointKind = Literal["turning point", "bifurcation", "degenerate"]
 
 _CONVERGED = 1e-11
 """Rows and null vectors of an accepted singular point, dimensionless, are below this."""
-_CROSSING = 10 * np.finfo(float).eps
+_BIFURCATION_CONVERGED = 10 * np.finfo(float).eps
 """The same for a bifurcation, whose equations are more than its unknowns: what is left there beyond rounding (2e-16 at most for
 parallelograms, deltas and five-bars that do branch) is the distance by which the path misses it."""
-_STEPS = 25
-_NULL = 1e-7
-"""A singular value below this times the largest of [dG/dz, dG/du] counts as zero at a located point."""
-_FOLLOWS_LAW = 0.3
+_MOST_STEPS = 25
+_LED_THERE = 0.3
 """The distance to a singular point may differ by this share from what the branch's slope says."""
-_FLAT = 1e-6
+_LEAST_CURVATURE = 1e-6
 """A turning point whose curvature u'' is below this is degenerate: three modes or more meet there."""
 
 
@@ -62,7 +61,7 @@ def _turning_point(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.n
     if found is None or not found[0][-1] > y[-1]:
         return None
     there, null = found
-    if not _near(there[:-1] - y[:-1], 2.0 * (there[-1] - y[-1]) * slope):
+    if not _is_where_led(there[:-1] - y[:-1], 2.0 * (there[-1] - y[-1]) * slope):
         return None
     return _classified(system, c, there, null[:, 0] / np.linalg.norm(null))
 
@@ -75,13 +74,13 @@ def _bifurcation(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.nda
     if found is None or not found[0][-1] > y[-1]:
         return None
     there = found[0]
-    if not _near(there[:-1] - y[:-1], (there[-1] - y[-1]) * slope):
+    if not _is_where_led(there[:-1] - y[:-1], (there[-1] - y[-1]) * slope):
         return None
     return _classified(system, c, there, None)
 
 
-def _near(actual: np.ndarray, expected: np.ndarray) -> bool:
-    return float(np.linalg.norm(actual - expected)) <= _FOLLOWS_LAW * float(np.linalg.norm(actual)) + 1e-10
+def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:
+    return float(np.linalg.norm(actual - expected)) <= _LED_THERE * float(np.linalg.norm(actual)) + 1e-10
 
 
 def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray | None) -> SingularPoint | None:
@@ -90,15 +89,15 @@ def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarr
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
-    zeros = int(np.sum(singular[: system.width] < _NULL * whole[0]))
+    zeros = int(np.sum(singular[: system.width] < RANK_TOLERANCE * whole[0]))
     if zeros == 0:
         return None
     basis = right[system.width - zeros : system.width].T
-    if zeros > 1 or whole[system.width - 1] < _NULL * whole[0]:
+    if zeros > 1 or whole[system.width - 1] < RANK_TOLERANCE * whole[0]:
         return None if null is not None else SingularPoint("bifurcation", y, basis, 0.0)
     v = basis[:, 0] if null is None else null
     curvature = _curvature(system, c, y, v, jacobian)
-    return SingularPoint("turning point" if abs(curvature) > _FLAT else "degenerate", y, v[:, None], curvature)
+    return SingularPoint("turning point" if abs(curvature) > _LEAST_CURVATURE else "degenerate", y, v[:, None], curvature)
 
 
 def _curvature(system: PathSystem, c: np.ndarray, y: np.ndarray, v: np.ndarray, jacobian: np.ndarray) -> float:
@@ -116,7 +115,7 @@ def _gauss_newton(
     extended = _extended(system, null.shape[1], whole)
     fixed = null.ravel("F")
     n, x, size = system.width + 1, np.concatenate([y, fixed]), np.inf
-    for _ in range(_STEPS):
+    for _ in range(_MOST_STEPS):
         values, jacobian = (np.asarray(v) for v in extended(x, c, fixed))
         if not (np.isfinite(values).all() and np.isfinite(jacobian).all()):
             return None
@@ -128,7 +127,7 @@ def _gauss_newton(
         if size < 1e-14 or (size < 1e-9 and size > 0.3 * before):
             break
     left = float(np.max(np.abs(np.asarray(extended(x, c, fixed)[0]))))
-    return (x[:n], x[n:].reshape(null.shape, order="F")) if left < (_CROSSING if whole else _CONVERGED) else None
+    return (x[:n], x[n:].reshape(null.shape, order="F")) if left < (_BIFURCATION_CONVERGED if whole else _CONVERGED) else None
 
 
 @lru_cache(maxsize=128)

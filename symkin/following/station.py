@@ -10,13 +10,10 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.certificate.independent_rows import most_independent
 from symkin.following.ball_matrices import balls
-from symkin.following.path_system import PathSystem, coefficients, least_squares
+from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, coefficients, least_squares
 from symkin.following.step_certificate import BITS, Interval
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.balls import UP, precision, upper
-
-_NEWTON_ARRIVED = 1e-7
-"""A Newton step below this (over the size, or rad) is that of a root: the next one would be its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +57,8 @@ def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interva
 
 def station_near(interval: Interval, row: int, z: np.ndarray, u: float) -> Station:
     """The station that Newton reaches from z at a fixed u; its slope is NaN where it reaches none."""
-    z, jacobian, size = interval.system.correct(z, u, interval.c)
-    y = np.append(z, u)
-    if not size < _NEWTON_ARRIVED:
+    y, jacobian, size = interval.system.correct(np.append(z, u), interval.c)
+    if not size < NEWTON_ARRIVED:
         return Station(row, y, slope=np.full(len(z), np.nan), half=None)
     return station_at(interval, row, y, jacobian)
 

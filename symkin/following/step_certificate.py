@@ -1,4 +1,4 @@
-"""Proof that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (see `proof.krawczyk`).
+"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (see `proof.krawczyk`).
 
 About a curve p(t), 0 <= t <= h, with the linear row e.(y - p(t)) = 0 added, and for a box B about zero,
 
@@ -27,19 +27,19 @@ from symkin.following.path_system import PathSystem, coefficient_scales
 from symkin.numeric.balls import REAL, UP, precision, upper
 
 BITS = 64
-_SPREAD = 2.0**-49
+_COEFFICIENT_RADIUS = 2.0**-49
 """Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision leaves out at the samples."""
-_INSIDE = 0.99
+_LARGEST_FILL = 0.99
 """The image must lie in the box shrunk by this factor."""
 _TRIALS = 3
 """Boxes tried for one tube."""
-_THINNEST = 0.002
+_LEAST_FIRST_WIDTH = 0.002
 """A first box is at least so thick as this times the largest extent of its curve."""
-_SLIM = 0.1
+_FIRST_WIDTH = 0.1
 """Half width of a first box over the extent of its curve."""
-_THINNER = 0.05
+_LEAST_NEXT_WIDTH = 0.05
 """A second box is not thinner than this times the first: boxes take the shape of their images."""
-STILL = 1e-15
+HELD_WIDTH = 1e-15
 """Half width of a box along the path parameter where the linear row holds it."""
 
 
@@ -71,7 +71,7 @@ class Interval:
     @cached_property
     def _prepared(self) -> list[Any]:
         with precision(BITS):
-            spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = _COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return self.system.balls.prepare(REAL, balls(self.c, spread))
 
     def evaluate(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +86,7 @@ class Interval:
     def _prepared_second(self) -> list[Any]:
         function, constants = self.system.second
         with precision(BITS):
-            spread = _SPREAD * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = _COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
     def tube(self, curve: Cubic, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:
@@ -107,9 +107,9 @@ class Interval:
                 image = self._image_along(m, start, curve, half, direction)
                 if not np.isfinite(image).all():
                     return None
-                if (image <= _INSIDE * half).all():
+                if (image <= _LARGEST_FILL * half).all():
                     return Tube(half, float(np.max(image / half)))
-                half = np.maximum(np.maximum(1.3 * image, _THINNER * half), least)
+                half = np.maximum(np.maximum(1.3 * image, _LEAST_NEXT_WIDTH * half), least)
                 if float(np.max(half)) > 30.0 * float(np.max(extent) + 1e-12):
                     return None
         return None
@@ -128,7 +128,7 @@ class Interval:
                 image = self._image(m, start, y, half, direction)
                 if not np.isfinite(image).all() or float(np.max(half)) > 1e-2:
                     return None
-                if (image <= _INSIDE * half).all():
+                if (image <= _LARGEST_FILL * half).all():
                     return half
                 half = half * 8.0
         return None
@@ -217,9 +217,9 @@ def _lifted(m: arb_mat, column: arb_mat) -> arb_mat:
 def _first_box(extent: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """A part of the extent of the curve in each unknown, and a little of the largest; next to nothing along the path parameter
     where that is e."""
-    half = _SLIM * extent + _THINNEST * float(np.max(extent[:-1], initial=0.0)) + 1e-13
+    half = _FIRST_WIDTH * extent + _LEAST_FIRST_WIDTH * float(np.max(extent[:-1], initial=0.0)) + 1e-13
     if direction[-1] == 1.0:
-        half[-1] = STILL
+        half[-1] = HELD_WIDTH
     return half
 
 

@@ -12,11 +12,10 @@ from symkin.following.joint_limits import Limit
 from symkin.following.meeting_modes import Meeting, meeting_modes
 from symkin.following.sample import Sample, make_sample
 from symkin.following.trajectory import Trajectory
+from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem
 from symkin.singularities.classification import classify
 
-_SINGULAR_START = 1e6
-"""Condition of a start from which no step is proved above which it is called singular: double roots are known to 1e-8."""
 _AT_START = 1e-6
 """A singular point found at a smaller parameter than this is that of the start."""
 _SINGULAR_TEXT = "the start is singular: modes meet there, and which one to follow is not defined"
@@ -86,7 +85,7 @@ def stop_of(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list
     place = make_sample(trajectory, problem, last, kept[-1])
     reasons = {"singular": "singular start", "limit": "limit", "open": "open loops", "unproved": "unproved"}
     kind, text = reasons[branch.ending], _why(branch, trajectory)
-    if branch.ending == "unproved" and branch.steps == 0 and place.condition > _SINGULAR_START:
+    if branch.ending == "unproved" and branch.steps == 0 and place.condition > SUSPECT_CONDITION:
         kind, text = "singular start", _SINGULAR_TEXT
     return Stop(kind, last.row, last.u, place, text, limit=branch.limit)
 
@@ -133,6 +132,6 @@ def _type(branch: Branch) -> str:
         for c, place in zip(system.unknowns, system.slices, strict=True):
             if c.role == moving and block.stop is not None and block.stop.singular is not None:
                 largest = max(largest, float(np.max(np.abs(block.stop.singular.null[place]))))
-    if largest < 1e-6:
+    if largest < SINGULAR_VALUE:
         return "passive"
     return "type 2" if problem.kind == "direct" else "type 1"

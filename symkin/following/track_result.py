@@ -29,7 +29,15 @@ class Track(Result):
     point that is its first singularity, or the pose is a formula of the joints; `ground` says so in words. `followed_to` is the
     parameter (0 to 1) up to which steps lead, `steps` their count, of whose tubes images fill at most `tightest`. `residual` is
     the largest closure error of the samples (length unit). `nearest` is the place nearest to a singularity of the followed
-    problem, between samples too (None where nothing is lost anywhere: the pose is a formula of the joints).
+    problem, between samples too (None where nothing is lost anywhere: the pose is a formula of the joints). `plot()` draws the
+    platform's motion or the joints, and the smallest singular value.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhao2000")
+    >>> ends = [[81.6, 202.8, 330.6, 105.2], [85.0, 202.8, 330.6, 105.2]]
+    >>> found = symkin.track(platform, joints=ends, samples=5)
+    >>> found.reached, found.certified, len(found.samples)
+    (True, True, 5)
     """
 
     trajectory: Trajectory

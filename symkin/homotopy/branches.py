@@ -61,7 +61,10 @@ def complex_count(system: AlgebraicSystem, z: np.ndarray) -> int:
     """Roots that the columns of z stand for: over all poses, the product of the limbs' counts of branches."""
     poses = labels_of(system.features(z))
     limbs = [labels_of(f) for f in system.limb_features(z)]
-    return sum(prod(len(np.unique(limb[poses == pose])) for limb in limbs) for pose in np.unique(poses))
+    counts = [
+        [int(np.count_nonzero(np.bincount(limb[poses == pose]))) for limb in limbs] for pose in range(poses.max(initial=-1) + 1)
+    ]
+    return sum(prod(count) for count in counts)
 
 
 def real_candidates(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:

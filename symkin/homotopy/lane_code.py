@@ -14,7 +14,8 @@ from math import isfinite
 import casadi as ca
 import numpy as np
 
-from symkin.closure.graph import instructions
+from symkin.caching import cached_property
+from symkin.closure.graph import walk
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 
@@ -96,24 +97,15 @@ class _Walk:
 
     def statements(self) -> list[str]:
         f = self.function
-        work: dict[int, _Value] = {}
-        places = self._places()
-        filled = {place for output in places for place in output}
+        filled = {place for output in self._places for place in output}
         for row in range(f.size1_out(0)):
             for column in range(self.width + 2):
                 if (row, column) not in filled:
                     self.lines.append(f"a[{self._at(row, column)}] = a[{self._at(row, column)} + 1] = all(0.0);")
-        for op, i, o, constant in instructions(f):
-            if op == ca.OP_INPUT:
-                work[o[0]] = self._input(i[0], i[1])
-            elif op == ca.OP_CONST:
-                work[o[0]] = _constant(constant)
-            elif op == ca.OP_OUTPUT:
-                self._output(work[i[0]], places[o[0]][o[1]] if o[0] < len(places) else None)
-            else:
-                work[o[0]] = self._operation(op, [work[x] for x in i])
+        walk(f, self)
         return self.lines
 
+    @cached_property
     def _places(self) -> list[list[tuple[int, int]]]:
         """Row and column in the matrix of each nonzero of the first three outputs."""
         triplets = [list(zip(*self.function.sparsity_out(o).get_triplet(), strict=True)) for o in range(3)]
@@ -123,19 +115,23 @@ class _Walk:
     def _at(self, row: int, column: int) -> int:
         return 2 * (row * (self.width + 2) + column)
 
-    def _input(self, number: int, i: int) -> _Value:
+    def input(self, number: int, nonzero: int) -> _Value:
+        i = nonzero
         if number == 0:
             return self._name(f"z[{2 * i}]", f"z[{2 * i + 1}]")
         if number == 1:
             return self._name(f"begin[{2 * i}] + s * along[{2 * i}]", f"begin[{2 * i + 1}] + s * along[{2 * i + 1}]")
         return self._name(f"along[{2 * i}]", f"along[{2 * i + 1}]")
 
-    def _output(self, x: _Value, place: tuple[int, int] | None) -> None:
-        real, imaginary = _parts(x)
-        if place is None:
+    def constant(self, number: float) -> _Value:
+        return _constant(number)
+
+    def output(self, number: int, nonzero: int, value: _Value) -> None:
+        real, imaginary = _parts(value)
+        if number >= len(self._places):
             self.lines.append(f"*further = larger(*further, {real} * {real} + {imaginary} * {imaginary});")
         else:
-            at = self._at(*place)
+            at = self._at(*self._places[number][nonzero])
             self.lines.append(f"a[{at}] = {real}, a[{at + 1}] = {imaginary};")
 
     def _name(self, real: str, imaginary: str) -> _Value:
@@ -144,7 +140,8 @@ class _Walk:
         self.lines.append(f"v x{n} = {real}, y{n} = {imaginary};")
         return _Value(f"x{n}", f"y{n}")
 
-    def _operation(self, op: int, x: list[_Value]) -> _Value:
+    def operation(self, op: int, operands: list[_Value]) -> _Value:
+        x = operands
         match op:
             case ca.OP_ADD:
                 return self._sum(x[0], x[1], "+")

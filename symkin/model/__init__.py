@@ -1,1 +1,1 @@
-"""Mechanisms, their description files and the symbolic loop closure."""
+"""Describe mechanisms: joints, limbs, Denavit-Hartenberg tables, and the files that hold them."""

@@ -1,4 +1,4 @@
-"""Numbers written as arithmetic in mechanism files: "240/sqrt(3)", "pi/6".
+"""Evaluate numbers written as arithmetic in mechanism files: "240/sqrt(3)", "pi/6".
 
     sum     = product (("+" | "-") product)*
     product = factor (("*" | "/") factor)*

@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg tables, turned into joints at the reference configuration."""
+"""Describe arms by Denavit-Hartenberg tables, and turn these into joints at the reference configuration."""
 
 from __future__ import annotations
 
@@ -17,7 +17,15 @@ _X, _Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class DHRow:
-    """One row; the joint value adds to `theta` (R) or `d` (P). Angles in radians."""
+    """One row of a Denavit-Hartenberg table; the joint value adds to `theta` (R) or `d` (P).
+
+    `theta`, `alpha` in radians, `d`, `a` in the length unit; `limits` (low, high) is a range of the joint value. Raises
+    MechanismError for another type and numbers that are not finite.
+
+    >>> import math, symkin
+    >>> symkin.DHRow("q1", d=105.03, alpha=math.pi / 2).type
+    'R'
+    """
 
     name: str
     type: Literal["R", "P"] = "R"
@@ -37,8 +45,20 @@ class DHRow:
 
 @dataclass(frozen=True)
 class DHTable:
-    """standard: A = Rz(theta) Tz(d) Tx(a) Rx(alpha), joint i along z of frame i-1; modified (Craig): A = Rx(alpha)
-    Tx(a) Rz(theta) Tz(d), joint i along z of frame i, a and alpha of the link before it."""
+    """A Denavit-Hartenberg table: the tool's pose is the product of the rows' displacements A.
+
+    "standard": A = Rz(theta) Tz(d) Tx(a) Rx(alpha), joint i along z of frame i-1. "modified" (Craig): A = Rx(alpha) Tx(a)
+    Rz(theta) Tz(d), joint i along z of frame i, a and alpha of the link before it. `rows` hold at least one DHRow; raises
+    MechanismError otherwise, and for another convention. `symkin.serial_arm_from_dh` makes a Mechanism of it.
+
+    >>> import symkin
+    >>> rows = [symkin.DHRow("q1", a=120.0), symkin.DHRow("q2", a=80.0)]
+    >>> arm = symkin.serial_arm_from_dh("two_links", symkin.DHTable("standard", rows))
+    >>> [float(v) for v in arm.platform_position]
+    [200.0, 0.0, 0.0]
+
+    Sources: J. Denavit, R. S. Hartenberg, J. Applied Mechanics 22 (1955) 215; J. J. Craig, Introduction to Robotics, 1986.
+    """
 
     convention: Literal["standard", "modified"]
     rows: Sequence[DHRow]

@@ -1,4 +1,4 @@
-"""Reading mechanism files (contract 1, TOML, `format = 1`).
+"""Read mechanism files (TOML, `format = 1`).
 
 Every mistake becomes one line: file, key path, value, what is allowed.
 """
@@ -23,14 +23,25 @@ _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
 
 def shipped_names() -> list[str]:
-    """Names of the mechanisms that come with symkin."""
+    """Names of the mechanisms that come with symkin, which `load` takes.
+
+    >>> import symkin
+    >>> "zhao2000" in symkin.shipped_names()
+    True
+    """
     return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 
 def load(name_or_path: str | Path) -> Mechanism:
-    """A shipped mechanism by name, or a mechanism file by path (ending in .toml).
+    """Load a shipped mechanism by name, or a mechanism file by path (ending in .toml).
 
-    Raises InputError when there is no such mechanism, MechanismError for a file that is not right.
+    Raises InputError when there is no such mechanism, MechanismError for a file that is not right: one line with file, key path,
+    value and what is allowed.
+
+    >>> import symkin
+    >>> hexapod = symkin.load("zhang2009")
+    >>> len(hexapod.limbs), hexapod.length_unit
+    (6, 'mm')
     """
     text = str(name_or_path)
     if text in shipped_names():

@@ -1,4 +1,4 @@
-"""Joints of a limb at the reference configuration, and the coordinates that they carry."""
+"""Describe joints at the reference configuration, and the coordinates that they carry."""
 
 from __future__ import annotations
 
@@ -48,10 +48,12 @@ class Coordinate:
 
     @property
     def freedom(self) -> int:
+        """Count of independent ways in which it changes."""
         return 3 if self.kind == "quaternion" else 1
 
     @property
     def is_angular(self) -> bool:
+        """Whether it is a single angle, in radians."""
         return self.kind in ("angle", "turns")
 
 
@@ -59,9 +61,23 @@ class Coordinate:
 class Joint:
     """A joint by a point on it and its axis, in the base frame at the reference configuration.
 
-    R turns about `axis`, P slides along it, H turns and advances by `pitch` per turn (right-handed, coordinate =
-    angle), C turns and slides, U turns about `axis` and then about `axis2` carried along, S turns about `point`.
-    `zero` is the coordinate's value at the reference and `limits` its range (R, P, H only); angles are in radians.
+    R turns about `axis`, P slides along it, H turns and advances by `pitch` per turn (right-handed, coordinate = angle), C turns
+    and slides, U turns about `axis` and then about `axis2` carried along, S turns about `point`. The displacement of a
+    coordinate q is exp(S (q - zero)), S = (axis, point x axis + pitch axis / 2 pi) the joint's screw.
+
+    `point`, `axis`, `axis2`: 3 numbers each, directions are normalised; `pitch`: length a turn (H); `zero`: the coordinate's
+    value at the reference, `limits`: its range (low, high), both for R, P, H only; angles in radians, lengths in the length
+    unit. Raises MechanismError for a type, a number or a combination that means nothing, with what is allowed.
+
+    >>> import math, symkin
+    >>> motor = symkin.Joint("q1", "R", point=[0, 0, 100], axis=[0, 0, 2], actuated=True, limits=[-math.pi, math.pi])
+    >>> motor.axis, motor.freedom
+    ((0.0, 0.0, 1.0), 1)
+    >>> symkin.Joint("u", "U", [0, 0, 0], [0, 0, 1], [0, 0, 1])
+    Traceback (most recent call last):
+    symkin.errors.MechanismError: joint 'u': axis2 = [0.0, 0.0, 1.0] is parallel to axis; a U joint needs two directions
+
+    Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, section 3.2.
     """
 
     name: str
@@ -111,6 +127,7 @@ class Joint:
 
     @property
     def freedom(self) -> int:
+        """Count of the joint's degrees of freedom."""
         return FREEDOMS[self.type]
 
     @property
@@ -127,6 +144,7 @@ class Joint:
 
 
 def finite(value: float, where: str) -> float:
+    """Refuse what is not a finite number; -0 becomes 0."""
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -137,6 +155,7 @@ def finite(value: float, where: str) -> float:
 
 
 def vector3(value: Sequence[float], where: str) -> tuple[float, float, float]:
+    """Refuse what is not three finite numbers."""
     try:
         components = tuple(value)
     except TypeError:
@@ -148,6 +167,7 @@ def vector3(value: Sequence[float], where: str) -> tuple[float, float, float]:
 
 
 def unit3(value: Sequence[float], where: str) -> tuple[float, float, float]:
+    """Normalise a direction; one of length 1 to rounding keeps its digits."""
     x, y, z = vector3(value, where)
     length = math.hypot(x, y, z)
     if length < 1e-12:
@@ -158,6 +178,7 @@ def unit3(value: Sequence[float], where: str) -> tuple[float, float, float]:
 
 
 def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] | None:
+    """Refuse what is not two finite numbers, low < high."""
     if value is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""Limbs: chains of joints from base to platform, rods between spherical ends, and chains that end in rods."""
+"""Describe limbs: chains of joints from base to platform, rods between spherical ends, and chains that end in rods."""
 
 from __future__ import annotations
 
@@ -19,10 +19,19 @@ _SAME_POINT = 1e-9
 
 @dataclass(frozen=True)
 class RodLimb:
-    """An actuated rod between two joint centres: |t + R platform - base| = offset + value.
+    """An actuated rod between two joint centres: |t + R platform - base| = offset + value, (t, R) the platform's pose.
 
-    `base` is in the base frame, `platform` in the platform frame; the coordinate, named as the limb, is the length
-    beyond `offset`, and `limits` are a range of that value. SPS, UPS and SPU have the same closure.
+    `base` (3 numbers, base frame) and `platform` (3 numbers, platform frame) are the centres, in the length unit. The coordinate
+    `value`, named as the limb, is the length beyond `offset`; `limits` (low, high) are a range of that value. SPS, UPS and SPU
+    have the same closure: they differ in whether the rod can spin about itself. Raises MechanismError for numbers that are not
+    finite, an empty range and another type.
+
+    >>> import symkin
+    >>> leg = symkin.RodLimb("leg1", base=[0, -275, 0], platform=[-125, -216.5, 0], limits=[100, 400])
+    >>> leg.type, leg.base
+    ('SPS', (0.0, -275.0, 0.0))
+
+    Source: J.-P. Merlet, Parallel Robots, 2nd ed., 2006, section 3.1.
     """
 
     name: str
@@ -42,14 +51,25 @@ class RodLimb:
         object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
 
     def coordinate(self, reference: float) -> Coordinate:
+        """The rod's coordinate with its value at the reference configuration."""
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
         return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
 
 
 @dataclass(frozen=True)
 class Rod:
-    """A rigid rod with spherical ends from a point of a limb's last link (`start`, base frame at the reference) to
-    `platform` (platform frame); as long as it is at the reference, or `length`."""
+    """A rigid rod with spherical ends, |platform point - start point| = length, from a limb's last link to the platform.
+
+    `start` (3 numbers) is on the last link, in the base frame at the reference configuration; `platform` (3 numbers) in the
+    platform frame; `length` (length unit) is that at the reference where it is not given. Two of them make the parallelogram
+    of a delta. Raises MechanismError for numbers that are not finite and a length that is not positive.
+
+    >>> import symkin
+    >>> symkin.Rod(start=[300, 20, -80], platform=[60, 20, 0], length=600).length
+    600.0
+
+    Source: R. Clavel, Conception d'un robot parallele rapide a 4 degres de liberte, PhD thesis, EPFL, 1991.
+    """
 
     start: Sequence[float]
     platform: Sequence[float]
@@ -67,7 +87,20 @@ class Rod:
 
 @dataclass(frozen=True)
 class Limb:
-    """Joints in order from base to platform; or, with `rods`, from base to the last link that carries the rods."""
+    """Joints in order from base to platform; or, with `rods`, from base to the last link, which carries the rods.
+
+    With joint screws S1 ... Sn at the reference and the platform's reference pose M, the limb places the platform at
+    exp(S1 q1) ... exp(Sn qn) M. `joints` hold at least one Joint, `rods` any number of Rod. Raises MechanismError for a limb
+    without a joint, and for two spherical joints at one centre that nothing can part.
+
+    >>> import symkin
+    >>> z = [0, 0, 1]
+    >>> joints = [symkin.Joint("shoulder", "R", [0, 0, 0], z, actuated=True), symkin.Joint("elbow", "R", [120, 0, 0], z)]
+    >>> symkin.Limb("arm", joints).type
+    'RR'
+
+    Source: R. W. Brockett, Robotic manipulators and the product of exponentials formula, 1984.
+    """
 
     name: str
     joints: Sequence[Joint]
@@ -95,6 +128,7 @@ class Limb:
 
     @property
     def type(self) -> str:
+        """Letters of the joints from base to platform, and the count of rods: RUS, R+2SS."""
         return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")
 
 

@@ -1,4 +1,4 @@
-"""A mechanism: layout only, never state. Frozen, hashable, printable."""
+"""Describe a mechanism: its layout, never its state. Frozen, hashable, printable."""
 
 from __future__ import annotations
 
@@ -32,7 +32,15 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Example:
-    """A worked example, in the mechanism's own units: actuated joint values or a pose (x, y, z, qw, qx, qy, qz)."""
+    """A worked example of a mechanism, used where no input is given; in the mechanism's own units.
+
+    Either `joints` (actuated values in file order) or `pose` (x, y, z, qw, qx, qy, qz); `start` is where a solve begins: a pose
+    with `joints`, actuated values with `pose`. Whether they fit is checked by the Mechanism that holds them.
+
+    >>> import symkin
+    >>> symkin.load("zhang2009").example.joints[:3]
+    (144.6, 347.0, 110.3)
+    """
 
     joints: tuple[float, ...] | None = None
     pose: tuple[float, ...] | None = None
@@ -43,9 +51,17 @@ class Example:
 class Mechanism:
     """Limbs between a base and a platform, or a serial arm (`serial`: one limb, all joints actuated, platform = tool).
 
-    Limbs stand at the reference configuration, where the platform frame is at `platform_position` (length unit) and
-    `platform_quaternion` (w, x, y, z) of the base frame. `motion` restricts the platform's pose to a group of the base
-    frame's axes from there. Angles in joints are radians; `angle_unit` is what users read and write at the border.
+    Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
+    `platform_quaternion` (w, x, y, z) of the base frame. `motion` ("spatial", "schoenflies", "planar", "translation",
+    "spherical") restricts the platform's pose to a group of the base frame's axes from there. Angles in joints are radians;
+    `angle_unit` is what users read and write at the border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q,
+    passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
+
+    >>> import symkin
+    >>> legs = [symkin.RodLimb(f"leg{k}", [x, 0, 0], [u, 0, 0]) for k, (x, u) in enumerate([(-300, -100), (300, 100)])]
+    >>> bench = symkin.Mechanism("bench", legs, platform_position=[0, 0, 400])
+    >>> [c.name for c in bench.actuated], round(bench.characteristic_length, 3)
+    (['leg0', 'leg1'], 600.0)
     """
 
     name: str
@@ -82,6 +98,7 @@ class Mechanism:
 
     @property
     def reference_pose(self) -> Pose:
+        """Pose of the platform or tool at the reference configuration."""
         return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
 
     @property
@@ -117,12 +134,18 @@ class Mechanism:
         return placed if _ROUNDING * much < spread and _MUCH_LARGER * spread < much else described
 
     @cached_property
-    def size(self) -> float:
-        """Characteristic length: the largest distance between the joints' `places`, centres and rod ends at the reference;
-        where all of them coincide, that to the platform origin, or 1."""
+    def characteristic_length(self) -> float:
+        """The largest distance between the joints' `places`, centres and rod ends at the reference, by which angles become
+        lengths; where all of them coincide, that to the platform origin, or 1."""
         return self._spread(self.places) or 1.0
 
+    @property
+    def size(self) -> float:
+        """Short name of `characteristic_length`, as in messages and files."""
+        return self.characteristic_length
+
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
+        """The largest distance between points of joints and rod ends."""
         reference = self.reference_pose
         points = list(places.values())
         for limb in self.limbs:
@@ -161,7 +184,17 @@ class Mechanism:
 
 
 def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanism:
-    """The same arm as joints at zero joint values; the table stays as its parameters."""
+    """Make a serial arm from a DH table: its joints at zero joint values, with the table as its parameters.
+
+    `options` are those of `Mechanism`: title, source, length_unit, angle_unit, example. Raises MechanismError for a table or
+    options that cannot be. Source: Denavit and Hartenberg, Journal of Applied Mechanics 22, 1955.
+
+    >>> import symkin
+    >>> rows = [symkin.DHRow("q1", a=120.0), symkin.DHRow("q2", a=80.0)]
+    >>> arm = symkin.serial_arm_from_dh("two_links", symkin.DHTable("standard", rows), angle_unit="deg")
+    >>> symkin.solve(arm, joints=[0.0, 90.0]).solution.position.round(6).tolist()
+    [120.0, 80.0, 0.0]
+    """
     frames, tool = reference_frames(table.convention, [(r.theta, r.d, r.a, r.alpha) for r in table.rows])
     joints = [
         Joint(row.name, row.type, point=tuple(point), axis=tuple(axis), actuated=True, limits=row.limits)

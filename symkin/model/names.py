@@ -1,4 +1,4 @@
-"""Names of mechanisms, limbs and joints: their grammar, what other systems reserve, and identifiers made from them."""
+"""Check names of mechanisms, limbs and joints: their grammar, what other systems reserve; and make identifiers of them."""
 
 from __future__ import annotations
 

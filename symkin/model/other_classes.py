@@ -1,4 +1,4 @@
-"""Mechanisms that the file format does not describe yet, told by the keys with which a file asks for them."""
+"""Recognise mechanisms that the file format does not describe yet by the keys with which a file asks for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where on its axis the point of a joint belongs.
+"""Move the points of joints along their axes to where they belong.
 
 Any point of a joint's axis describes the same joint. A description by common normals puts points of nearly parallel axes
 wherever the axes come nearest: axes that are off parallel by 1e-4 rad meet hundreds of metres away. Such points are moved

@@ -1,4 +1,4 @@
-"""The mechanism file's shape (format 1), as pydantic models; meaning is checked by the model's own classes."""
+"""Validate the shape of a mechanism file (format 1) by pydantic models; the model's own classes check what it means."""
 
 from __future__ import annotations
 

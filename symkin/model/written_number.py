@@ -1,4 +1,4 @@
-"""Numbers that users write at the border: plain, or arithmetic as in mechanism files."""
+"""Read numbers that users write: plain, or arithmetic as in mechanism files."""
 
 from __future__ import annotations
 

@@ -6,7 +6,8 @@ values of a Jacobian whose generic rank is r, lengths in rows and columns alike 
     s_r / s_1 < 1e-15, or s_r < NO_MOTION   its entries are rounding: the condition is called infinite
     s_r / s_1 < RANK_TOLERANCE (1e-8)       the rank is less: rank, mobility, null spaces
     s_1 / s_r > SINGULAR_CONDITION (1e8)    the same number, said of a solution: half of its digits are lost
-    s_1 / s_r > SUSPECT_CONDITION (1e6)     a root that may be one of a continuum, or several in one: examined
+    s_r < SINGULAR_VALUE (1e-6)             a configuration at which a rank that generic ones have is lost: singularities, loci
+    s_1 / s_r > SUSPECT_CONDITION (1e6)     the same, said of a root or a start: it may be one of a continuum, or several in one
 """
 
 from __future__ import annotations
@@ -25,8 +26,14 @@ CLEAR_GAP = 1e3
 SINGULAR_CONDITION = 1e8
 """Condition above which a solution is called singular: 1 / RANK_TOLERANCE."""
 
+SINGULAR_VALUE = 1e-6
+"""Singular value (rows and columns in lengths, of unit length or over the largest) below which a rank is lost at a configuration
+that is judged beside generic ones. Where two solutions meet they are known to the root of a double's precision, and with them the
+singular value that vanishes there to about 1e-8: this is a hundred times that. RANK_TOLERANCE is for configurations that are
+known to full precision."""
+
 SUSPECT_CONDITION = 1e6
-"""Condition above which a root is examined for being one of a continuum, before it is called isolated."""
+"""Condition above which a root is examined for being one of a continuum, before it is called isolated: 1 / SINGULAR_VALUE."""
 
 NO_MOTION = 1e-13
 """Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and

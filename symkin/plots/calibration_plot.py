@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.errors import InputError
 from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
@@ -45,6 +46,14 @@ def png(figure: Figure) -> bytes:
     content = io.BytesIO()
     figure.savefig(content, dpi=_DPI, format="png")
     return content.getvalue()
+
+
+def figure_of_calibration(fit: Calibration, *, what: str = "parameters") -> Figure:
+    """The changes of the parameters, or with `what` = "residuals" the normalised residuals. Raises InputError."""
+    figures = {"parameters": parameter_figure, "residuals": residual_figure}
+    if what not in figures:
+        raise InputError(f"plot: what = {what!r} is unknown; allowed: {', '.join(figures)}")
+    return figures[what](fit)
 
 
 @drawing()
@@ -100,7 +109,9 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
 @drawing()
 def parameter_figure(fit: Calibration) -> Figure:
     """Changes from nominal with two standard deviations, and the changes over their standard deviations: two panels a unit."""
-    own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [p for p in fit.parameters if not p.held]
+    own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [
+        p for p in fit.parameters if not p.held
+    ]
     kinds = [k for k in ("length", "angle", "number") if any(p.kind == k for p in own)]
     shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
     rows = max(len(kept) for kept in shown.values())

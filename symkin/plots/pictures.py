@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from symkin.assembly.mode_list import Modes
+from symkin.calibration.judge.result import Calibration
 from symkin.errors import InputError
 from symkin.following.mode_graph import ModeGraph
 from symkin.following.track_result import Track
+from symkin.plots.calibration_plot import figure_of_calibration
 from symkin.plots.jacobian_plot import figure_of_jacobian
 from symkin.plots.loci_plot import figure_of_loci
 from symkin.plots.mode_graph_plot import figure_of_mode_graph
@@ -17,12 +19,14 @@ from symkin.plots.modes_plot import figure_of_modes, figure_of_solution, figure_
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.singularity_plot import figure_of_singularity
 from symkin.plots.sketch import figure_of_sketch
+from symkin.plots.sweep_plot import figure_of_sweep
 from symkin.plots.track_plot import figure_of_track
 from symkin.position.mobility import Mobility
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 from symkin.singularities.loci import Loci
 from symkin.singularities.singularity import Singularity
+from symkin.sweeps.run import Swept
 from symkin.velocity.jacobian import Jacobian
 
 if TYPE_CHECKING:
@@ -50,6 +54,7 @@ def figure_of(result: object, **_: Any) -> Figure:
     raise InputError(f"plot: a {type(result).__name__} has no picture")
 
 
+figure_of.register(Calibration, figure_of_calibration)
 figure_of.register(Jacobian, figure_of_jacobian)
 figure_of.register(Loci, figure_of_loci)
 figure_of.register(Mobility, lambda found: figure_of_sketch(found.closure.mechanism))
@@ -58,4 +63,5 @@ figure_of.register(Modes, figure_of_modes)
 figure_of.register(Singularity, figure_of_singularity)
 figure_of.register(Solution, figure_of_solution)
 figure_of.register(SolveResult, figure_of_solve)
+figure_of.register(Swept, figure_of_sweep)
 figure_of.register(Track, figure_of_track)

@@ -25,6 +25,7 @@ from symkin.spatial.rotation import conjugate, multiply
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import check_map_is_left, check_slices
+from symkin.sweeps.run import Swept
 from symkin.sweeps.store import read_attributes, require_zarr
 
 if TYPE_CHECKING:
@@ -63,24 +64,20 @@ class _Slice:
 
 
 def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None) -> None:
-    """Write the map of a sweep's folder to a picture, whose suffix is its format. `slices` gives values, in the mechanism's
-    units, at which dimensions of a grid are cut: the nearest grid values are taken.
-
-    Raises InputError for a folder that holds no sweep, a slice outside what is swept and a file that cannot be written.
-    """
-
+    """Write the map of a sweep's folder to a picture, whose suffix is its format, as `figure_of_sweep` draws it."""
     target = check_picture_path(path)
-    figure = figure_of_sweep(folder, slices or {})
-    write_picture(figure, target)
+    write_picture(figure_of_sweep(folder, slices=slices), target)
 
 
-def figure_of_sweep(folder: Path | str, slices: Mapping[str, float]) -> Figure:
-    """The map as a figure."""
+def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | None = None) -> Figure:
+    """The map of a sweep or of its folder. `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut:
+    the nearest grid values are taken. Raises InputError for a folder that holds no sweep and a slice outside what is swept."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    slices, folder = slices or {}, sweep.folder if isinstance(sweep, Swept) else Path(sweep)
     with interrupts_held():
-        attributes, data = _opened(Path(folder))
+        attributes, data = _opened(folder)
         sampled = attributes["sample"] is not None
         names = list(attributes["axes"])
         check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)

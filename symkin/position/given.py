@@ -13,7 +13,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.feasible_pose import PROJECTED, nearest_pose
+from symkin.position.feasible_pose import PROJECTED, nearest_pose, ties_poses
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
@@ -66,9 +66,12 @@ def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float
 
 
 def are_many(values: Any) -> bool:
-    """Whether values are those of several inputs: an array (n, numbers), or a sequence of sequences, mappings or poses."""
-    if values is None or isinstance(values, (Pose, str, Mapping)):
+    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences, mappings or poses, or a
+    mapping of names to columns."""
+    if values is None or isinstance(values, (Pose, str)):
         return False
+    if isinstance(values, Mapping):
+        return any(np.ndim(column) > 0 for column in values.values())
     if isinstance(values, np.ndarray):
         return values.ndim == 2
     return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
@@ -82,6 +85,7 @@ def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
         return [given_from(mechanism, joints, pose)]
     if pose is not None:
         return [_named_input(i, partial(_given_pose, mechanism, one)) for i, one in enumerate(pose)]
+    joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
         return [_named_input(i, partial(given_from, mechanism, one, None)) for i, one in enumerate(joints)]
@@ -183,26 +187,44 @@ def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
 
 def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, float]:
     """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles times the size)."""
-    reference = mechanism.reference_pose
-    delta = multiply(pose.quaternion, conjugate(reference.quaternion))
-    position, size = pose.position, mechanism.size
+    values, off = poses_coordinates(mechanism, np.asarray(pose.position)[:, None], np.asarray(pose.quaternion)[:, None])
+    return values[0], float(off[0])
+
+
+def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the motion nearest to each, and the
+    distances left (n,)."""
+    n = position.shape[1]
     if mechanism.motion == "spatial":
-        return np.concatenate([position, pose.quaternion]), 0.0
-    turn = 2.0 * math.atan2(delta[3], delta[0])
-    turn = math.remainder(turn, 2 * math.pi)
-    about_z = np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)])
-    tilt = float(np.linalg.norm(rotation_vector_from_quaternion(multiply(conjugate(about_z), delta))))
-    whole = float(np.linalg.norm(rotation_vector_from_quaternion(delta)))
-    away = np.abs(position - reference.position)
+        return np.concatenate([position, quaternion]).T, np.zeros(n)
+    reference, size = mechanism.reference_pose, mechanism.size
+    delta = multiply(quaternion, conjugate(reference.quaternion))
+    turn = 2.0 * np.arctan2(delta[3], delta[0])
+    turn = turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
+    about_z = np.stack([np.cos(0.5 * turn), np.zeros(n), np.zeros(n), np.sin(0.5 * turn)])
+    tilt = np.linalg.norm(rotation_vector_from_quaternion(multiply(conjugate(about_z), delta)), axis=0)
+    whole = np.linalg.norm(rotation_vector_from_quaternion(delta), axis=0)
+    away = np.abs(position - np.asarray(reference.position)[:, None])
     match mechanism.motion:
         case "schoenflies":
-            return np.array([*position, turn]), size * tilt
+            return np.stack([*position, turn], axis=1), size * tilt
         case "planar":
-            return np.array([position[0], position[1], turn]), max(size * tilt, float(away[2]))
+            return np.stack([position[0], position[1], turn], axis=1), np.maximum(size * tilt, away[2])
         case "translation":
-            return np.array(position), size * whole
+            return position.T.copy(), size * whole
         case _:
-            return np.array(pose.quaternion), float(np.max(away))
+            return quaternion.T.copy(), away.max(axis=0)
+
+
+def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4, n),
+    and how far those that are more than rounding lie off them, 0 for others."""
+    values, off = poses_coordinates(mechanism, position, quaternion)
+    off = np.where(off < _ON_MOTION * mechanism.size, 0.0, off)
+    if ties_poses(mechanism):
+        for i in np.flatnonzero(off == 0.0):
+            values[i], off[i], _ = _feasible(mechanism, values[i])
+    return values, off
 
 
 def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:

@@ -50,6 +50,11 @@ class Mobility(Result):
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
     reciprocal to them (rows, base origin). `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
     counts idle freedoms.
+
+    >>> import symkin
+    >>> found = symkin.mobility(symkin.load("zhao2000_links"))
+    >>> [limb.counts for limb in found.limbs], len(found.platform_constraints)
+    ([(1, 2), (1, 2), (1, 2), (0, 1)], 2)
     """
 
     closure: Closure

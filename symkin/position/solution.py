@@ -42,12 +42,17 @@ class PartialProof:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
-    """One configuration that closes all loops, in radians and the mechanism's length unit.
+    """One configuration that closes all loops: F(q, x, X, p) = 0 to within `residual`.
 
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
     closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
     the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
-    `certified`.
+    `certified`. `values` are in radians and the length unit, `joints` in the mechanism's units.
+
+    >>> import symkin
+    >>> found = symkin.solve(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2]).solution
+    >>> found.position.round(3).tolist(), round(found.joints["radial1"], 3)
+    ([4.946, 5.009, 104.964], 75.365)
     """
 
     mechanism: Mechanism

@@ -37,7 +37,16 @@ class Iterate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolveResult(Result):
-    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history."""
+    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history.
+
+    `status` is "ok", "max_iterations", "singular", "infeasible" or "nonfinite"; `smallest_residual` (length unit) is the closure
+    error that was left where there is no solution; `history` holds pose and residual of each iterate.
+
+    >>> import symkin
+    >>> found = symkin.solve(symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900], check=False)
+    >>> found.status, found.solution is None
+    ('infeasible', True)
+    """
 
     problem: Problem
     given: dict[str, list[float]]
@@ -88,8 +97,18 @@ class SolveResult(Result):
 
 
 class SolveError(SymkinError):
-    """A configuration that was not reached. `result` is the outcome of the solve (status, iterations, closure error left);
-    None where no solve was made, as for a Jacobian that is not defined at a singular configuration."""
+    """A configuration that was not reached, or a Jacobian that is not defined there.
+
+    `result` is the outcome of the solve (status, iterations, closure error left); None where no solve was made, as for a
+    Jacobian at a singular configuration.
+
+    >>> import symkin
+    >>> try:
+    ...     symkin.solve(symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900])
+    ... except symkin.SolveError as error:
+    ...     print(error.result.status)
+    infeasible
+    """
 
     def __init__(self, message: str, result: SolveResult | None = None) -> None:
         super().__init__(message)

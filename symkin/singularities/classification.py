@@ -24,7 +24,7 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
@@ -38,9 +38,6 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 from symkin.velocity.equations import variables_of
 
-TOLERANCE = 1e-6
-"""A configuration counts as singular when its distance is below this: a double root is known to 1e-8 only."""
-
 
 @without_float_warnings
 def singularity(
@@ -49,11 +46,13 @@ def singularity(
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     start: Joints | Pose | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = SINGULAR_VALUE,
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
 ) -> Singularity:
-    """Classify the configuration that `solve` reaches from the same arguments, or a Solution that is there already:
+    """Say which kind of singularity a configuration is, how near it is to one, and which motion or wrench shows it.
+
+    The configuration is the one that `solve` reaches from the same arguments, or a Solution that is there already:
 
         symkin.singularity(mechanism, joints=[...])
         symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
@@ -61,7 +60,13 @@ def singularity(
     `output` names what type 1 and type 2 are about, in place of the platform's position and orientation together: some of x, y, z
     (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame.
     At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
-    SolveError where no configuration is reached, InputError for values that do not fit.
+    SolveError where no configuration is reached, InputError for values that do not fit. Sources: Gosselin and Angeles 1990 (type 1
+    and 2); Zlatanov, Fenton and Benhabib 1995; Zlatanov, Bonev and Gosselin 2002 (constraint).
+
+    >>> import symkin
+    >>> found = symkin.singularity(symkin.load("gluon_6l3"), joints=[0, 0, 0, 0, 0, 0])
+    >>> found.kinds
+    ('type 1',)
     """
     wanted = make_output(output, point)
     if isinstance(mechanism, Solution):
@@ -77,7 +82,7 @@ def singularity(
 
 
 @without_float_warnings
-def classify(solution: Solution, tolerance: float = TOLERANCE, output: Output | None = None) -> Singularity:
+def classify(solution: Solution, tolerance: float = SINGULAR_VALUE, output: Output | None = None) -> Singularity:
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""
-_LOST_TANGENT = 1e-7
-"""A point has one tangent where of the rows' Jacobian one singular value, and no more, is below this times the largest."""
+_MOST_CORRECTIONS = 12
+"""Corrector steps at most; a step that is short enough needs three."""
 _REGULAR = 1e-4
 """Where the last singular value but one is below this times the largest, a zero is nearly a multiple one."""
 _LEAST_COSINE = 0.95
@@ -35,21 +36,10 @@ class Curve:
     closed: bool
 
 
-def correct(system: System, z: np.ndarray, most: int = 12) -> np.ndarray | None:
+def correct(system: System, z: np.ndarray) -> np.ndarray | None:
     """Gauss-Newton by least-norm steps to a zero of all rows; None where it is not reached."""
-    nothing = np.zeros(0)
-    previous = np.inf
-    for _ in range(most):
-        values, jacobian = system.linearise_one(z, nothing)
-        largest = float(np.max(np.abs(values), initial=0.0))
-        if not np.isfinite(largest) or not np.all(np.isfinite(jacobian)):
-            return None
-        if largest == 0.0 or (largest <= CORRECTED * system.size and largest >= 0.1 * previous):
-            return z
-        previous = largest
-        z = system.move(z[None], np.linalg.lstsq(jacobian, -values, rcond=1e-10)[0][None])[0]
-    values, _ = system.linearise_one(z, nothing)
-    return z if np.max(np.abs(values)) <= CORRECTED * system.size else None
+    found = system.polish_many(z[None], np.zeros(0), steps=_MOST_CORRECTIONS)
+    return found.points[0] if np.max(np.abs(found.rows), initial=0.0) <= CORRECTED * system.size else None
 
 
 def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
@@ -58,7 +48,7 @@ def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
     _, singular, right = np.linalg.svd(jacobian)
     padded = np.zeros(system.freedom)
     padded[: len(singular)] = singular
-    if padded[-1] > _LOST_TANGENT * padded[0] or padded[-2] <= _LOST_TANGENT * padded[0]:
+    if padded[-1] > RANK_TOLERANCE * padded[0] or padded[-2] <= RANK_TOLERANCE * padded[0]:
         return None
     return np.asarray(right[-1])
 

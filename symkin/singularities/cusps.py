@@ -10,13 +10,14 @@ as n d2F(w, w) changes its sign along the locus, so does q' (Whitney 1955; Zein,
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.curve import Curve, correct, is_regular, tangent
 from symkin.singularities.locus_system import LocusSystem
 
-_STILL = 1e-6
-"""A unit tangent whose part in the plane is below this is a motion with the inputs held, which has no cusp."""
 _LENGTHENINGS = 5
 """How often the bracket is made longer by a tenth: the curve is longer than its chord."""
 _MOST_STEPS = 60
@@ -28,7 +29,7 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
     if system.kind != "type 2" or system.plane.of_pose:
         return curve, np.zeros(0, dtype=int)
     uv = curve.tangents[:, system.uv_columns]
-    moves = np.linalg.norm(uv, axis=1) > _STILL
+    moves = np.linalg.norm(uv, axis=1) > SINGULAR_VALUE
     turns = [k for k in range(len(uv) - 1) if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0]
     found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _is_cusp(system, z)]
     if not found:
@@ -43,7 +44,7 @@ def _is_cusp(system: LocusSystem, z: np.ndarray) -> bool:
     """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
     regular: crossings of curves have no one tangent."""
     t = tangent(system.curve, z)
-    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= _STILL and is_regular(system.curve, z)
+    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= SINGULAR_VALUE and is_regular(system.curve, z)
 
 
 def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None:
@@ -51,30 +52,43 @@ def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None
     begin, ahead = curve.points[k], curve.tangents[k]
     along = ahead[system.uv_columns] - curve.tangents[k + 1][system.uv_columns]
 
-    def at(length: float) -> tuple[np.ndarray, float] | None:
+    def at(length: float) -> Reading | None:
         z = correct(system.curve, system.curve.move(begin[None], length * ahead[None])[0])
         t = None if z is None else tangent(system.curve, z)
         if z is None or t is None:
             return None
         return z, float((t if t @ ahead > 0 else -t)[system.uv_columns] @ along)
 
-    reach = _length_between(system, begin, curve.points[k + 1], ahead)
-    low, high = at(0.0), at(reach)
-    for _ in range(_LENGTHENINGS):
-        if low is None or high is None or low[1] * high[1] <= 0.0:
-            break
-        reach *= 1.1
-        high = at(reach)
-    if low is None or high is None or low[1] * high[1] > 0.0:
-        return None
-    ends, values = [0.0, reach], [low[1], high[1]]
-    z = low[0]
+    bracket = _bracket(at, _length_between(system, begin, curve.points[k + 1], ahead))
+    return None if bracket is None else _sign_change(at, *bracket)
+
+
+Reading = tuple[np.ndarray, float]
+"""A point of the curve and the velocity in the plane there, along a direction."""
+
+
+def _bracket(at: Callable[[float], Reading | None], reach: float) -> tuple[Reading, Reading, float] | None:
+    """The readings at 0 and at a length, about `reach`, between which the sign changes."""
+    low = at(0.0)
+    for k in range(_LENGTHENINGS + 1):
+        length = reach * 1.1**k
+        high = at(length)
+        if low is None or high is None:
+            return None
+        if low[1] * high[1] <= 0.0:
+            return low, high, length
+    return None
+
+
+def _sign_change(at: Callable[[float], Reading | None], low: Reading, high: Reading, length: float) -> np.ndarray:
+    """The point at which the reading vanishes, by secants and halvings in turn."""
+    ends, values, z = [0.0, length], [low[1], high[1]], low[0]
     for step in range(_MOST_STEPS):
         width = ends[1] - ends[0]
         secant = ends[0] - values[0] * width / (values[1] - values[0])
         middle = secant if step % 2 == 0 and ends[0] < secant < ends[1] else ends[0] + 0.5 * width
         found = at(middle)
-        if found is None or width <= 1e-15 * reach:
+        if found is None or width <= 1e-15 * length:
             break
         z, value = found
         if value == 0.0:

@@ -33,7 +33,13 @@ class Loci(Result):
 
     `ranges` are the window's sides in the mechanism's units. `starts` says how many random configurations there were and
     `seed` which; a closed curve that no start reaches is missed. `notes` say what the search cannot: that curves may be missing,
-    that a rank is lost all over the plane.
+    that a rank is lost all over the plane. `plot()` draws the window.
+
+    >>> import symkin
+    >>> here = symkin.solve(symkin.load("zhao2000")).solution
+    >>> found = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (1.0, 200.0)], starts=10)
+    >>> found.units, found.starts
+    (('deg', 'mm'), 10)
     """
 
     plane: Plane

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.singularities.curve import Curve, Window, correct, is_regular, trace
 from symkin.singularities.cusps import with_cusps
 from symkin.singularities.locus import SAME_PICTURE, is_one_place, picture_distance
@@ -16,8 +17,6 @@ from symkin.singularities.working_mode import same_mode
 
 _RADII = (0.1, 0.5, 3.0)
 """Random steps off the configuration, of the size: the same mode, its neighbours, anywhere."""
-_LOST_EVERYWHERE = 1e-9
-"""A smallest singular value of J below this is zero."""
 _CLOSED = 1e-8
 """A start is closed when no row exceeds this times the size; the curve's own correction follows."""
 _OTHER_VECTORS = 3
@@ -44,7 +43,7 @@ def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.rando
     if not len(closed):
         return Seeds([], [], 0, False)
     lifted, smallest = zip(*(system.lift(z) for z in closed), strict=True)
-    if float(np.median(smallest)) < _LOST_EVERYWHERE:
+    if float(np.median(smallest)) < RANK_TOLERANCE:
         return Seeds([], [], len(closed), True)
     begin, numbers = _lifted_starts(lifted)
     batch = levenberg_marquardt(system.curve, begin, np.zeros(0), max_iterations=60, tolerance=1e-10)

@@ -8,10 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.solution import Solution
-
-_PURE = 1e-6
-"""A part of a screw below this (moments over the size) counts as zero in naming it; double roots are known to 1e-8."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +29,7 @@ class NamedScrew:
     def of(kind: Literal["twist", "wrench"], vector: np.ndarray, length_unit: str, size: float) -> NamedScrew:
         """The same screw with unit length, its first component of weight positive."""
         s, s0 = vector[:3], vector[3:]
-        pure = float(np.linalg.norm(s)) <= _PURE * float(np.linalg.norm(s0)) / size
+        pure = float(np.linalg.norm(s)) <= SINGULAR_VALUE * float(np.linalg.norm(s0)) / size
         leading = s0 if pure else s
         unit = vector / np.linalg.norm(leading)
         sign = next((math.copysign(1.0, v) for v in (unit[3:] if pure else unit[:3]) if abs(v) > 1e-6), 1.0)
@@ -62,7 +60,7 @@ class NamedScrew:
         """rotation, translation, screw; force, couple, wrench."""
         if self.is_pure_moment:
             return "translation" if self.kind == "twist" else "couple"
-        if abs(self.pitch or 0.0) <= _PURE * self.size:
+        if abs(self.pitch or 0.0) <= SINGULAR_VALUE * self.size:
             return "rotation" if self.kind == "twist" else "force"
         return "screw" if self.kind == "twist" else "wrench"
 
@@ -110,9 +108,9 @@ def joint_rates(solution: Solution, rates: np.ndarray) -> dict[str, float]:
     mechanism = solution.mechanism
     scales = [mechanism.angle_out(1.0 / mechanism.size) if c.is_angular else 1.0 for c in mechanism.actuated]
     values = rates * np.array(scales)
-    largest = np.flatnonzero(np.abs(values) > (1 - _PURE) * np.abs(values).max())[0]
+    largest = np.flatnonzero(np.abs(values) > (1 - SINGULAR_VALUE) * np.abs(values).max())[0]
     values = values / values[largest]
-    return {c.name: float(v) for c, v in zip(mechanism.actuated, values, strict=True) if abs(v) > _PURE}
+    return {c.name: float(v) for c, v in zip(mechanism.actuated, values, strict=True) if abs(v) > SINGULAR_VALUE}
 
 
 def _triple(vector: np.ndarray, scale: float) -> str:

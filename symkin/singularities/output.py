@@ -19,13 +19,12 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
 from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.solution import pose_of
 from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated
 
 OUTPUT_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 """Velocity of the point and angular velocity, components in the base frame."""
-_MOVES = 1e-9
-"""Output components below this (of unit twists) do not move."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class OutputEquations:
     def moving(self, twists: np.ndarray) -> np.ndarray:
         """Of the span of twists (n, r) as many as move the output independently, orthonormal combinations of them."""
         left, singular, _ = np.linalg.svd(twists @ self.rows.T)
-        return np.asarray(left.T[: int(np.sum(singular > _MOVES))] @ twists)
+        return np.asarray(left.T[: int(np.sum(singular > RANK_TOLERANCE))] @ twists)
 
 
 def make_output(names: Sequence[str] | None, point: Sequence[float] | None) -> Output | None:
@@ -83,7 +82,7 @@ def output_equations(
     basis, triangle = np.linalg.qr(at_point)
     chosen = [OUTPUT_NAMES.index(name) for name in output.names]
     left, singular, right = np.linalg.svd(basis[chosen], full_matrices=True)
-    rank = int(np.sum(singular > _MOVES))
+    rank = int(np.sum(singular > RANK_TOLERANCE))
     if not rank:
         raise InputError(
             f"output = {', '.join(output.names)!r}: the {closure.mechanism.motion} motion of {closure.mechanism.name} never moves it"

@@ -20,9 +20,7 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.numeric.rank import Rank
-
-_LOST = 1e-6
-"""A singular value of J below this times the largest at a generic configuration is lost: double roots are known to about 1e-8."""
+from symkin.numeric.tolerances import SINGULAR_VALUE
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +78,7 @@ class RankLoss:
     def null_space(self, z: np.ndarray) -> np.ndarray:
         """The w (c, r) of singular values that are lost at a point of a locus; c = 1 where no more than one is."""
         vectors, singular = self.vectors(z)
-        return np.asarray(vectors[singular <= _LOST * self._scale])
+        return np.asarray(vectors[singular <= SINGULAR_VALUE * self._scale])
 
     def is_lost(self, z: np.ndarray) -> bool:
         """Whether J itself has less than its generic rank at a closed configuration."""
@@ -89,7 +87,7 @@ class RankLoss:
     def is_passive(self, points: np.ndarray, w: np.ndarray) -> bool:
         """Whether passive joints alone lose the rank at points of a locus with unit vectors w (rows)."""
         if not self.free_motions:
-            return float(np.abs(w[:, self.telling]).max(initial=0.0)) <= _LOST
+            return float(np.abs(w[:, self.telling]).max(initial=0.0)) <= SINGULAR_VALUE
         passive = [k for k in range(self.generic.shape[1]) if k not in self.telling]
         rank = Rank.of(self.generic[:, passive]).value
         return rank > 0 and all(self._loses_rank(np.asarray(self.kernel(z))[:, passive], rank) for z in points)
@@ -99,7 +97,7 @@ class RankLoss:
         return float(np.linalg.norm(self.generic, 2))
 
     def _loses_rank(self, matrix: np.ndarray, rank: int) -> bool:
-        return bool(np.linalg.svd(matrix, compute_uv=False)[rank - 1] <= _LOST * self._scale)
+        return bool(np.linalg.svd(matrix, compute_uv=False)[rank - 1] <= SINGULAR_VALUE * self._scale)
 
 
 def generic_matrix(jacobians: Sequence[np.ndarray], rows: list[int], columns: list[int]) -> np.ndarray:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.curve import CORRECTED, distance
 from symkin.singularities.locus_system import LocusSystem
 
@@ -20,8 +21,6 @@ _LEAST_DISTANCE = 0.5
 """Least distance of neighbours after the correction, of a step: an isolated configuration draws all of them together."""
 _MOST_DRIFT = 1e-5
 """Most that (u, v) may move in the correction, of the size: beyond, the motion belongs to another point of the plane."""
-_NULL = 1e-6
-"""Singular values below this times the largest belong to the null space; near a motion they are known to about 1e-8."""
 _ITERATIONS = 15
 """Gauss-Newton steps of the correction of all configurations together."""
 
@@ -47,7 +46,7 @@ def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
         z = _moved(closed, points[-1], length * direction)
         for _ in range(3):
             values, jacobian = closed.linearise_one(z, np.zeros(0))
-            step = np.linalg.lstsq(jacobian[:, :-2], -values, rcond=_NULL)[0]
+            step = np.linalg.lstsq(jacobian[:, :-2], -values, rcond=SINGULAR_VALUE)[0]
             z = _moved(closed, z, step * min(1.0, length / max(float(np.linalg.norm(step)), length)))
         basis = _null_space(closed, z)
         ahead = basis.T @ (basis @ direction)
@@ -64,7 +63,7 @@ def _moved(closed: System, z: np.ndarray, step: np.ndarray) -> np.ndarray:
 def _null_space(closed: System, z: np.ndarray) -> np.ndarray:
     """Orthonormal rows; the last one belongs to the smallest singular value, however large it is."""
     _, singular, right = np.linalg.svd(closed.linearise_one(z, np.zeros(0))[1][:, :-2])
-    rank = int(np.sum(singular > _NULL * singular[0])) if len(singular) else 0
+    rank = int(np.sum(singular > SINGULAR_VALUE * singular[0])) if len(singular) else 0
     return np.asarray(right[min(rank, len(right) - 1) :])
 
 
@@ -83,7 +82,7 @@ def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
         for k, jacobian in enumerate(jacobians):
             matrix[k * rows : (k + 1) * rows, k * freedom : (k + 1) * freedom] = jacobian[:, :-2]
             matrix[k * rows : (k + 1) * rows, -2:] = jacobian[:, -2:]
-        step = np.linalg.lstsq(matrix, -values.ravel(), rcond=_NULL)[0]
+        step = np.linalg.lstsq(matrix, -values.ravel(), rcond=SINGULAR_VALUE)[0]
         shared = np.tile(step[-2:], (count, 1))
         points = closed.move(points, np.hstack([step[:-2].reshape(count, freedom), shared]))
     return None

@@ -59,6 +59,11 @@ class Singularity(Result):
     bears without the actuated joints' help where an output is impossible; `inputs` the joint rates with the platform at
     rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do. Where an `output` is
     named, it stands for the twist in all of this: `equations` and `ranks` (here and `generic`) are those reduced to it.
+
+    >>> import symkin
+    >>> found = symkin.singularity(symkin.load("zhang2009"), pose=[0, 0, 300, 0.5**0.5, 0, 0, 0.5**0.5])
+    >>> found.kinds, found.conditions
+    (('type 2',), ('RO', 'II'))
     """
 
     solution: Solution

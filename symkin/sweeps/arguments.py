@@ -11,7 +11,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import require_mechanism
 from symkin.position.problem import build_problem
-from symkin.sweeps.pose_axes import pose_units
+from symkin.sweeps.pose_points import pose_units
 
 if TYPE_CHECKING:
     from symkin.sweeps.space import Space

@@ -30,7 +30,9 @@ def _codec() -> Any:
     return zstd.Zstd(level=COMPRESSION_LEVEL)
 
 
-def write_chunk(array: Path, place: tuple[int, ...], values: np.ndarray, shape: tuple[int, ...], fill: float) -> dict[Path, bytes]:
+def write_chunk(
+    array: Path, place: tuple[int, ...], values: np.ndarray, shape: tuple[int, ...], fill: float
+) -> dict[Path, bytes]:
     """Write the chunk of points at `place` of the array in a folder, `shape` that of its files; the files with their bytes. Files
     that would hold nothing but `fill` are left out, as Zarr leaves them out, and older ones are removed."""
     files = {array.joinpath("c", *map(str, key)): content for key, content in _encoded(place, values, shape, fill)}

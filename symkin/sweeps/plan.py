@@ -22,8 +22,12 @@ from symkin.sweeps.space import Blocks, Space
 
 FORMAT = 2
 """Number of this layout of a sweep's folder."""
-_LARGEST_CHUNK, _FEWEST_CHUNKS = 500, 32
+_LARGEST_CHUNK, _FEWEST_CHUNKS = 10_000, 16
 """A chunk has as many points as it may, unless a sweep would have less chunks than this."""
+_MODES_IN_CHUNK = 40_000
+"""Complex solutions of a chunk's points: a few seconds of work."""
+_SLOW_CHUNK = 500
+"""Points of a chunk where each is searched alone, or its modes are proved."""
 _MOST_CHUNK = 100_000
 
 
@@ -54,15 +58,18 @@ class Plan:
     def variables(self) -> tuple[Variable, ...]:
         return variables(self.quantity, self.certify, self.mechanism.length_unit)
 
-    def enumerator(self) -> ModeFinder:
+    def finder(self) -> ModeFinder:
         return make_finder(self.mechanism, self.kind, starts=self.starts, seed=self.space.seed, certify=self.certify)
 
-    def compute(self, enumerator: ModeFinder, index: int) -> dict[str, np.ndarray]:
+    def compute(self, finder: ModeFinder, index: int) -> dict[str, np.ndarray]:
         """The arrays of one chunk."""
-        found = enumerator.enumerate([self.space.given(point) for point in self.space.points(self.blocks[index])])
+        return self._arrays(finder, self.space.points(self.blocks[index]))
+
+    def _arrays(self, finder: ModeFinder, points: np.ndarray) -> dict[str, np.ndarray]:
+        found = finder.find_values(*self.space.known_values(points))
         return arrays_of(found, self.quantity, self.certify, self.mechanism)
 
-    def pinned(self, enumerator: ModeFinder) -> dict[str, Any]:
+    def pinned(self, finder: ModeFinder) -> dict[str, Any]:
         """What another sweep must share for its arrays to be equal."""
         return {
             "symkin_sweep": FORMAT,
@@ -77,15 +84,14 @@ class Plan:
             "starts": self.starts,
             "seed": self.space.seed,
             "chunk": self.chunk,
-            "engine": enumerator.engine,
-            "starts_sha256": enumerator.starts_digest,
-            "first_point_sha256": self._probe(enumerator),
+            "engine": finder.engine,
+            "starts_sha256": finder.starts_digest,
+            "first_point_sha256": self._probe(finder),
         }
 
-    def _probe(self, enumerator: ModeFinder) -> str:
+    def _probe(self, finder: ModeFinder) -> str:
         """Hash of the results at the first point: shows a machine that computes other last digits."""
-        first = self.space.points(self.blocks[0])[0]
-        arrays = arrays_of(enumerator.enumerate([self.space.given(first)]), self.quantity, self.certify, self.mechanism)
+        arrays = self._arrays(finder, self.space.points(self.blocks[0])[:1])
         return hashlib.sha256(b"".join(arrays[name].tobytes() for name in sorted(arrays))).hexdigest()
 
 
@@ -93,14 +99,22 @@ def make_plan(
     space: Space, *, quantity: str = "modes", certify: bool = False, starts: int = 2000, chunk: int | None = None
 ) -> Plan:
     """A checked plan. Raises InputError for options that do not fit."""
-    if chunk is None:
-        chunk = max(1, min(_LARGEST_CHUNK, -(-space.size // _FEWEST_CHUNKS)))
-    if not 1 <= chunk <= _MOST_CHUNK:
+    if chunk is not None and not 1 <= chunk <= _MOST_CHUNK:
         raise InputError(f"chunk = {chunk}; allowed: 1 to {_MOST_CHUNK} points")
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     variables(quantity, certify, space.mechanism.length_unit)
+    if chunk is None:
+        chunk = _usual_chunk(Plan(space, quantity, certify, starts, 1))
     return Plan(space, quantity, certify, starts, chunk)
+
+
+def _usual_chunk(plan: Plan) -> int:
+    """Points that are computed and written at a time where nobody says how many."""
+    finder = plan.finder()
+    bound = finder.bound if finder.plain.parts and not plan.certify else None
+    largest = _SLOW_CHUNK if bound is None else min(_LARGEST_CHUNK, max(_SLOW_CHUNK, _MODES_IN_CHUNK // max(bound, 1)))
+    return max(1, min(largest, -(-plan.space.size // _FEWEST_CHUNKS)))
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:

@@ -17,7 +17,7 @@ from symkin.assembly.mode_table import COMPLETENESS, ModeTable
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.singularities.classification import TOLERANCE
+from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
 
@@ -155,5 +155,5 @@ def _derived(found: ModeTable) -> dict[str, np.ndarray]:
 def _distances(found: ModeTable, mechanism: Mechanism) -> dict[str, np.ndarray]:
     """Of each mode; NaN for a kind that the mechanism cannot have."""
     closure, generic = build_closure(mechanism), generic_ranks(mechanism)
-    rows = [distances(closure, limbwise_equations(closure, values, TOLERANCE), generic) for values in found.values]
+    rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE), generic) for values in found.values]
     return {f"distance_type_{k}": np.array([row.get(f"type {k}", np.nan) for row in rows]) for k in (1, 2)}

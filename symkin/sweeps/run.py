@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
@@ -28,11 +29,11 @@ Progress = Callable[[int, int], None]
 """Called with the count of points that are done, and of all."""
 
 
-@dataclass(frozen=True)
-class Swept:
+@dataclass(frozen=True, repr=False)
+class Swept(Result):
     """A finished sweep: its folder, how many points and chunks it has, how many chunks this run computed, the most modes of
     any point, how many points have each count of real modes, and how many chunks of the folder were lost or damaged and are
-    computed again."""
+    computed again. `open()` gives the labelled arrays, `plot()` draws a map of them."""
 
     folder: Path
     points: int
@@ -48,14 +49,69 @@ class Swept:
 
         return xarray.open_zarr(self.folder)
 
-    def __str__(self) -> str:
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
+        """How many points have how many modes, what was computed, and the folder."""
         counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
         none = "" if self.most_modes else " (no point has a solution)"
         one = self.damaged == 1
         what = f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged and {'is' if one else 'are'}"
-        again = f"\n{what} computed again" if self.damaged else ""
-        return f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}{again}\n{self.folder}"
+        again = [f"{what} computed again"] if self.damaged else []
+        head = f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}"
+        return Summary([head, *again, str(self.folder)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The counts and the folder; the arrays are in the folder."""
+        return {
+            "folder": str(self.folder),
+            "points": self.points,
+            "chunks": self.chunks,
+            "computed": self.computed,
+            "most_modes": self.most_modes,
+            "points_by_count": {str(count): points for count, points in self.points_by_count.items()},
+            "damaged": self.damaged,
+        }
+
+
+class SweepOptions(TypedDict, total=False):
+    """What `sweep` takes beside the grid, its folder, `poses` and `at`; the values in brackets stand where nothing is given."""
+
+    random: int | None
+    """Points of a random sample, in place of a grid: `grid` then maps names to (least, largest). [a grid]"""
+    seed: int | None
+    """Seed of the sample and of random starts. [0]"""
+    quantity: str
+    """What is stored: "modes", "conditioning" or "reach". ["modes"]"""
+    certify: bool
+    """Whether each mode is proved. [False]"""
+    starts: int | None
+    """Random starts where paths do not decide. [2000]"""
+    chunk: int | None
+    """Points that are computed and written at a time. [as many as fill some seconds]"""
+    executor: Executor | None
+    """A `concurrent.futures` executor that computes, in place of local processes. [none]"""
+    workers: int | None
+    """Local processes; 0: this one. [one a processor]"""
+    dask: str | None
+    """Address of a Dask scheduler that computes. [none]"""
+    progress: Progress | None
+    """Called with the count of points that are done, and of all. [none]"""
+
+
+@dataclass(frozen=True)
+class _Options:
+    """The options of one call of `sweep`, with their defaults."""
+
+    random: int | None = None
+    seed: int | None = None
+    quantity: str = "modes"
+    certify: bool = False
+    starts: int | None = None
+    chunk: int | None = None
+    executor: Executor | None = None
+    workers: int | None = None
+    dask: str | None = None
+    progress: Progress | None = None
 
 
 def sweep(
@@ -65,28 +121,25 @@ def sweep(
     *,
     poses: bool = False,
     at: Joints | Pose | None = None,
-    random: int | None = None,
-    seed: int | None = None,
-    quantity: str = "modes",
-    certify: bool = False,
-    starts: int | None = None,
-    chunk: int | None = None,
-    executor: Executor | None = None,
-    workers: int | None = None,
-    dask: str | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[SweepOptions],
 ) -> Swept:
-    """Every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
+    """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
 
     `grid` maps actuated joints to rising values, with `poses` the coordinates of the platform's motion: x, y, z, gamma (about
     z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of `at`), in the mechanism's
-    units; with `random` = N points, to (least, largest). Poses of which the joints allow hardly any are refused. `at` gives what
-    is not swept. `quantity` is "modes", "conditioning" or "reach"; `certify` proves modes, at many times the cost; `seed`
-    (default 0) is that of the sample and of random starts, `starts` (default 2000) their number where paths do not decide. `chunk` points are computed
-    and written at a time, by `executor`, by the Dask scheduler at the address `dask`, or by `workers` local processes (0:
-    this one). The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit.
-    Raises InputError for what does not fit, options that would be ignored, another sweep in the folder, and a folder that
-    cannot be written.
+    units. Poses of which the joints allow hardly any are refused. `at` gives what is not swept: all actuated joints, in file
+    order or by name, or a pose. `options` are those of `SweepOptions`: random, seed, quantity, certify, starts, chunk, executor,
+    workers, dask, progress.
+
+    The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
+    what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs
+    `pip install 'symkin[sweep]'`.
+
+    >>> import symkin, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = symkin.sweep(symkin.load("zhao2000"), {"theta1": [80.0, 81.0]}, folder, workers=0)
+    >>> found.points, found.points_by_count
+    (2, {4: 2})
     """
     from symkin.assembly.search import DEFAULT_SEED
     from symkin.position.multistart import DEFAULT_STARTS
@@ -97,10 +150,14 @@ def sweep(
     from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
     from symkin.sweeps.work import Job
 
-    others = {"poses": poses, "certify": certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
+    chosen = _Options(**options)
+    executor, dask, progress = chosen.executor, chosen.dask, chosen.progress
+    others = {"poses": poses, "certify": chosen.certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
     check_types(mechanism, grid, directory, **others)
-    counts = {"random": random, "chunk": chunk, "workers": workers, "seed": seed, "starts": starts}
-    random, chunk, workers, seed, starts = (None if value is None else whole(value, name) for name, value in counts.items())
+    random, chunk, workers, seed, starts = (
+        None if value is None else whole(value, name)
+        for name, value in ((name, getattr(chosen, name)) for name in ("random", "chunk", "workers", "seed", "starts"))
+    )
     folder = Path(directory)
     require_zarr()
     read_attributes(folder)
@@ -109,11 +166,11 @@ def sweep(
     space = make_space(mechanism, grid, poses=poses, at=at, sample=random, seed=DEFAULT_SEED if seed is None else seed)
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
-    plan = make_plan(space, quantity=quantity, certify=certify, starts=count, chunk=chunk)
-    enumerator = plan.enumerator()
-    pinned = plan.pinned(enumerator)
+    plan = make_plan(space, quantity=chosen.quantity, certify=chosen.certify, starts=count, chunk=chunk)
+    finder = plan.finder()
+    pinned = plan.pinned(finder)
     with _crew(executor, workers, dask) as crew:
-        store = open_store(folder, plan, pinned, enumerator.bound)
+        store = open_store(folder, plan, pinned, finder.bound)
         with locked(folder):
             damaged = mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)

@@ -1,6 +1,6 @@
 """The points of a sweep: a grid, or a random sample of boxes, of actuated joints or of poses.
 
-Values are in the mechanism's units; poses are made as `pose_axes` says.
+Values are in the mechanism's units; poses are made as `pose_points` says.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.given import Joints, in_file_order, joint_values, pose_from
 from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
 from symkin.spatial.pose import Pose
-from symkin.sweeps.pose_axes import check_poses, pose_units
+from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
 
 Values = Sequence[float] | np.ndarray
 MOST_POINTS = 10**9
@@ -78,6 +78,18 @@ class Space:
             return {"joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]}
         return {"pose": pose_at(self.mechanism, self.base, swept)}
 
+    def known_values(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What `symkin.modes` is given at points (n, axes): known values (n, numbers) in the length unit and radians, and how far
+        a pose lies off those that the mechanism can take (n,)."""
+        swept = {axis.name: points[:, k] for k, axis in enumerate(self.axes)}
+        if self.poses:
+            return pose_values(self.mechanism, self.base, swept)
+        columns = []
+        for c, held in zip(self.mechanism.actuated, self.base, strict=True):
+            values = np.broadcast_to(swept.get(c.name, held), len(points))
+            columns.append(_angles_in(self.mechanism, values, whole_turns=c.kind == "angle") if c.is_angular else values)
+        return np.stack(columns, axis=1), np.zeros(len(points))
+
     def pinned(self) -> dict[str, Any]:
         """All that decides the points, for people and for comparison."""
         ways = {axis.name: str(axis) for axis in self.axes}
@@ -109,8 +121,19 @@ def make_space(
     if poses:
         check_poses(mechanism, space.base, {axis.name: axis.values for axis in axes})
     else:
-        joint_values(mechanism, space.given([float(axis.values[0]) for axis in axes])["joints"], "grid")
+        for end in (0, -1):
+            joint_values(mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid")
     return space
+
+
+def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -> np.ndarray:
+    """Angles (n,) in radians, those of more than a turn without `whole_turns` where these mean nothing."""
+    turn = mechanism.angle_out(2 * math.pi)
+    many = np.flatnonzero(np.abs(values) > turn)
+    if whole_turns and many.size:
+        values = values.copy()
+        values[many] = [math.remainder(value, turn) for value in values[many]]
+    return np.radians(values) if mechanism.angle_unit == "deg" else values
 
 
 def _units(mechanism: Mechanism, poses: bool) -> dict[str, str]:

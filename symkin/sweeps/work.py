@@ -33,15 +33,15 @@ class Job:
 def compute_chunk(job: bytes, index: int) -> dict[str, np.ndarray]:
     """The arrays of chunk `index` of a packed `Job`. Raises InputError in a process whose results would differ."""
     with _one_at_a_time:
-        plan, enumerator = _prepared(job)
-        return plan.compute(enumerator, index)
+        plan, finder = _prepared(job)
+        return plan.compute(finder, index)
 
 
 @lru_cache(maxsize=4)
 def _prepared(job: bytes) -> tuple[Plan, ModeFinder]:
     loaded: Job = pickle.loads(job)
-    enumerator = loaded.plan.enumerator()
-    reason = difference(loaded.pinned, loaded.plan.pinned(enumerator))
+    finder = loaded.plan.finder()
+    reason = difference(loaded.pinned, loaded.plan.pinned(finder))
     if reason is not None:
         raise InputError(f"a worker cannot go on with this sweep: {reason}")
-    return loaded.plan, enumerator
+    return loaded.plan, finder

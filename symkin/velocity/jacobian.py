@@ -43,7 +43,14 @@ class Jacobian(Result):
     Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and
     of `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints
     than freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints
-    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`.
+    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`. `at` evaluates the matrix, `function`
+    is a CasADi function, `plot(at=...)` draws the matrix at a configuration.
+
+    >>> import symkin
+    >>> platform = symkin.load("zhang2009")
+    >>> J = symkin.jacobian(platform, "inverse")
+    >>> J.at(symkin.solve(platform, pose=[10, 20, 300, 1, 0, 0, 0]).solution).shape
+    (6, 6)
     """
 
     equations: VelocityEquations
@@ -194,8 +201,16 @@ class Jacobian(Result):
 
 
 def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:
-    """A symbolic Jacobian of a mechanism: kind "direct", "inverse", "analytic" or "passive", as `Jacobian` says; with
-    `parameters` the geometry stays symbols. Raises InputError for a kind that is unknown or that the mechanism lacks."""
+    """Derive a symbolic Jacobian of a mechanism: kind "direct", "inverse", "analytic" or "passive", as `Jacobian` says.
+
+    From the differentiated closure A t + B q' + C x' = 0 the passive rates are eliminated, at any regular closed configuration.
+    With `parameters` the geometry stays symbols. Raises InputError for a kind that is unknown or that the mechanism lacks.
+
+    >>> import symkin
+    >>> J = symkin.jacobian(symkin.load("gluon_6l3"))
+    >>> J.shape, J.rows, J.columns
+    ((6, 6), ('vx', 'vy', 'vz', 'wx', 'wy', 'wz'), ('q1', 'q2', 'q3', 'q4', 'q5', 'q6'))
+    """
     require_mechanism(mechanism)
     if kind not in KINDS:
         raise InputError(f"kind = {kind!r} is unknown; allowed: {', '.join(KINDS)}")

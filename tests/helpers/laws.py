@@ -247,3 +247,10 @@ def refused_in_one_line(make, fragments):
     for fragment in fragments:
         assert fragment in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def assert_wrenches_do_no_work(found: Any) -> None:
+    """Every wrench of a singularity is reciprocal to every feasible twist: s_t . s0_w + s0_t . s_w = 0."""
+    for t in (twist.vector for twist in found.feasible_twists):
+        for w in (wrench.vector for wrench in found.wrenches):
+            assert abs(t[:3] @ w[3:] + t[3:] @ w[:3]) < 1e-9 * np.linalg.norm(t) * np.linalg.norm(w)

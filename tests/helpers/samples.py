@@ -290,3 +290,27 @@ def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0
         )
         limbs.append(Limb(f"limb{k}", [first, second, Joint(f"s{k}", "S", tuple(head))]))
     return Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
+
+
+def planar_pose(x: float, y: float, turn: float = 0.0) -> list[float]:
+    """A pose in the plane x, y, turned about z."""
+    return [x, y, 0.0, math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)]
+
+
+def hexagons(height: float = 120.0) -> Mechanism:
+    """A regular hexagon of 120 over a semi-regular one of 200: platform joints stand 20 degrees before and after base joints."""
+    base, platform = np.radians([10, 110, 130, 230, 250, 350]), np.radians([30, 90, 150, 210, 270, 330])
+    ring = [np.column_stack([r * np.cos(t), r * np.sin(t), np.zeros(6)]) for r, t in ((200, base), (120, platform))]
+    return hexapod([tuple(b) for b in ring[0]], [tuple(a) for a in ring[1]], height)
+
+
+GROUND, CRANK, COUPLER, ROCKER = 100.0, 70.0, 60.0, 50.0
+TOGGLE = math.acos((GROUND**2 + CRANK**2 - (COUPLER + ROCKER) ** 2) / (2 * GROUND * CRANK))
+"""The crank angle at which coupler and rocker are in line."""
+
+
+def rocker_angle(angle: float, branch: int) -> float:
+    """Angle of the rocker of a four-bar GROUND, CRANK, COUPLER, ROCKER, closed form."""
+    b = CRANK * np.array([math.cos(angle), math.sin(angle)])
+    c = circles(b, COUPLER, np.array([GROUND, 0.0]), ROCKER)[branch]
+    return math.atan2(c[1], c[0] - GROUND)

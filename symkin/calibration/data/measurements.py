@@ -59,7 +59,13 @@ class Measurements:
     starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured pose, else the reference
     labels                   names of the configurations for messages (default: 1, 2, ...)
 
-    Raises InputError for shapes, values or standard deviations that cannot be.
+    Lengths are in the mechanism's unit, angles in radians; NaN stands for what was not read. Raises InputError for shapes, values
+    or standard deviations that cannot be.
+
+    >>> import numpy as np, symkin
+    >>> readings = symkin.Measurements(np.zeros((2, 6)), position=np.array([[1.0, 2.0, 3.0], [1.0, 2.0, np.nan]]))
+    >>> len(readings), readings.labels
+    (2, ('1', '2'))
     """
 
     joints: np.ndarray

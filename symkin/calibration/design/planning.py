@@ -7,9 +7,9 @@ test poses of the workspace least, constant base and tool frames taken away ("al
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypedDict, Unpack
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.result import Result, Summary
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -60,8 +61,8 @@ class Accuracy:
     parameters: int
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Result):
     """Configurations in the order of their groups; `groups` (n,) numbers into `wedges` (G, 2), -1 without groups; predicted
     accuracy of the plan, and of as many random configurations in as many random groups; `observable` is the rank that these readings
     would reach at many configurations."""
@@ -75,6 +76,38 @@ class Plan:
     accuracy: Accuracy
     random: Accuracy
     observable: int
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """The joints of each configuration with its group, and the pose errors that are expected."""
+        m = self.mechanism
+        groups = ["" if g < 0 else str(g + 1) for g in self.groups.tolist()]
+        rows = [[str(k), g, *(f"{v:.6g}" for v in q)] for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)]
+        shown = rows[:most_rows]
+        left = [f"the first {len(shown)} of {len(rows)} configurations"] if len(shown) < len(rows) else []
+        accuracy = [
+            f"expected pose error: {accuracy_text(m, self.accuracy)}",
+            f"the same of random configurations: {accuracy_text(m, self.random)}",
+        ]
+        head = f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed {self.seed}"
+        return Summary([head], ["#", "group", *(c.name for c in m.actuated)], shown, [*left, *accuracy])
+
+    @property
+    def _joints(self) -> list[list[float]]:
+        """Joint values in the mechanism's units."""
+        m = self.mechanism
+        one = [m.angle_out(1.0) if c.is_angular else 1.0 for c in m.actuated]
+        return [[float(v) * unit for v, unit in zip(row, one, strict=True)] for row in self.configurations.joints]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan in the mechanism's units: joints of each configuration, groups from 0 (-1: none), wedges, expected errors."""
+        m = self.mechanism
+        return {
+            "mechanism": m.name, "length_unit": m.length_unit, "angle_unit": m.angle_unit, "joints": self._joints,
+            "groups": self.groups.tolist(), "wedges": [[m.angle_out(float(v)) for v in wedge] for wedge in self.wedges],
+            "criterion": self.criterion, "seed": self.seed, "rank": self.accuracy.rank, "parameters": self.accuracy.parameters,
+            "observable": self.observable, "position": self.accuracy.position, "angle": m.angle_out(self.accuracy.angle),
+            "random_position": self.random.position, "random_angle": m.angle_out(self.random.angle),
+        }  # fmt: skip
 
 
 def corner_wedges(tilt: float) -> np.ndarray:
@@ -129,14 +162,30 @@ class _Options:
             refuse_ignored({"wedges": self.wedges}, "there are no groups that stand on them", "ask for groups")
 
 
-def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, **options: Unpack[PlanOptions]) -> Plan:
-    """Choose `configurations` of a workspace to be measured, for the noise of the readings.
+def plan_measurements(
+    workspace: Workspace | Mechanism, configurations: int, noise: Noise | Mapping[str, float], **options: Unpack[PlanOptions]
+) -> Plan:
+    """Choose the configurations whose measurement identifies the geometry best, by exchange of random candidates.
 
-    With M = sum a^T a over the rows a of all readings, in standard deviations, C = M^-1 is the covariance of the parameters; the
-    configurations make a criterion of C least (Fedorov 1972; see `exchange_algorithm`). `options` are those of `PlanOptions`: groups,
-    readings, wedges, criterion, parameters, aligned, seed. Lengths are in the length unit, angles in radians.
+    `workspace` says where the platform may go: a Mechanism stands for 0.15 of its size and 20 degrees about its home. `noise`
+    holds standard deviations, those of a `Noise` by name: lengths, angles (of joints), group, inclination, position,
+    orientation (length unit, radians). `options` are those of `PlanOptions`: groups, readings, wedges, criterion, parameters,
+    aligned, seed. Of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
+    trace M^-1 least, I-optimality the mean variance of poses over the workspace least.
 
-    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry."""
+    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry. Source: Atkinson and Donev,
+    Optimum Experimental Designs, 1992.
+
+    >>> import symkin
+    >>> noise = {"angles": 1e-4, "position": 0.05}
+    >>> plan = symkin.plan_measurements(
+    ...     symkin.load("gluon_6l3"), 6, noise, groups=0, readings=["position"], parameters=["dh.1.d", "dh.2.a"]
+    ... )
+    >>> len(plan.groups), plan.accuracy.rank
+    (6, 2)
+    """
+    workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
+    noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     chosen = _Options(**options)
     chosen.check(configurations)
     task = _Task(workspace, configurations, noise, chosen)
@@ -150,6 +199,14 @@ def plan_measurements(workspace: Workspace, configurations: int, noise: Noise, *
         wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used], criterion=chosen.criterion, seed=chosen.seed,
         accuracy=task.accuracy(made, numbers), random=task.random_accuracy(), observable=task.directions.shape[1],
     )  # fmt: skip
+
+
+def _noise_by_name(values: Mapping[str, float]) -> Noise:
+    allowed = [f.name for f in fields(Noise)]
+    unknown = [name for name in values if name not in allowed]
+    if unknown:
+        raise InputError(f"noise: {', '.join(map(repr, unknown))} is unknown; allowed: {', '.join(allowed)}")
+    return Noise(**values)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, eq=False)

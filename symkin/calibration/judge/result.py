@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import ParameterKind, with_parameters
+from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.model.mechanism import Mechanism
+from symkin.position.solution import finite
+from symkin.result import Result, Summary
+
+_FRAME_WORD = "frame"
+"""Unobservable combinations with this word are frames: they move no pose against another."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +55,11 @@ class Residual:
     normalised: float | None
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """The result of a calibration. `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
-    outliers.
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Result):
+    """The result of a calibration: parameters, their standard deviations, residuals, and what they rest on.
+
+    `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without outliers.
 
     `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
     `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are configurations
@@ -58,7 +67,16 @@ class Calibration:
     without being named. `given_up` are the first outliers of a fit where so many readings do not belong that none was left
     out, `silent` configurations without any reading beside the joints, which are not used. All figures are those of the file
     with the `corrected` geometry, written and read back (see `assessment`); `refused` says why it must not be written, None
-    where nothing speaks against it.
+    where nothing speaks against it. `plot()` draws the changes of the parameters, `plot(what="residuals")` the residuals.
+
+    >>> import numpy as np, symkin
+    >>> arm = symkin.load("gluon_6l3")
+    >>> joints = np.radians(np.random.default_rng(1).uniform(-90.0, 90.0, (12, 6)))
+    >>> tips = [symkin.solve(arm, joints=np.degrees(q)).solution.position for q in joints]
+    >>> readings = symkin.Measurements(joints, position=np.array(tips) + [0.0, 0.0, 0.5], position_sigma=0.01)
+    >>> found = symkin.calibrate(arm, readings, parameters=["dh.1.d"])
+    >>> round(found.values["dh.1.d"] - 105.03, 3)
+    0.5
     """
 
     mechanism: Mechanism
@@ -109,20 +127,85 @@ class Calibration:
         whole = not self.unsolved and not self.given_up and self.refused is None
         return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
 
-    def __str__(self) -> str:
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Unobservable combinations that are frames: they move no pose against another."""
+        return tuple(text for text in self.identifiability.unobservable if _FRAME_WORD in text)
+
+    @property
+    def unobservable(self) -> tuple[str, ...]:
+        """The other unobservable combinations of parameters."""
+        return tuple(text for text in self.identifiability.unobservable if _FRAME_WORD not in text)
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """The fit in one line, the parameters in the mechanism's units, and the notes."""
         p = "" if self.p_value is None else f", probability {self.p_value:.3g}"
-        lines = [
+        head = (
             f"{self.mechanism.name}: {self.status} after {self.iterations} iterations ({self.method}), "
             f"{len(self.used)} of {len(self.measurements)} postures; rank {self.rank} of {len(self.problem.names)}; "
             f"chi-square {self.chi_square:.4g} with {self.degrees} degrees of freedom{p}"
-        ]
-        lines += [self._line(q) for q in self.parameters]
-        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+        )
+        rows = [self._row(q) for q in self.parameters]
+        shown = rows[:most_rows]
+        left = [f"{len(rows) - len(shown)} more parameters"] if len(shown) < len(rows) else []
+        header = ["parameter", "value", "sigma", "unit", "change"]
+        return Summary([head], header, shown, [*left, *(f"note: {note}" for note in self.notes)])
 
-    def _line(self, q: Parameter) -> str:
-        """One parameter in the mechanism's units."""
+    def _row(self, q: Parameter) -> list[str]:
+        one = value_out(self.mechanism, q, 1.0)
+        sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
+        return [q.name, f"{one * q.value:.9g}", sigma, unit_of(self.mechanism, q), f"{one * q.change:+.3g}"]
+
+    def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
+        """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without `residuals`; lengths in the
+        mechanism's unit, angles in its angle unit."""
         m = self.mechanism
-        one = m.angle_out(1.0) if q.kind == "angle" else 1.0
-        unit = {"length": m.length_unit, "angle": m.angle_unit, "number": ""}[q.kind]
-        sigma = "held" if q.held else "sigma unknown" if q.sigma is None else f"+- {one * q.sigma:.2g}"
-        return f"  {q.name:28s} {one * q.value:14.9g} {sigma:12s} {unit} (change {one * q.change:+.3g})"
+        return {
+            "mechanism": m.name, "length_unit": m.length_unit, "angle_unit": m.angle_unit, "believable": self.believable,
+            **self.figures(), **self.findings(), "notes": list(self.notes), "elapsed_s": self.elapsed_s,
+            "residuals": list(self.residual_rows()) if residuals else [],
+        }  # fmt: skip
+
+    def figures(self) -> dict[str, Any]:
+        """Status, postures and chi-square, as in `report.json`."""
+        labels = self.measurements.labels
+        return {
+            "status": self.status, "iterations": self.iterations, "method": self.method, "postures": len(self.measurements),
+            "used": len(self.used), "unsolved": [labels[k] for k in self.unsolved], "silent": [labels[k] for k in self.silent],
+            "changed_mode": [labels[k] for k in self.changed_mode],
+            "chi_square": finite(self.chi_square), "degrees": self.degrees, "p_value": finite(self.p_value),
+        }  # fmt: skip
+
+    def findings(self) -> dict[str, Any]:
+        """Rank, what is not observable, parameters and outliers, as in `report.json`."""
+        m, found = self.mechanism, self.identifiability
+        return {
+            "rank": found.rank, "parameters_in_all": len(found.names), "condition": finite(found.condition),
+            "base_set": list(found.base_set), "singular_values": found.singular_values.tolist(),
+            "frames": list(self.frames), "unobservable": list(self.unobservable), "advice": list(found.advice),
+            "parameters": [
+                {"name": q.name, "unit": unit_of(m, q) or "1", "nominal": value_out(m, q, q.nominal), "value": value_out(m, q, q.value),
+                 "sigma": None if q.sigma is None else value_out(m, q, q.sigma), "held": q.held}
+                for q in self.parameters
+            ],
+            "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in self.outliers],
+        }  # fmt: skip
+
+    def residual_rows(self) -> Iterator[dict[str, Any]]:
+        """The residuals in JSON, one by one."""
+        labels, out = self.measurements.labels, self.mechanism.angle_out
+        for r in self.residuals:
+            value = out(r.value) if r.kind in ANGULAR else r.value
+            yield {
+                "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": finite(r.normalised)
+            }  # fmt: skip
+
+
+def unit_of(mechanism: Mechanism, q: Parameter) -> str:
+    """The unit in which a parameter is written; none for numbers."""
+    return {"length": mechanism.length_unit, "angle": mechanism.angle_unit, "number": ""}[q.kind]
+
+
+def value_out(mechanism: Mechanism, q: Parameter, value: float) -> float:
+    """A value of a parameter's kind in the mechanism's unit."""
+    return mechanism.angle_out(value) if q.kind == "angle" else value

@@ -15,12 +15,12 @@
 #define @{P}_SHARED
 #endif
 
-/* What to say of refused input: that it is not finite, or `otherwise`. */
-static @{P}_COLD @{p}_status @{p}_verdict(const @{real} values[], int count, @{p}_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
+static @{P}_COLD @{p}_status @{p}_check_finite(const @{real} values[], int count, @{p}_status otherwise)
 {
     @{p}_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const @{real} none = values[i] - values[i];
+        const @{real} none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= @{zero})) {
             status = @{P}_NONFINITE;
         }

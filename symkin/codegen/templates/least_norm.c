@@ -2,6 +2,7 @@
 static void @{k}_solve(@{k}_work *w)
 {
     @{real} y[@{n}];
+    /* forward substitution with R transposed */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = w->f[c];
         for (int j = 0; j < c; ++j) {
@@ -9,6 +10,7 @@ static void @{k}_solve(@{k}_work *w)
         }
         y[c] *= w->r[@{n} * c + c];
     }
+    /* the step Q y */
     for (int i = 0; i < @{m}; ++i) {
         w->f[i] = @{zero};
         for (int c = 0; c < @{n}; ++c) {

@@ -2,6 +2,7 @@
 static void @{k}_solve(@{k}_work *w)
 {
     @{real} y[@{n}];
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = @{zero};
         for (int i = 0; i < @{m}; ++i) {
@@ -11,6 +12,7 @@ static void @{k}_solve(@{k}_work *w)
             w->f[i] -= y[c] * w->a[@{n} * i + c];
         }
     }
+    /* back substitution with R */
     for (int c = @{n} - 1; c >= 0; --c) {
 @{above}
         w->f[c] = y[c] * w->r[@{n} * c + c];

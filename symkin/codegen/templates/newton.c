@@ -7,27 +7,30 @@
  * answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
+    /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const @{real} tolerance2 = config->tolerance * config->tolerance;
     const @{real} longest2 = config->max_step * config->max_step;
     @{p}_status status = @{P}_MAX_ITERATIONS;
+    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     @{real} done = @{zero};
     @{real} aim = @{start_aim};
+    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
     @{real} size = @{zero};
     @{real} kappa2 = @{kappa2};
     @{real} limit;
     @{real} most = @{zero};
     @{real} contraction2 = @{contraction2};
     @{real} residual = @{huge};
-    int sign = 0;
+    int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
-    bool fresh = true;
-    bool was_fresh = false;
-    bool judging = false;
-    bool kept = false;
-    bool settling = false;
-    bool verify = false;
+    bool fresh = true; /* whether this step needs new factors */
+    bool was_fresh = false; /* whether the step before had new factors */
+    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool kept = false; /* whether the factors are those of the part that is done */
+    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
-    @{k}_target(@{ga}w, to@{part_of});
+    @{k}_set_target(@{ga}w, to@{part_of});
 @{save0}
     for (;;) {
         @{k}_rows(@{ga}w);
@@ -45,6 +48,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
         ++count;
         if (fresh) {
+            /* matrix and factors, and the sign of the determinant */
 @{at_done}
             int turn = @{first_factor};
 @{second_factor}
@@ -60,9 +64,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             }
             sign = turn;
         }
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
-        size = @{k}_move(@{ga}w);
+        size = @{k}_apply_step(@{ga}w);
         if (!judging) {
             limit = longest2;
         } else if (settling) {
@@ -73,6 +78,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
         if ((size <= limit) || (judging && (size <= @{floor2}))) {
             if (aim >= @{one}) {
+                /* accepted at the end of the line: predict the error, decide on new factors */
                 @{real} error2;
                 @{real} gain2;
                 if (judging) {
@@ -88,10 +94,12 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < @{chord2}));
                 judging = true;
             } else if (!judging) {
+                /* the first step towards a point of the line: the next one judges it */
                 judging = true;
                 was_fresh = fresh;
                 fresh = false;
             } else {
+                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const @{real} part = aim - done;
                 done = aim;
                 aim += (size * @{quick} <= before) ? (part + part) : part;
@@ -103,8 +111,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 fresh = true;
             }
         } else if (settling && !fresh) {
+            /* old factors converge too slowly */
             fresh = true;
         } else if (aim - done > @{least_part}) {
+            /* refused: back to the part that is done, and aim nearer */
             aim = done + @{shrink} * (aim - done);
 @{retreat}
             fresh = settling || !kept;
@@ -112,10 +122,11 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             judging = false;
             settling = false;
         } else {
+            /* parts have become too short: the line is not assured to be regular */
             status = @{P}_WRONG_BRANCH;
             break;
         }
     }
-    @{p}_tell(info, count, residual, size, w->spread);
+    @{p}_write_info(info, count, residual, size, w->spread);
     return status;
 }

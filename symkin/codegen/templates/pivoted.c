@@ -1,4 +1,4 @@
-/* The matrix into w->a, row by row: the fallback's start. */
+/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void @{k}_matrix(@{gp}@{k}_work *w)
 {
 @{use}
@@ -14,6 +14,7 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
     w->pivoted = true;
     w->spread = @{zero};
     for (int c = 0; c < @{n}; ++c) {
+        /* the largest entry of the column becomes the pivot */
         int best = c;
         @{real} largest = @{zero};
         for (int r = c; r < @{n}; ++r) {
@@ -39,6 +40,7 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
         if (w->a[@{n} * c + c] < @{zero}) {
             sign = -sign;
         }
+        /* reduce the rows below */
         const @{real} inverse = @{one} / w->a[@{n} * c + c];
         w->a[@{n} * c + c] = inverse;
         w->spread += (inverse * scale[c]) * (inverse * scale[c]);
@@ -56,6 +58,7 @@ static @{COLD} int @{k}_pivoted(@{gp}@{k}_work *w)
 /* The step from w->f into w->f with the factors of @{k}_pivoted. */
 static @{COLD} void @{k}_pivoted_solve(@{k}_work *w)
 {
+    /* forward substitution with the exchanges of rows */
     for (int c = 0; c < @{n}; ++c) {
         const int best = (int)w->order[c];
         const @{real} t = w->f[best];
@@ -65,6 +68,7 @@ static @{COLD} void @{k}_pivoted_solve(@{k}_work *w)
             w->f[r] -= w->a[@{n} * r + c] * t;
         }
     }
+    /* back substitution */
     for (int c = @{n} - 1; c >= 0; --c) {
         const @{real} t = w->f[c] * w->a[@{n} * c + c];
         w->f[c] = t;

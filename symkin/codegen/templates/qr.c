@@ -12,6 +12,7 @@ static int @{k}_factor(@{gp}@{k}_work *w)
     @{k}_matrix(@{ga}w);
     w->spread = @{zero};
     for (int c = 0; c < @{n}; ++c) {
+        /* the length of the column, its reciprocal on R's diagonal */
         @{real} squared = @{zero};
         for (int i = 0; i < @{m}; ++i) {
             squared += w->a[@{n} * i + c] * w->a[@{n} * i + c];

@@ -9,7 +9,7 @@ static int @{k}_factor(@{gp}@{k}_work *w)
     return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f. */
+/* The step from w->f into w->f: forward and back substitution. */
 static void @{k}_solve(@{k}_work *w)
 {
     if (w->pivoted) {

@@ -1,16 +1,17 @@
+/* Joint values of a pose, limb by limb. */
 @{p}_status @{p}_inverse(@{gp}const @{p}_pose *pose, @{real} joints[@{nq}])
 {
     @{real} c[@{nc}];
     @{real} q[@{nq}] = { @{zero} };
     @{real} passive[@{np}] = { @{zero} };
-    @{p}_status status = @{p}_coordinates(@{ga}pose, c);
+    @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = @{p}_limbs(@{ga}c, q, passive);
+        status = @{p}_solve_limbs(@{ga}c, q, passive);
         if (status != @{P}_OK) {
-            status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
+            status = @{p}_check_finite(c, @{nc}, @{P}_OUT_OF_RANGE);
         } else {
 @{within_middle}
-            status = @{p}_check(@{ga}q);
+            status = @{p}_check_limits(@{ga}q);
         }
         if (status == @{P}_OK) {
 @{copy_joints}
@@ -19,11 +20,12 @@
     return status;
 }
 
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
 @{p}_status @{p}_jacobian(@{gp}const @{p}_pose *pose, @{real} rates[@{nq} * 6])
 {
     @{real} c[@{nc}];
     @{real} jacobian[@{nq} * 6] = { @{zero} };
-    @{p}_status status = @{p}_coordinates(@{ga}pose, c);
+    @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
 @{rates}
         if (status == @{P}_OK) {
@@ -31,7 +33,7 @@
                 rates[i] = jacobian[i];
             }
         } else if (status != @{P}_SINGULAR) {
-            status = @{p}_verdict(c, @{nc}, @{P}_OUT_OF_RANGE);
+            status = @{p}_check_finite(c, @{nc}, @{P}_OUT_OF_RANGE);
         } else {
             /* singular */
         }

@@ -1,12 +1,12 @@
-"""README.md of a generated folder: how to use it and the equations that it solves, for the next engineer."""
+"""Write the README.md of a generated folder: how to use it, the equations that it solves, and what is proved of its answers."""
 
 from __future__ import annotations
 
-from symkin.codegen.closed import ClosedMechanism
 from symkin.codegen.latex import equations
+from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program
-from symkin.codegen.rods import RodPlatform
-from symkin.codegen.serial import SerialArm
+from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.serial_arm import SerialArm
 from symkin.text import markdown
 
 _RODS = r"""Platform point $A_i = p + R\,a_i$, base point $b_i$, rod vector $d_i = A_i - b_i$, rod length $L_i$ (offset + joint value):
@@ -101,7 +101,7 @@ the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was giv
 def _branch(program: Program) -> str:
     """The section on which answer is OK, as far as it holds for the kernel."""
     kernel, kind = program.main.kernel, program.kind
-    dead = isinstance(kind, ClosedMechanism) and kind.has_dead_centres
+    dead = isinstance(kind, LimbPlatform) and kind.has_dead_centres
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + (_DEAD_CENTRE if dead else "") + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
@@ -115,7 +115,7 @@ def readme(program: Program) -> str:
     if isinstance(program.kind, RodPlatform):
         kind = _RODS + (_RELATIVE if options.home_relative else "")
     else:
-        kind = _CLOSED if isinstance(program.kind, ClosedMechanism) else _SERIAL
+        kind = _CLOSED if isinstance(program.kind, LimbPlatform) else _SERIAL
     if isinstance(program.kind, SerialArm) and program.kind.is_redundant:
         kind += "\n" + _REDUNDANT
     closure = equations(mechanism)

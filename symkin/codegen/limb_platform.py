@@ -1,6 +1,6 @@
-"""C of parallel mechanisms of any limbs: pose and passive joints by Newton on the closure's rows, limbs one by one.
+"""Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by limb and all together.
 
-Once the pose is given the limbs decouple: each is solved from the reference configuration along the line of poses to the
+The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given the limbs decouple: each is solved from the reference configuration along the line of poses to the
 given one, so that it stays on the reference's branch. Rods are explicit.
 """
 
@@ -15,9 +15,9 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.emit import Real, indexed
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.geometry import Geometry
-from symkin.codegen.kernel import Kernel, system_kernel
+from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, configurations
 from symkin.errors import InputError
@@ -28,11 +28,15 @@ from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, build_problem
 
+_CHECKED = 5
+"""Configurations at which it is checked that a solver can work."""
+
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class LimbBlock:
     """A limb once the pose is given: `rod` is the explicit value of its only coordinate, else `kernel` solves it.
-    `sides` are -dF/d(twist) (rows x freedom of the pose), or d(rod)/d(twist)."""
+
+    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist)."""
 
     system: System
     kernel: Kernel | None
@@ -41,8 +45,8 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedMechanism:
-    """A parallel mechanism with its options: what the emitters read."""
+class LimbPlatform:
+    """A parallel mechanism with its options: what its C is written from."""
 
     mechanism: Mechanism
     options: Options
@@ -82,8 +86,8 @@ class ClosedMechanism:
 
     @cached_property
     def direct_kernel(self) -> Kernel:
-        system = self.geometry.system(self.direct)
-        return system_kernel("direct", system, system.known, [c.is_angular for c in self.actuated], None, self.geometry.symbols)
+        """The Newton iteration of the direct problem."""
+        return system_kernel("direct", self.geometry.system(self.direct), self.direct.known_coordinates, self.geometry.symbols)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:
@@ -101,39 +105,33 @@ class ClosedMechanism:
         return constant_rows(self.geometry.system(self.inverse))
 
     @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        pose, symbols = self.closure.role("pose"), self.geometry.symbols
-        made = []
-        for number, system in enumerate(split_blocks(self.geometry.system(self.inverse)), start=1):
-            size, rod, kernel = self.closure.size, None, None
-            if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
-                rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
-            else:
-                kernel = system_kernel(
-                    f"limb{number}", system, system.known, [c.is_angular for c in pose], _quaternion_place(pose), symbols
-                )
-            of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
-            scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
-            sides = ca.mtimes(of_pose.jacobian, scale)
-            sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
-            made.append(Block(system, kernel, rod, sides))
-        return tuple(made)
+    def blocks(self) -> tuple[LimbBlock, ...]:
+        """Limbs, each a system of its own once the pose is given."""
+        systems = split_blocks(self.geometry.system(self.inverse))
+        return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
+
+    def _block(self, number: int, system: System) -> LimbBlock:
+        pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.size
+        rod, kernel = None, None
+        if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
+            # the error of a rod is its length by the pose less its coordinate
+            rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
+        else:
+            kernel = system_kernel(f"limb{number}", system, pose, symbols)
+        of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
+        scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
+        sides = ca.mtimes(of_pose.jacobian, scale)
+        sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
+        return LimbBlock(system, kernel, rod, sides)
 
     def check(self) -> None:
         """Raises InputError where a generated solver could not work."""
         if not self.actuated:
             raise InputError(f"{self.name} has no actuated joint; nothing to generate")
-        found = mobility(self.mechanism)
-        if found.closed and found.direct_rank.value < found.rank.value:
-            more = found.rank.value - found.direct_rank.value
-            raise InputError(
-                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so that their values must agree "
-                "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
-                f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
-            )
+        self._check_independent_joints()
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
-        for sample in self.samples[:5]:
+        for sample in self.samples[:_CHECKED]:
             matrix = self.direct_kernel.matrix(sample.unknown, sample.known, self.geometry.values)
             singular = np.linalg.svd(matrix, compute_uv=False)
             if matrix.shape[0] < matrix.shape[1] or singular[-1] < 1e-9 * singular[0]:
@@ -144,12 +142,23 @@ class ClosedMechanism:
         for block in self.blocks:
             self._check_block(block)
 
-    def _check_block(self, block: Block) -> None:
+    def _check_independent_joints(self) -> None:
+        """Raises InputError where actuated joints are more than the freedoms that they move."""
+        found = mobility(self.mechanism)
+        if found.closed and found.direct_rank.value < found.rank.value:
+            more = found.rank.value - found.direct_rank.value
+            raise InputError(
+                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so that their values must agree "
+                "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
+                f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
+            )
+
+    def _check_block(self, block: LimbBlock) -> None:
         """Raises InputError where a pose leaves joints of a limb free."""
         if block.kernel is None:
             return
         known = self.inverse.known_coordinates
-        for sample in self.samples[:5]:
+        for sample in self.samples[:_CHECKED]:
             state, pose = (self.inverse.select_values(sample.values, c) for c in (block.system.unknowns, known))
             matrix = block.kernel.matrix(state, pose, self.geometry.values)
             if Rank.of(matrix).value < matrix.shape[1]:
@@ -165,46 +174,3 @@ def _angular(pose: Sequence[Coordinate]) -> list[bool]:
     for c in pose:
         flags += [c.kind != "length"] * c.freedom
     return flags
-
-
-def _quaternion_place(pose: Sequence[Coordinate]) -> int | None:
-    start = 0
-    for c in pose:
-        if c.kind == "quaternion":
-            return start
-        start += c.width
-    return None
-
-
-def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
-    """Statements: w->k on the line from w->at to `to`; unit quaternions along the shorter arc, with the
-    sign of the guess's."""
-    loop = f"for (int i = 0; i < {count}; ++i) {{"
-    lines = [loop, "    w->k[i] = to[i];", "}"]
-    at, to, k = (indexed(name, 4, quaternion or 0) for name in ("w->at", "to", "w->k"))
-    if quaternion is not None:
-        lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
-        lines += [*(f"    {v} = -{v};" for v in k), "}"]
-    lines += [
-        f"if (part < {real.literal(1.0)}) {{",
-        f"    {loop}",
-        "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
-        "    }",
-    ]
-    if quaternion is not None:
-        square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
-        lines += [f"    {v} *= inverse;" for v in k]
-    return [*lines, "}"]
-
-
-def ranges(coordinates: Sequence[Coordinate], real: Real, size: float) -> str:
-    """C condition: each joint value within its limits, rods not shorter than zero; at least finite."""
-    parts = []
-    for i, c in enumerate(coordinates):
-        slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
-        low, high = c.limits or ((-1e3, 1e3) if c.is_angular else (-1e3 * size, 1e3 * size))
-        if c.least is not None:
-            low = max(low, c.least + 1e-6 * size)
-        parts.append(f"(joints[{i}] >= {real.literal(low - slack)}) && (joints[{i}] <= {real.literal(high + slack)})")
-    return "\n        && ".join(parts)

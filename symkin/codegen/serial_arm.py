@@ -1,4 +1,4 @@
-"""C of serial arms: explicit direct problem and Jacobian with sin and cos of libm, inverse by Newton from a guess.
+"""Write the C of serial arms: explicit direct problem and Jacobian with sin and cos of libm, inverse by Newton from a guess.
 
 The inverse problem walks from the guess's tool pose to the given one: positions along a line, orientations along the
 shorter arc.
@@ -13,13 +13,12 @@ import numpy as np
 
 from symkin.caching import cached_property
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.closed import line_target, ranges
-from symkin.codegen.emit import Emitter, Real, indent, indexed
-from symkin.codegen.factor import curvature
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
 from symkin.codegen.geometry import Geometry
-from symkin.codegen.kernel import Kernel, system_kernel
+from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
+from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.options import Options
-from symkin.codegen.source import KernelSource, common_values, copy, fill, kernel_source
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -29,7 +28,7 @@ from symkin.spatial.rotation import conjugate, multiply
 
 @dataclass(frozen=True, eq=False)
 class SerialArm:
-    """A serial arm with its options: what the emitters read."""
+    """A serial arm with its options: what its C is written from."""
 
     mechanism: Mechanism
     options: Options
@@ -93,8 +92,8 @@ class SerialArm:
 
     @cached_property
     def kernel(self) -> Kernel:
-        system = self.geometry.system(self.inverse)
-        return system_kernel("inverse", system, system.known, (False,) * 7, 3, self.geometry.symbols)
+        """The Newton iteration of the inverse problem."""
+        return system_kernel("inverse", self.geometry.system(self.inverse), self.inverse.known_coordinates, self.geometry.symbols)
 
     @cached_property
     def samples(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -142,32 +141,65 @@ def _middle(c: Coordinate, size: float, part: float) -> float:
     return round(middle + spread * part, 6)
 
 
-def serial_source(arm: SerialArm) -> tuple[str, KernelSource, dict[str, object]]:
-    """Everything of NAME.c between its beginning and end, the inverse kernel, and the values that templates need."""
-    arm.check()
-    real, name, kernel = arm.real, arm.name, arm.kernel
-    nq, geometry = len(arm.actuated), arm.geometry
-    values = common_values(name, real, geometry.at_run_time) | {
-        "nq": nq, "ns": nq, "meaning": _meaning(arm), "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201), "nj": 6 * nq,
-    }  # fmt: skip
-    matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
-    regular = [k for k, m in enumerate(matrices) if np.linalg.cond(m) < 1e6]
-    states, poses = [arm.samples[k][0] for k in regular], [arm.samples[k][1] for k in regular]
-    kappa = curvature(kernel, states, poses, geometry.values)
-    source = kernel_source(kernel, name, real, geometry.names, matrices, line_target(real, 7, 3), kappa)
-    symbols = [arm.joints, geometry.symbols]
-    forward = Emitter(ca.Function("f", symbols, [ca.densify(arm.pose)], {"cse": True}), [indexed("q", nq), geometry.names], real)
-    texts = [forward.value(0, i) for i in range(7)]
-    body = [*forward.lines, *(f"x[{i}] = {text};" for i, text in enumerate(texts))]
-    matrix = Emitter(
-        ca.Function("j", symbols, [ca.densify(arm.jacobian)], {"cse": True}), [indexed("joints", nq), geometry.names], real
-    )
-    entries = [f"jacobian[{nq * i + j}] = {matrix.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
-    text = fill("unit.c", values)
-    text += fill("joints.c", values | {"positive": "", "ranges": ranges(arm.actuated, real, arm.mechanism.size)})
-    text += fill("forward.c", values | {"forward": indent(body)})
-    text += source.text + fill("serial.c", values | {
-        "jacobian": indent([*matrix.lines, *entries], 2), "to_x": indent(copy("w.x", "guess", nq), 2),
-        "out": indent(copy("joints", "w.x", nq), 3),
-    })  # fmt: skip
-    return text, source, values
+@dataclass(frozen=True, eq=False)
+class ArmSource:
+    """The C of one arm, function by function."""
+
+    arm: SerialArm
+
+    @cached_property
+    def code(self) -> NewtonCode:
+        """The Newton iteration of the inverse problem; kappa is taken where the matrix is regular."""
+        arm, kernel, geometry = self.arm, self.arm.kernel, self.arm.geometry
+        matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
+        regular = [sample for sample, m in zip(arm.samples, matrices, strict=True) if np.linalg.cond(m) < 1e6]
+        return NewtonCode(
+            kernel=kernel,
+            name=arm.name,
+            real=arm.real,
+            geometry=geometry.names,
+            matrices=matrices,
+            kappa=curvature(kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values),
+            target_lines=line_target(arm.real, 7, 3),
+        )
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Values of the names in the templates of this kind, the tests and the header."""
+        nq = len(self.arm.actuated)
+        common = common_values(self.arm.name, self.arm.real, struct=self.arm.geometry.at_run_time)
+        return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm)}
+
+    @property
+    def text(self) -> str:
+        """Everything of NAME.c between its beginning and end."""
+        arm, values, nq = self.arm, self.values, len(self.arm.actuated)
+        ranges = condition_within_limits(arm.actuated, arm.real, arm.mechanism.size)
+        functions = fill("serial_functions.c", values | {
+            "jacobian": indent(self._jacobian_lines, 2), "to_x": indent(copy("w.x", "guess", nq), 2),
+            "out": indent(copy("joints", "w.x", nq), 3),
+        })  # fmt: skip
+        return "".join([
+            fill("pose_and_info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
+            fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
+        ])  # fmt: skip
+
+    def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
+        """Emitter of a dense function of the joints, whose C name is given."""
+        arm = self.arm
+        function = ca.Function("f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True})
+        return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
+
+    @property
+    def _forward_lines(self) -> list[str]:
+        """Statements of the tool's pose."""
+        emitter = self._emitter(self.arm.pose, "q")
+        stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
+        return [*emitter.lines, *stores]
+
+    @property
+    def _jacobian_lines(self) -> list[str]:
+        """Statements of the Jacobian, row by row."""
+        emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
+        stores = [f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
+        return [*emitter.lines, *stores]

@@ -1,4 +1,4 @@
-"""Coordinates of poses that can be swept: those of the platform's motion, with the meaning of `position.varied_pose`."""
+"""Poses of a sweep: which of their coordinates can be swept, and the values of many at once (see `position.varied_pose`)."""
 
 from __future__ import annotations
 
@@ -9,15 +9,32 @@ import numpy as np
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import given_from
+from symkin.position.given import feasible_poses, given_from
 from symkin.position.pose_conditions import condition_sentence, poses_vary
-from symkin.position.varied_pose import POSE_AXES, pose_at
+from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
+from symkin.spatial.rotation import multiply, quaternion_from_axis_angle, quaternion_from_rotation_vector
 
 
 def pose_units(mechanism: Mechanism) -> dict[str, str]:
     """Names that can be swept, with their units."""
     return {n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit for n in POSE_AXES[mechanism.motion]}
+
+
+def pose_values(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) of the poses `base` (x, y, z, qw, qx, qy, qz) with varied coordinates (n,) in the mechanism's
+    units, and how far each lies off those that the mechanism can take (length unit), 0 where it is one."""
+    n = len(next(iter(varied.values())))
+    position = np.stack([np.broadcast_to(varied.get(name, value), n) for name, value in zip("xyz", base[:3], strict=True)])
+    quaternion = np.asarray(base[3:], dtype=float)[:, None]
+    if "gamma" in varied:
+        about_z = quaternion_from_axis_angle((0.0, 0.0, 1.0), varied["gamma"] * mechanism.angle_in(1.0))
+        quaternion = multiply(about_z, np.asarray(mechanism.reference_pose.quaternion)[:, None])
+    if set(TURNS) & set(varied):
+        turn = np.stack([varied.get(name, np.zeros(n)) * mechanism.angle_in(1.0) for name in TURNS])
+        quaternion = multiply(quaternion_from_rotation_vector(turn), quaternion)
+    quaternion = np.broadcast_to(quaternion / np.linalg.norm(quaternion, axis=0), (4, n))
+    return feasible_poses(mechanism, position, quaternion)
 
 
 def check_poses(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:

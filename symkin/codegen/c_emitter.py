@@ -1,8 +1,8 @@
-"""Scalar CasADi functions as straight-line, single-assignment C.
+"""Write CasADi functions as straight-line, single-assignment C.
 
-The SX graph is walked instruction by instruction. Constants are snapped and printed with the suffix of their type,
-divisions by constants and repeated divisions by one value become multiplications by a reciprocal, and text is made
-only for what is asked for, in the order in which it is asked for, so that few values live at a time.
+Constants are snapped and printed with the suffix of their type, divisions by constants and repeated divisions by one value
+become multiplications by a reciprocal, and text is made only for what is asked for, in the order in which it is asked for, so
+that few values live at a time.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.caching import cached_property
-from symkin.closure.graph import instructions
+from symkin.closure.graph import walk
 from symkin.closure.snapping import snap
 
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
@@ -70,10 +70,38 @@ class _Node:
 
 
 @dataclass
+class _Graph:
+    """Evaluator that lists the values of a function; `divisors` counts how often each is divided by."""
+
+    nodes: list[_Node] = field(default_factory=list)
+    outputs: dict[tuple[int, int], int] = field(default_factory=dict)
+    divisors: Counter[int] = field(default_factory=Counter)
+
+    def input(self, number: int, nonzero: int) -> int:
+        return self._add(_Node(ca.OP_INPUT, source=(number, nonzero)))
+
+    def constant(self, number: float) -> int:
+        return self._add(_Node(ca.OP_CONST, constant=snap(number)))
+
+    def operation(self, op: int, operands: list[int]) -> int:
+        if op in (ca.OP_DIV, ca.OP_INV):
+            self.divisors[operands[-1]] += 1
+        return self._add(_Node(op, tuple(operands)))
+
+    def output(self, number: int, nonzero: int, value: int) -> None:
+        self.outputs[number, nonzero] = value
+
+    def _add(self, node: _Node) -> int:
+        self.nodes.append(node)
+        return len(self.nodes) - 1
+
+
+@dataclass
 class Emitter:
     """C text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and names it.
 
-    `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries.
+    `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries. `operations` counts what a
+    controller will spend.
     """
 
     function: ca.Function
@@ -84,36 +112,17 @@ class Emitter:
     operations: Counter[str] = field(default_factory=Counter)
     _text: dict[int, str] = field(default_factory=dict)
     _inverse: dict[int, str] = field(default_factory=dict)
+    _comments: int = 0
 
     @cached_property
-    def _graph(self) -> tuple[list[_Node], dict[tuple[int, int], int], Counter[int]]:
-        f = self.function
-        nodes: list[_Node] = []
-        slots: dict[int, int] = {}
-        outputs: dict[tuple[int, int], int] = {}
-        divisors: Counter[int] = Counter()
-        for op, i, o, constant in instructions(f):
-            if op == ca.OP_OUTPUT:
-                outputs[o[0], o[1]] = slots[i[0]]
-                continue
-            node = _Node(op)
-            if op == ca.OP_INPUT:
-                node.source = (i[0], i[1])
-            elif op == ca.OP_CONST:
-                node.constant = snap(constant)
-            else:
-                node.reads = tuple(slots[n] for n in i)
-            if op == ca.OP_DIV:
-                divisors[node.reads[1]] += 1
-            if op == ca.OP_INV:
-                divisors[node.reads[0]] += 1
-            nodes.append(node)
-            slots[o[0]] = len(nodes) - 1
-        return nodes, outputs, divisors
+    def _graph(self) -> _Graph:
+        graph = _Graph()
+        walk(self.function, graph)
+        return graph
 
     def value(self, output: int, nonzero: int) -> str:
-        """Statements up to one output nonzero, and its C text."""
-        nodes, outputs, _ = self._graph
+        """Make the statements up to one output nonzero; its C text, 0 where the function has no such nonzero."""
+        nodes, outputs = self._graph.nodes, self._graph.outputs
         if (output, nonzero) not in outputs:
             return self.real.literal(0.0)
         wanted, stack = set(), [outputs[output, nonzero]]
@@ -126,8 +135,25 @@ class Emitter:
             self._text[k] = self._statement(nodes[k])
         return self._text[outputs[output, nonzero]]
 
+    def entry(self, row: int, column: int) -> str:
+        """Make the statements up to one entry of the first output; its C text."""
+        nonzero = self._places.get((row, column))
+        return self.real.literal(0.0) if nonzero is None else self.value(0, nonzero)
+
+    @cached_property
+    def _places(self) -> dict[tuple[int, int], int]:
+        """Nonzero number of each structural entry of the first output."""
+        triplets = zip(*self.function.sparsity_out(0).get_triplet(), strict=True)
+        return {place: k for k, place in enumerate(triplets)}
+
+    def comment(self, text: str) -> None:
+        """Add a line of comment; names of temporaries do not count it."""
+        self.lines.append(f"/* {text} */")
+        self._comments += 1
+
     def assign(self, text: str) -> str:
-        name = f"{self.prefix}{len(self.lines)}"
+        """Add a statement that names a value; its name."""
+        name = f"{self.prefix}{len(self.lines) - self._comments}"
         self.lines.append(f"const {self.real.type} {name} = {text};")
         return name
 
@@ -164,8 +190,8 @@ class Emitter:
         raise NotImplementedError(f"CasADi operation {node.op} has no C form here")
 
     def _quotient(self, node: _Node, a: Sequence[str]) -> str:
-        nodes, _, divisors = self._graph
-        below = nodes[node.reads[1]]
+        divisors = self._graph.divisors
+        below = self._graph.nodes[node.reads[1]]
         if below.op == ca.OP_CONST:
             self.operations["multiplications"] += 1
             return f"{a[0]} * {self.real.literal(1.0 / below.constant)}"
@@ -183,9 +209,10 @@ class Emitter:
 
 
 def indexed(name: str, count: int, first: int = 0) -> list[str]:
-    """C text of consecutive array elements."""
+    """Name consecutive array elements in C."""
     return [f"{name}[{k}]" for k in range(first, first + count)]
 
 
 def indent(lines: Sequence[str], depth: int = 1) -> str:
+    """Join lines, indented by four spaces a level."""
     return "\n".join("    " * depth + line if line else "" for line in lines)

@@ -1,4 +1,4 @@
-"""Expressions as a reader would write them: signs and factors drawn out of products, constants of nested sums added, and
+"""Simplify expressions to what a reader would write: signs and factors drawn out of products, constants of nested sums added, and
 c h + (1 - c) h, which turns about an axis leave of what lies along it, as h.
 
 Each rule is an identity, applied once to each step of the graph, from the inputs to the results.

@@ -1,8 +1,6 @@
-"""What one Newton iteration of generated code computes, as CasADi expressions.
+"""State the Newton iteration of a platform on six rods: no trigonometry, constant moments, few operations.
 
-A kernel solves rows(state; known) = 0. Its linear system is J step = rows with J = -d rows/d step, and `moved` puts the
-step on: positions and joint values are added to, quaternions are turned by the world-frame twist, so that no
-trigonometry is left in the loop of platforms on rods.
+A rod of length L from the base point b to the platform point a spans d = p + R a - b; its row is L^2 - d.d.
 """
 
 from __future__ import annotations
@@ -13,78 +11,30 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snap, snapped_expression
+from symkin.closure.snapping import snap
+from symkin.codegen.newton_kernel import Kernel, Meaning
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.system import System
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, rotate
 
-
-@dataclass(frozen=True, eq=False)
-class Kernel:
-    """One system for Newton's method.
-
-    `rows` are functions of (state, known, geometry), with `shared` beside them: values that the Jacobian reads again.
-    `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and `norm` (squared length of the step, angles
-    times the size) of (state, step). `row_length` times a row is a length. `quaternion` is where a unit quaternion
-    begins in `known`, if it has one; `angles` tells which known values are angles.
-    """
-
-    name: str
-    state: ca.SX
-    known: ca.SX
-    geometry: ca.SX
-    step: ca.SX
-    shared_symbols: ca.SX
-    rows: ca.SX
-    shared: ca.SX
-    jacobian: ca.SX
-    moved: ca.SX
-    norm: ca.SX
-    row_length: float
-    size: float
-    angles: tuple[bool, ...] = ()
-    quaternion: int | None = None
-
-    @property
-    def m(self) -> int:
-        return int(self.rows.shape[0])
-
-    @property
-    def n(self) -> int:
-        return int(self.step.shape[0])
-
-    @property
-    def is_square(self) -> bool:
-        return self.m == self.n
-
-    @property
-    def is_wide(self) -> bool:
-        """More unknowns than rows: steps are the shortest that solve the rows."""
-        return self.n > self.m
-
-    @property
-    def reads_known(self) -> bool:
-        """Whether J depends on the known values, not on the state alone."""
-        whole = ca.substitute(self.jacobian, self.shared_symbols, self.shared)
-        return bool(any(ca.which_depends(whole, self.known, 1, False)))
-
-    def row_function(self) -> ca.Function:
-        return ca.Function("rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True})
-
-    def jacobian_function(self) -> ca.Function:
-        inputs = [self.state, self.known, self.geometry, self.shared_symbols]
-        return ca.Function("jacobian", inputs, [self.jacobian], {"cse": True})
-
-    def move_function(self) -> ca.Function:
-        return ca.Function("move", [self.state, self.step, self.geometry], [self.moved, self.norm], {"cse": True})
-
-    def matrix(self, state: np.ndarray, known: np.ndarray, geometry: np.ndarray) -> np.ndarray:
-        """J at a point, by CasADi."""
-        _, shared = self.row_function()(state, known, geometry)
-        return np.asarray(ca.DM(self.jacobian_function()(state, known, geometry, shared)).full())
+_ABSOLUTE = Meaning(
+    state="position p and unit quaternion q (w, x, y, z) of the platform",
+    known="squared rod lengths L_i^2",
+    rows="L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i",
+    step="(2 v, h): velocity v of the platform where the base's origin is, and half its turn h",
+    row="rod {i}",
+    shared="rod vectors d_i, from the base point to the platform point",
+)
+_RELATIVE = Meaning(
+    state="displacement p and turn q (w, x, y, z) of the platform from home",
+    known="(2 L0_i + dL_i) dL_i of the rods' changes dL_i from their lengths L0_i at home",
+    rows="k_i - (2 d0_i + delta_i) . delta_i, delta_i the change of rod vector d_i from home",
+    step="(2 v, h): velocity v of the platform where the base's origin is, and half its turn h",
+    row="rod {i}",
+    shared="rod vectors d_i, from the base point to the platform point",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,32 +72,32 @@ def rod_geometry(mechanism: Mechanism, home: Pose, *, relative: bool, parameters
             base, end, offset = g[:3], g[3:6], g[6]
         else:
             assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
-            base, end, offset = snapped(limb.base), snapped(limb.platform), ca.SX(snap(float(limb.offset)))
+            base, end, offset = _snapped(limb.base), _snapped(limb.platform), ca.SX(snap(float(limb.offset)))
         bases.append(base)
         points.append(end)
         offsets.append(offset)
-    position = snapped(home.position)
+    position = _snapped(home.position)
     if not relative:
         return Rods(tuple(bases), tuple(points), tuple(offsets), position, None)
-    turned = [rotate(snapped(home.quaternion), a) for a in points]
+    turned = [rotate(_snapped(home.quaternion), a) for a in points]
     if parameters is None:
-        turned = [snapped(np.asarray(ca.DM(a)).ravel()) for a in turned]
+        turned = [_snapped(np.asarray(ca.DM(a)).ravel()) for a in turned]
     starts = tuple(position + a - b for a, b in zip(turned, bases, strict=True))
     return Rods(tuple(bases), tuple(turned), tuple(offsets), position, starts)
 
 
-def snapped(values: Sequence[float] | np.ndarray) -> ca.SX:
+def _snapped(values: Sequence[float] | np.ndarray) -> ca.SX:
     return ca.SX(ca.DM([snap(float(v)) for v in values]))
 
 
-def times(c: ca.SX, x: ca.SX) -> ca.SX:
+def _times(c: ca.SX, x: ca.SX) -> ca.SX:
     """c x with the sign of a constant outside, so that +-c x is computed once."""
     if c.is_constant() and float(c) < 0:
         return -(ca.SX(-float(c)) * x)
     return c * x
 
 
-def rotation_columns(q: ca.SX, *, less_identity: bool) -> list[list[ca.SX]]:
+def _rotation_rows(q: ca.SX, *, less_identity: bool) -> list[list[ca.SX]]:
     """R(q), or R(q) - 1 without cancellation, entry by entry."""
     w, x, y, z = (q[k] for k in range(4))
     x2, y2, z2 = 2 * x, 2 * y, 2 * z
@@ -159,8 +109,8 @@ def rotation_columns(q: ca.SX, *, less_identity: bool) -> list[list[ca.SX]]:
     return [[diagonal[0], xy - wz, xz + wy], [xy + wz, diagonal[1], yz - wx], [xz - wy, yz + wx, diagonal[2]]]
 
 
-def apply_rows(r: Sequence[Sequence[ca.SX]], a: ca.SX) -> ca.SX:
-    return ca.vertcat(*(times(a[0], row[0]) + times(a[1], row[1]) + times(a[2], row[2]) for row in r))
+def _rotated(r: Sequence[Sequence[ca.SX]], a: ca.SX) -> ca.SX:
+    return ca.vertcat(*(_times(a[0], row[0]) + _times(a[1], row[1]) + _times(a[2], row[2]) for row in r))
 
 
 def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], position: ca.SX) -> list[ca.SX]:
@@ -174,7 +124,7 @@ def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], positio
         for i, row in enumerate(r):
             total = position[i]
             for k in order:
-                total = total + times(a[k], row[k])
+                total = total + _times(a[k], row[k])
             parts.append(total)
         moved.append(ca.vertcat(*parts))
     return moved
@@ -182,8 +132,8 @@ def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], positio
 
 def rod_vectors(rods: Rods, position: ca.SX, quaternion: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
     """(R a, d, delta) of each rod; R a and d less their home values are exact near home in the home-relative form."""
-    r = rotation_columns(quaternion, less_identity=rods.home is not None)
-    arms = [apply_rows(r, a) for a in rods.points]
+    r = _rotation_rows(quaternion, less_identity=rods.home is not None)
+    arms = [_rotated(r, a) for a in rods.points]
     changes = _moved_points(r, rods.points, position)
     if rods.home is None:
         ends = [change - b for change, b in zip(changes, rods.bases, strict=True)]
@@ -208,7 +158,7 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
     jacobian = []
     for i, base in enumerate(rods.bases):
         di, b4 = d_symbols[3 * i : 3 * i + 3], 4 * base
-        m = [times(b4[j], di[k]) - times(b4[k], di[j]) for j, k in ((1, 2), (2, 0), (0, 1))]
+        m = [_times(b4[j], di[k]) - _times(b4[k], di[j]) for j, k in ((1, 2), (2, 0), (0, 1))]
         jacobian.append(ca.horzcat(di.T, *m))
     half = step[3:]
     where = position if rods.home is None else position + rods.home_position
@@ -218,30 +168,18 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
     size = mechanism.size
     lengths = [float(np.linalg.norm(home.apply(np.array(limb.platform)) - np.array(limb.base))) for limb in mechanism.limbs]  # type: ignore[union-attr]
     return Kernel(
-        "direct", ca.vertcat(position, quaternion), known, geometry, step, d_symbols, ca.vertcat(*rows), ca.vertcat(*d),
-        ca.vertcat(*jacobian), ca.vertcat(position + velocity, *(turned[k] * inverse for k in range(4))),
-        dot(velocity, velocity) + 4 * size * size * dot(half, half), 0.5 / float(np.mean(lengths)), size, (False,) * 6,
-    )  # fmt: skip
-
-
-def system_kernel(
-    name: str, system: System, known: ca.SX, angles: Sequence[bool], quaternion: int | None, geometry: ca.SX
-) -> Kernel:
-    """The kernel of a position system: rows -F, J = dF/dd over the system's tangent space."""
-    step = ca.SX.sym("s", system.freedom)
-    moved, column = [], 0
-    for coordinate, place in zip(system.unknowns, system.slices, strict=True):
-        z, part = system.unknown[place], step[column : column + coordinate.freedom]
-        if coordinate.kind == "quaternion":
-            q = multiply(ca.vertcat(1, (0.5 / system.size) * part), z)
-            inverse = 1 / ca.sqrt(dot(q, q))
-            moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))
-        else:
-            moved.append(z + (1 / system.size) * part if coordinate.is_angular else z + part)
-        column += coordinate.freedom
-    symbols = [system.unknown, known, geometry]
-    return Kernel(
-        name, system.unknown, known, geometry, step, ca.SX(0, 1), snapped_expression(-system.rows, symbols), ca.SX(0, 1),
-        snapped_expression(system.jacobian, symbols), ca.vertcat(*moved), dot(step, step), 1.0, system.size,
-        tuple(angles), quaternion,
-    )  # fmt: skip
+        name="direct",
+        state=ca.vertcat(position, quaternion),
+        known=known,
+        geometry=geometry,
+        step=step,
+        shared_symbols=d_symbols,
+        rows=ca.vertcat(*rows),
+        shared=ca.vertcat(*d),
+        jacobian=ca.vertcat(*jacobian),
+        moved=ca.vertcat(position + velocity, *(turned[k] * inverse for k in range(4))),
+        norm=dot(velocity, velocity) + 4 * size * size * dot(half, half),
+        row_length=0.5 / float(np.mean(lengths)),
+        size=size,
+        meaning=_ABSOLUTE if rods.home is None else _RELATIVE,
+    )

@@ -1,4 +1,4 @@
-"""Pose coordinates of restricted platforms in C: from a pose and back."""
+"""Write C that turns a pose into the coordinates of a restricted platform, and back."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.emit import Emitter, Real, indent, indexed
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.geometry import Geometry
 from symkin.spatial.rotation import conjugate, multiply
 
@@ -20,8 +20,8 @@ COLUMNS: dict[str, tuple[int, ...]] = {
 """Columns of a twist (velocity, angular velocity) that a motion has."""
 
 
-def coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
-    """NAME_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
+def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
+    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
     closure = geometry.closure
     motion, size = closure.mechanism.motion, closure.size
     x = ca.SX.sym("x", 7)
@@ -58,19 +58,19 @@ def coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) 
         ]
     body = [*emitter.lines, *stores]
     if tests:
-        refused = f"    status = {values['p']}_verdict(x, 7, {values['P']}_OUT_OF_RANGE);"
+        refused = f"    status = {values['p']}_check_finite(x, 7, {values['P']}_OUT_OF_RANGE);"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
     lines = [
         "/* Pose coordinates of a pose. */",
-        f"static {values['p']}_status {values['p']}_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
-        "{", *([f"{values['use']}"] if values["use"] else []), f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_unit(pose, x);",
+        f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
+        "{", *([f"{values['use']}"] if values["use"] else []), f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose(pose, x);",
         f"    if (status == {values['P']}_OK) {{", indent(body, 2), "    }", "    return status;", "}", "", "",
     ]  # fmt: skip
     return "\n".join(lines)
 
 
 def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
-    """NAME_pose_of: the pose of pose coordinates."""
+    """NAME_pose_from_coordinates: the pose of pose coordinates."""
     closure = geometry.closure
     symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
     pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
@@ -80,9 +80,7 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
     texts = [emitter.value(0, i) for i in range(7)]
     body = [*emitter.lines, *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True))]
-    head = (
-        f"static void {values['p']}_pose_of({values['gp']}const {real.type} c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
-    )
+    head = f"static void {values['p']}_pose_from_coordinates({values['gp']}const {real.type} c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
     return "\n".join(
         [
             "/* The pose of pose coordinates. */",

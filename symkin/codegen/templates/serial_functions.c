@@ -1,6 +1,7 @@
+/* The tool's pose, its quaternion of unit length and with w >= 0. */
 @{p}_status @{p}_direct(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose)
 {
-    @{p}_status status = @{p}_check(@{ga}joints);
+    @{p}_status status = @{p}_check_limits(@{ga}joints);
     if (status == @{P}_OK) {
         @{real} x[7];
         @{p}_forward(@{ga}joints, x);
@@ -17,22 +18,23 @@
     return status;
 }
 
+/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
 @{p}_status @{p}_inverse(@{gp}const @{p}_config *config, const @{p}_pose *pose, const @{real} guess[@{nq}], @{real} joints[@{nq}], @{p}_info *info)
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_inverse_work w;
     @{real} to[7];
-    @{p}_status status = @{p}_unit(pose, to);
+    @{p}_status status = @{p}_normalise_pose(pose, to);
     if (status == @{P}_OK) {
-        status = @{p}_verdict(to, 7, @{p}_verdict(guess, @{nq}, @{P}_OK));
+        status = @{p}_check_finite(to, 7, @{p}_check_finite(guess, @{nq}, @{P}_OK));
     }
-    @{p}_tell(info, 0U, @{huge}, @{zero}, @{zero});
+    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == @{P}_OK) {
 @{to_x}
         @{p}_forward(@{ga}w.x, w.at);
         status = @{p}_inverse_newton(@{ga}&w, to, (config != NULL) ? config : &usual, info);
         if (status == @{P}_OK) {
-            status = @{p}_check(@{ga}w.x);
+            status = @{p}_check_limits(@{ga}w.x);
         }
         if (status == @{P}_OK) {
 @{out}
@@ -41,9 +43,10 @@
     return status;
 }
 
+/* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 @{p}_status @{p}_jacobian(@{gp}const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
 {
-    @{p}_status status = @{p}_check(@{ga}joints);
+    @{p}_status status = @{p}_check_limits(@{ga}joints);
 @{use}
     if (status == @{P}_OK) {
 @{jacobian}

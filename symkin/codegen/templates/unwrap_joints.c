@@ -1,6 +1,6 @@
-/* The given joint values, whole turns taken off where the nearer way is meant, and how much of the line to try first:
- * angles by at most half a radian. */
-static @{real} @{p}_towards(const @{real} at[@{nq}], const @{real} joints[@{nq}], @{real} given[@{nq}])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. Returns how
+ * much of the line to try first: angles by at most half a radian. */
+static @{real} @{p}_unwrap_joints(const @{real} at[@{nq}], const @{real} joints[@{nq}], @{real} given[@{nq}])
 {
     static const bool turns[@{nq}] = { @{turns} };
     static const bool angular[@{nq}] = { @{angular} };

@@ -1,5 +1,5 @@
-/* Limited angles moved by whole turns towards `near`, as far as their limits allow: a pose does not tell turns. */
-static void @{p}_within(@{real} at[@{nq}], const @{real} near[@{nq}])
+/* Turns limited angles by whole turns towards `near`, as far as their limits allow: a pose does not tell turns. */
+static void @{p}_turn_into_limits(@{real} at[@{nq}], const @{real} near[@{nq}])
 {
     static const bool limited[@{nq}] = { @{limited} };
     static const @{real} low[@{nq}] = { @{low} };

@@ -1,4 +1,4 @@
-"""A symbolic Jacobian as a file of another language: which formats there are, and writing them."""
+"""Write a symbolic Jacobian in one of the formats: CasADi, C, NumPy, SymPy, LaTeX."""
 
 from __future__ import annotations
 

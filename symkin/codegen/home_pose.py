@@ -1,4 +1,4 @@
-"""The home of a platform on six rods: the pose about which code is tuned and tested, chosen and judged."""
+"""Choose and judge the home of a platform on six rods: the pose about which code is tuned and tested."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.codegen.rods import rod_values
+from symkin.codegen.rod_platform import rod_values
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import pose_from

@@ -1,5 +1,5 @@
-/* The pose with its quaternion of unit length: (x, y, z, qw, qx, qy, qz). Lengths off by more than 1e-2 are refused. */
-static @{p}_status @{p}_unit(const @{p}_pose *pose, @{real} x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
 {
     const @{real} *const q = pose->quaternion;
     const @{real} squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -11,7 +11,7 @@ static @{p}_status @{p}_unit(const @{p}_pose *pose, @{real} x[7])
     if ((squared >= @{least_norm}) && (squared <= @{most_norm})) {
         inverse = @{one} / @{sqrt}(squared);
     } else {
-        status = @{p}_verdict(q, 4, @{P}_OUT_OF_RANGE);
+        status = @{p}_check_finite(q, 4, @{P}_OUT_OF_RANGE);
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -20,8 +20,9 @@ static @{p}_status @{p}_unit(const @{p}_pose *pose, @{real} x[7])
     return status;
 }
 
-/* What is told of a call: steps taken, predicted error, squared last step, spread of the pivots; no NaN is told. */
-static @{COLD} void @{p}_tell(@{p}_info *info, unsigned int count, @{real} residual, @{real} size, @{real} spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
+ * the pivots. Never a NaN. */
+static @{COLD} void @{p}_write_info(@{p}_info *info, unsigned int count, @{real} residual, @{real} size, @{real} spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;

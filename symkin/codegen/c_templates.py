@@ -1,0 +1,70 @@
+"""Fill the C templates of `templates/`, and the statements that all kinds of mechanisms share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from string import Template
+
+from symkin.codegen.c_emitter import Real
+from symkin.model.joint import Coordinate
+
+
+class _C(Template):
+    """Templates of C: @{name}; a name without a value is an error."""
+
+    delimiter = "@"
+
+
+def fill(template: str, values: Mapping[str, object]) -> str:
+    """Read a file of `templates/` and replace its names."""
+    return substitute(template_text(template), values)
+
+
+def template_text(template: str) -> str:
+    """Read a file of `templates/`."""
+    return resources.files("symkin.codegen").joinpath("templates", template).read_text(encoding="utf-8")
+
+
+def substitute(text: str, values: Mapping[str, object]) -> str:
+    """Replace the names in a text; lines whose name stands for nothing are left out."""
+    lines = [(line, _C(line).substitute(values).rstrip()) for line in text.split("\n")]
+    return "\n".join(filled for line, filled in lines if filled or not line)
+
+
+def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
+    """Values of the names that every template knows; `struct`: the geometry is given with each call."""
+    return {
+        "p": name, "P": name.upper(), "real": real.type,
+        "COLD": f"{name.upper()}_COLD", "SHARED": f"{name.upper()}_SHARED",
+        "gp": f"const {name}_geometry *geometry, " if struct else "", "ga": "geometry, " if struct else "",
+        "use": "    (void)geometry;" if struct else "",
+        "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
+        "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
+        "before": "", "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
+        "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201),
+    }  # fmt: skip
+
+
+def copy(target: str, source: str, count: int) -> list[str]:
+    """Statements that copy an array; short ones without a loop."""
+    if count <= 8:
+        return [f"{target}[{i}] = {source}[{i}];" for i in range(count)]
+    return copy_loop(target, source, count)
+
+
+def copy_loop(target: str, source: str, count: int) -> list[str]:
+    """Statements that copy an array in a loop."""
+    return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]
+
+
+def condition_within_limits(coordinates: Sequence[Coordinate], real: Real, size: float) -> str:
+    """C condition: each joint value is within its limits, rods are not shorter than zero; without limits it is at least finite."""
+    parts = []
+    for i, c in enumerate(coordinates):
+        slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
+        low, high = c.limits or ((-1e3, 1e3) if c.is_angular else (-1e3 * size, 1e3 * size))
+        if c.least is not None:
+            low = max(low, c.least + 1e-6 * size)
+        parts.append(f"(joints[{i}] >= {real.literal(low - slack)}) && (joints[{i}] <= {real.literal(high + slack)})")
+    return "\n        && ".join(parts)

@@ -1,0 +1,315 @@
+"""Write the C of a parallel mechanism of any limbs: limbs for a pose, direct problem, inverse, Jacobian."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
+from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.newton_kernel import curvature, rounded
+from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
+from symkin.model.names import identifiers
+from symkin.numeric.system import System
+from symkin.text import c_comment
+
+
+@dataclass(frozen=True, eq=False)
+class LimbSource:
+    """The C of one mechanism, function by function."""
+
+    made: LimbPlatform
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
+    @property
+    def _ok(self) -> str:
+        return f"{self.name.upper()}_OK"
+
+    @property
+    def _ga(self) -> str:
+        """The geometry as an argument."""
+        return str(self._common["ga"])
+
+    @property
+    def text(self) -> str:
+        """Everything of NAME.c between its beginning and end."""
+        made, real, values = self.made, self.real, self.values
+        ranges = condition_within_limits(made.actuated, real, made.closure.size)
+        return "".join([
+            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
+            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._block(block) for block in made.blocks),
+            self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
+            fill("parallel_direct.c", values), "\n", self._inverse,
+        ])  # fmt: skip
+
+    @cached_property
+    def code(self) -> NewtonCode:
+        """The Newton iteration of the direct problem."""
+        made, kernel, samples = self.made, self.made.direct_kernel, self.made.samples
+        values = made.geometry.values
+        nq = len(made.actuated)
+        return NewtonCode(
+            kernel=kernel,
+            name=self.name,
+            real=self.real,
+            geometry=made.geometry.names,
+            matrices=np.array([kernel.matrix(s.unknown, s.known, values) for s in samples]),
+            kappa=curvature(kernel, [s.unknown for s in samples], [s.known for s in samples], values),
+            target_lines=line_target(self.real, nq, None),
+            known_count=nq,
+            start_aim="w->aim",
+            members=[f"{self.real.type} aim; /* how much of the line to try first */"],
+        )
+
+    @cached_property
+    def _common(self) -> dict[str, object]:
+        """Values of the names that templates of the limbs need."""
+        made, literal = self.made, self.real.literal
+        return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
+            "nq": len(made.actuated), "ns": made.direct.system.width, "nc": sum(c.width for c in made.closure.role("pose")),
+            "np": max(1, sum(c.width for c in made.passive)),
+            "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+        }  # fmt: skip
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Values of the names in the templates of this kind, the tests and the header."""
+        made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
+        passive = sum(c.width for c in made.passive)
+        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({ga}&w.x[{passive}], given);", "}"]
+        unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"w.aim = {p}_unwrap_joints(w.at, joints, given);"]
+        return self._common | {
+            "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
+            "enter": indent(self._enter_lines(passive), 2), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
+            "to": "given", "whole": ", " + literal(1.0),
+            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
+        }  # fmt: skip
+
+    def _enter_lines(self, passive: int) -> list[str]:
+        """Statements that set the state to the guess's: its limbs by its pose, then the pose."""
+        p, real, nc = self.name, self.real, int(str(self._common["nc"]))
+        return [
+            f"{real.type} c[{nc}];", f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
+            f"status = {p}_pose_coordinates({self._ga}guess, c);",
+            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive);",
+            *("    " + line for line in copy("w->x", "passive", passive) if passive),
+            *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []), "}",
+            f"if (status != {self._ok}) {{", f"    status = {p}_check_finite(guess->position, 3, {p.upper()}_OUT_OF_RANGE);", "}",
+            *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc)),
+        ]  # fmt: skip
+
+    # --- limbs -----------------------------------------------------------------------------------------------------
+
+    def _block(self, block: LimbBlock) -> str:
+        """Functions that solve one limb for a pose and give its right-hand sides; a rod needs none."""
+        if block.kernel is None:
+            return ""
+        made, kernel, real = self.made, block.kernel, self.real
+        nc = int(kernel.known.shape[0])
+        known = made.inverse.known_coordinates
+        states = [made.inverse.select_values(s.values, block.system.unknowns) for s in made.samples]
+        poses = [made.inverse.select_values(s.values, known) for s in made.samples]
+        matrices = np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)])
+        code = NewtonCode(
+            kernel=kernel,
+            name=self.name,
+            real=real,
+            geometry=made.geometry.names,
+            matrices=matrices,
+            kappa=curvature(kernel, states, poses, made.geometry.values),
+            target_lines=line_target(real, nc, kernel.quaternion),
+        )
+        reference = made.closure.reference
+        start, at = (made.inverse.select_values(reference, c) for c in (block.system.unknowns, known))
+        begin = [f"w->x[{i}] = {real.literal(float(v))};" for i, v in enumerate(start)]
+        begin += [f"w->at[{i}] = {real.literal(float(v))};" for i, v in enumerate(at)]
+        return code.text + fill("limb.c", self._common | {
+            "k": code.k, "begin": indent(begin), "sides": indent(self._side_lines(block, nc)),
+            "count": kernel.m * int(block.sides.shape[1]),
+        })  # fmt: skip
+
+    def _side_lines(self, block: LimbBlock, nc: int) -> list[str]:
+        """Statements of the right-hand sides of the joint rates, row by row."""
+        made, kernel, freedom = self.made, block.kernel, int(block.sides.shape[1])
+        assert kernel is not None  # noqa: S101 - the caller has looked
+        function = ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True})
+        emitter = Emitter(
+            function, [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", nc), made.geometry.names], self.real
+        )
+        entries = [f"sides[{freedom * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(freedom)]
+        unread = not any("w->" in line for line in [*emitter.lines, *entries])
+        return [*emitter.lines, *(["(void)w;"] if unread else []), *entries]
+
+    @property
+    def _solve_limbs(self) -> str:
+        """NAME_solve_limbs: all limbs for a pose, on the reference's branches."""
+        lines: list[str] = []
+        for block in self.made.blocks:
+            lines.append(f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */")
+            if block.kernel is None:
+                lines += self._rod_lines(block)
+                continue
+            k = f"{self.name}_{block.kernel.name}"
+            copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._places(block)]
+            lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
+                      *copies, "}"]  # fmt: skip
+        if int(self.made.conditions.rows.shape[0]):
+            lines += self._condition_lines(self.made.conditions)
+        return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
+
+    def _places(self, block: LimbBlock) -> list[tuple[str, int, int]]:
+        """(array, index there, index in the block) of each number of the block's unknowns."""
+        found = []
+        for c, place in zip(block.system.unknowns, block.system.slices, strict=True):
+            group = self.made.actuated if c.role == "actuated" else self.made.passive
+            before = sum(other.width for other in group[: group.index(c)])
+            array = "q" if c.role == "actuated" else "passive"
+            found += [(array, before + i, place.start + i) for i in range(c.width)]
+        return found
+
+    def _prefix(self, block: LimbBlock) -> str:
+        """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
+        rods = [other for other in self.made.blocks if other.kernel is None]
+        return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
+
+    def _rod_lines(self, block: LimbBlock) -> list[str]:
+        """Statements of a rod's coordinate by the pose."""
+        function = ca.Function("rod", [block.system.known, self.made.geometry.symbols], [block.rod], {"cse": True})
+        names = [indexed("c", int(block.system.known.shape[0])), self.made.geometry.names]
+        emitter = Emitter(function, names, self.real, prefix=self._prefix(block))
+        text = emitter.value(0, 0)
+        array, there, _ = self._places(block)[0]
+        return [*emitter.lines, f"{array}[{there}] = {text};"]
+
+    def _condition_lines(self, conditions: System) -> list[str]:
+        """Statements that refuse a pose which violates rows that no joint enters."""
+        real, geometry = self.real, self.made.geometry
+        function = ca.Function("conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True})
+        emitter = Emitter(function, [indexed("c", int(conditions.known.shape[0])), geometry.names], real, prefix="v")
+        limit = real.literal(max(1e-6, 64 * real.epsilon) * conditions.size)
+        tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})" for i in range(int(conditions.rows.shape[0]))]
+        return [
+            "/* what the pose alone must satisfy */", *emitter.lines,
+            f"if (!({' && '.join(tests)})) {{", f"    status = {self.name.upper()}_OUT_OF_RANGE;", "}",
+        ]  # fmt: skip
+
+    # --- branches and turns ------------------------------------------------------------------------------------------
+
+    @property
+    def _check_branch(self) -> str:
+        """NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where errors
+        of the tolerance are their square roots in joint values: what differs by less is one."""
+        made = self.made
+        if not made.has_dead_centres:
+            return ""
+        size = made.closure.size
+        near = [4.0 * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
+        within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
+        return fill("check_branch.c", self._common | {
+            "near": ", ".join(self.real.literal(rounded(float(v))) for v in near), "within_given": indent(within, 2),
+        })  # fmt: skip
+
+    @property
+    def _turn_into_limits(self) -> str:
+        """NAME_turn_into_limits, where angles have limits."""
+        made, literal = self.made, self.real.literal
+        if not any(made.limited_angles):
+            return ""
+        limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
+        return fill("turn_into_limits.c", self._common | {
+            "limited": _flags(made.limited_angles), "low": ", ".join(literal(float(low)) for low, _ in limits),
+            "high": ", ".join(literal(float(high)) for _, high in limits),
+        })  # fmt: skip
+
+    @property
+    def _unwrap_joints(self) -> str:
+        """NAME_unwrap_joints."""
+        actuated = self.made.actuated
+        turns = _flags(tuple(c.kind == "angle" and c.limits is None for c in actuated))
+        angular = _flags(tuple(c.is_angular for c in actuated))
+        return fill("unwrap_joints.c", self._common | {"turns": turns, "angular": angular, "largest": self.real.literal(0.5)})
+
+    # --- inverse and Jacobian ----------------------------------------------------------------------------------------
+
+    @property
+    def _inverse(self) -> str:
+        """NAME_inverse and NAME_jacobian."""
+        lines = [line for block in self.made.blocks for line in self._rate_lines(block)]
+        return fill("limb_inverse.c", self._common | {
+            "within_middle": indent(self._to_middle, 3), "rates": indent(lines, 2),
+            "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
+        })  # fmt: skip
+
+    def _rate_lines(self, block: LimbBlock) -> list[str]:
+        """Statements of the Jacobian's rows of one limb."""
+        comment = f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */"
+        if block.kernel is None:
+            return [comment, *self._rod_rate_lines(block)]
+        made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
+        columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
+        actuated = [(there, *solved[here]) for array, there, here in self._places(block) if array == "q"]
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_follow_pose({self._ga}&w, c);",
+                f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self._ga}&w, sides);",
+                f"    if ({singular_condition(block.kernel, k, '&w', self._ga)}) {{",
+                f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+        for j, column in enumerate(columns):
+            plus = f" + {j}" if j else ""
+            body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i{plus}];", "        }",
+                     f"        {k}_solve(&w);"]  # fmt: skip
+            for there, index, angular in actuated:
+                # steps of angles are lengths, angle times the size
+                scale = f" * {real.literal(1 / made.closure.size)}" if angular and made.closure.size != 1.0 else ""
+                body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
+        return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
+
+    def _rod_rate_lines(self, block: LimbBlock) -> list[str]:
+        """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the twist."""
+        made, system = self.made, block.system
+        columns, there = COLUMNS[made.mechanism.motion], self._places(block)[0][1]
+        inputs = [system.unknown, system.known, made.geometry.symbols]
+        function = ca.Function("rod", inputs, [ca.densify(block.sides)], {"cse": True})
+        names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
+        emitter = Emitter(function, names, self.real, prefix=self._prefix(block))
+        texts = [emitter.value(0, j) for j in range(len(columns))]
+        return [*emitter.lines, *(f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True))]
+
+    @property
+    def _to_middle(self) -> list[str]:
+        """Statements that move limited angles into their limits."""
+        made = self.made
+        if not any(made.limited_angles):
+            return []
+        middles = ", ".join(self.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits))) for c in made.actuated)
+        return [
+            f"static const {self.real.type} middle[{len(made.actuated)}] = {{ {middles} }};",
+            f"{self.name}_turn_into_limits(q, middle);",
+        ]
+
+
+def _flags(flags: tuple[bool, ...]) -> str:
+    """C text of truth values."""
+    return ", ".join("true" if flag else "false" for flag in flags)
+
+
+def _actuated_columns(system: System) -> dict[int, tuple[int, bool]]:
+    """For each single-number unknown of a block: its column in the tangent space, and whether it is an angle."""
+    found, column = {}, 0
+    for c, place in zip(system.unknowns, system.slices, strict=True):
+        if c.width == 1:
+            found[place.start] = (column, c.is_angular)
+        column += c.freedom
+    return found

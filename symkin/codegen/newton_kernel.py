@@ -1,0 +1,192 @@
+"""State what one Newton iteration of generated code computes, as CasADi expressions.
+
+A kernel solves rows(state; known) = 0. Its linear system is J step = rows with J = -d rows/d step, and `moved` puts the
+step on: positions and joint values are added to, quaternions are turned by the world-frame twist, so that no
+trigonometry is left in the loop of platforms on rods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.model.joint import Coordinate
+from symkin.numeric.system import System
+from symkin.spatial.backend import dot
+from symkin.spatial.rotation import multiply
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What the arrays of a kernel hold, for comments of the C; `row` names one row, `{i}` its number from 1."""
+
+    state: str
+    known: str
+    rows: str
+    step: str
+    row: str = "row {i}"
+    shared: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """One system for Newton's method: rows(state; known) = 0.
+
+    `rows` are functions of (state, known, geometry), with `shared` beside them: values that the Jacobian reads again.
+    `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and `norm` (squared length of the step, angles
+    times the size) of (state, step). `row_length` times a row is a length. `quaternion` is where a unit quaternion
+    begins in `known`, if it has one. `meaning` says in comments of the C what state, known values, rows and shared values are.
+    """
+
+    name: str
+    state: ca.SX
+    known: ca.SX
+    geometry: ca.SX
+    step: ca.SX
+    shared_symbols: ca.SX
+    rows: ca.SX
+    shared: ca.SX
+    jacobian: ca.SX
+    moved: ca.SX
+    norm: ca.SX
+    row_length: float
+    size: float
+    meaning: Meaning
+    quaternion: int | None = None
+
+    @property
+    def m(self) -> int:
+        """Count of rows."""
+        return int(self.rows.shape[0])
+
+    @property
+    def n(self) -> int:
+        """Count of unknowns: entries of a step."""
+        return int(self.step.shape[0])
+
+    @property
+    def is_square(self) -> bool:
+        return self.m == self.n
+
+    @property
+    def is_wide(self) -> bool:
+        """More unknowns than rows: steps are the shortest that solve the rows."""
+        return self.n > self.m
+
+    @property
+    def reads_known(self) -> bool:
+        """Whether J depends on the known values, not on the state alone."""
+        whole = ca.substitute(self.jacobian, self.shared_symbols, self.shared)
+        return bool(any(ca.which_depends(whole, self.known, 1, False)))
+
+    def row_function(self) -> ca.Function:
+        """Rows and shared values by (state, known, geometry)."""
+        return ca.Function("rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True})
+
+    def jacobian_function(self) -> ca.Function:
+        """J = -d rows / d step by (state, known, geometry, shared)."""
+        inputs = [self.state, self.known, self.geometry, self.shared_symbols]
+        return ca.Function("jacobian", inputs, [self.jacobian], {"cse": True})
+
+    def move_function(self) -> ca.Function:
+        """The state after a step, and the step's squared length, by (state, step, geometry)."""
+        return ca.Function("move", [self.state, self.step, self.geometry], [self.moved, self.norm], {"cse": True})
+
+    def matrix(self, state: np.ndarray, known: np.ndarray, geometry: np.ndarray) -> np.ndarray:
+        """J at a point, by CasADi."""
+        _, shared = self.row_function()(state, known, geometry)
+        return np.asarray(ca.DM(self.jacobian_function()(state, known, geometry, shared)).full())
+
+
+def system_kernel(name: str, system: System, known: Sequence[Coordinate], geometry: ca.SX) -> Kernel:
+    """Make the kernel of a position system: rows -F, J = dF/dd over the system's tangent space.
+
+    `known` are the coordinates of the system's known values. A quaternion q moves to the unit quaternion of
+    (1, d / (2 size)) q, d the part of the step that is its turn times the size.
+    """
+    step = ca.SX.sym("s", system.freedom)
+    moved, column = [], 0
+    for coordinate, place in zip(system.unknowns, system.slices, strict=True):
+        z, part = system.unknown[place], step[column : column + coordinate.freedom]
+        if coordinate.kind == "quaternion":
+            q = multiply(ca.vertcat(1, (0.5 / system.size) * part), z)
+            inverse = 1 / ca.sqrt(dot(q, q))
+            moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))
+        else:
+            moved.append(z + (1 / system.size) * part if coordinate.is_angular else z + part)
+        column += coordinate.freedom
+    symbols = [system.unknown, system.known, geometry]
+    return Kernel(
+        name=name,
+        state=system.unknown,
+        known=system.known,
+        geometry=geometry,
+        step=step,
+        shared_symbols=ca.SX(0, 1),
+        rows=snapped_expression(-system.rows, symbols),
+        shared=ca.SX(0, 1),
+        jacobian=snapped_expression(system.jacobian, symbols),
+        moved=ca.vertcat(*moved),
+        norm=dot(step, step),
+        row_length=1.0,
+        size=system.size,
+        meaning=Meaning(
+            state=listed(system.unknowns),
+            known=listed(known),
+            rows="minus the closure's rows, lengths and angles times the size",
+            step="changes of the state: lengths, angles and turns times the size",
+        ),
+        quaternion=quaternion_place(known),
+    )
+
+
+def curvature(
+    kernel: Kernel, states: Sequence[np.ndarray], known: Sequence[np.ndarray], geometry: np.ndarray, seed: int = 5
+) -> float:
+    """Estimate kappa of a typical pose: a Newton step s leaves an error of kappa |s|^2.
+
+    kappa = |J^-1 (J(x + s) - J(x)) s| / (2 |s|^2), the ninth decile over states and random directions s.
+    """
+    rng = np.random.default_rng(seed)
+    move = kernel.move_function()
+    found = []
+    for state, k in zip(states, known, strict=True):
+        here = kernel.matrix(state, k, geometry)
+        scale = np.max(np.abs(here), axis=0)
+        step = rng.normal(size=kernel.n) / np.where(scale > 0, scale, 1.0)
+        unit = float(move(state, step, geometry)[1])
+        step *= (
+            0.02 * kernel.size / np.sqrt(unit)
+        )  # a fiftieth of the size: far enough to see J change, near enough to stay local
+        there, squared = move(state, step, geometry)
+        change = (kernel.matrix(np.asarray(there).ravel(), k, geometry) - here) @ step
+        second = np.linalg.lstsq(here, change, rcond=None)[0]
+        found.append(0.5 * np.sqrt(float(move(state, second, geometry)[1])) / float(squared))
+    return rounded(float(np.quantile(found, 0.9)))
+
+
+def rounded(value: float) -> float:
+    """Round to three digits: generated constants must not depend on the last bits of a linear algebra library."""
+    return float(f"{value:.3g}")
+
+
+def quaternion_place(coordinates: Sequence[Coordinate]) -> int | None:
+    """Where a quaternion begins among the numbers of coordinates; None where there is none."""
+    start = 0
+    for c in coordinates:
+        if c.kind == "quaternion":
+            return start
+        start += c.width
+    return None
+
+
+def listed(coordinates: Sequence[Coordinate]) -> str:
+    """Names of coordinates in order, those of the platform as x, y, z, gamma or quaternion."""
+    names = [c.name.removeprefix("pose.") for c in coordinates]
+    return ", ".join(
+        f"{name} (w, x, y, z)" if c.kind == "quaternion" else name for name, c in zip(names, coordinates, strict=True)
+    )

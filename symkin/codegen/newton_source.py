@@ -1,0 +1,255 @@
+"""Write the C functions of one Newton kernel: work space, rows, linear solver, step, target and driver."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import common_values, copy, copy_loop, fill
+from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
+from symkin.codegen.newton_kernel import Kernel
+from symkin.text import c_comment
+
+_COMMENT_WIDTH = 118
+"""Characters of a comment line."""
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose."""
+
+    tolerance: float
+    floor: float
+    rounding: float
+    kappa2: float
+
+
+def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
+    """Choose tolerances near what the type resolves."""
+    resolution = real.epsilon * kernel.size
+    tolerance = resolution * (1.0 if real.name == "float" else 1e4)
+    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, kappa**2)
+
+
+@dataclass(frozen=True, eq=False)
+class NewtonCode:
+    """The C functions NAME_KERNEL_... of one kernel.
+
+    `geometry` is the C text of each geometry parameter, empty where they are numbers in the code; `matrices` are samples of
+    the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target` are statements that set w->k from
+    w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
+    `start_aim`, C text of how much of the line to try first, and `members`, more members of the work space; `matrix`,
+    statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
+    and puts the state back, where known values at the guess are not kept.
+    """
+
+    kernel: Kernel
+    name: str
+    real: Real
+    geometry: Sequence[str]
+    matrices: np.ndarray
+    kappa: float
+    target_lines: Sequence[str]
+    known_count: int | None = None
+    start_aim: str | None = None
+    members: Sequence[str] = ()
+    matrix: Sequence[str] = ()
+    retarget: str = ""
+
+    @property
+    def k(self) -> str:
+        """What the names of the functions begin with."""
+        return f"{self.name}_{self.kernel.name}"
+
+    @cached_property
+    def tuning(self) -> Tuning:
+        return tuning_of(self.kernel, self.real, self.kappa)
+
+    @property
+    def work(self) -> str:
+        """The type of the work space."""
+        return fill("work.c", self._values)
+
+    @property
+    def functions(self) -> str:
+        """Rows, residual and step."""
+        return fill("functions.c", self._values | {
+            "residual": indent(self._residual_lines), "rows": indent(self._rows.lines), "move": indent(self._move[1]),
+        })  # fmt: skip
+
+    @property
+    def target(self) -> str:
+        """The function that sets the known values aimed at."""
+        return fill("target.c", self._values | {"target": indent(self.target_lines)})
+
+    @cached_property
+    def linear(self) -> LinearSolver:
+        """The linear solver."""
+        inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
+        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
+
+    @property
+    def driver(self) -> str:
+        """Newton's method along the line of known values."""
+        return fill("newton.c", self._values)
+
+    @property
+    def text(self) -> str:
+        """All functions in an order in which each is known before it is called."""
+        return self.work + self.functions + self.target + self.linear.text + self.driver
+
+    @cached_property
+    def operations(self) -> dict[str, int]:
+        """Operations of one step: rows, matrix, factors and step."""
+        parts = (self._rows.operations, self._move[0].operations, self.linear.operations)
+        return {key: sum(part.get(key, 0) for part in parts) for key in sorted(set().union(*parts))}
+
+    # --- statements ----------------------------------------------------------------------------------------------
+
+    @property
+    def _inputs(self) -> list[list[str]]:
+        """C text of state, known values and geometry."""
+        kernel = self.kernel
+        return [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), list(self.geometry)]
+
+    @cached_property
+    def _rows(self) -> Emitter:
+        """Each row made and stored in turn, and what the matrix shares with it as soon as the row has been made."""
+        kernel = self.kernel
+        emitter = Emitter(kernel.row_function(), self._inputs, self.real)
+        each = int(kernel.shared_symbols.shape[0]) // max(kernel.m, 1)
+        for row in range(kernel.m):
+            if kernel.m > 1:
+                emitter.comment(kernel.meaning.row.format(i=row + 1))
+            text = emitter.value(0, row)
+            emitter.lines.append(f"w->f[{row}] = {text};")
+            for shared in range(each * row, each * (row + 1)):
+                text = emitter.value(1, shared)
+                emitter.lines.append(f"w->d[{shared}] = {text};")
+        return emitter
+
+    @cached_property
+    def _move(self) -> tuple[Emitter, list[str]]:
+        """Statements that add the step in w->f to the state and return its squared length."""
+        kernel = self.kernel
+        emitter = Emitter(kernel.move_function(), [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)], self.real)
+        moved = [emitter.value(0, i) for i in range(int(kernel.state.shape[0]))]
+        squared = emitter.value(1, 0)
+        return emitter, [*emitter.lines, *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)), f"return {squared};"]
+
+    @property
+    def _residual_lines(self) -> list[str]:
+        """A loop in float, where room counts, statements in double, where each is an instruction or two."""
+        real, count, length = self.real, self.kernel.m, self.kernel.row_length
+        adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
+        if real.name == "float":
+            adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
+        root = f"{real.call('sqrt')}(sum)"
+        result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
+        return [f"{real.type} sum = w->f[0] * w->f[0];", *adds, result]
+
+    # --- values of the templates ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _values(self) -> dict[str, object]:
+        return (
+            common_values(self.name, self.real, struct=bool(self.geometry))
+            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga)}
+            | self._sizes
+            | self._members
+            | self._constants
+            | self._aiming
+        )
+
+    @property
+    def _ga(self) -> str:
+        """The geometry as an argument."""
+        return "geometry, " if self.geometry else ""
+
+    @property
+    def _sizes(self) -> dict[str, object]:
+        kernel = self.kernel
+        n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
+        return {
+            "n": n, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
+            "na": m * n, "most": max(m, n),
+        }  # fmt: skip
+
+    @property
+    def _members(self) -> dict[str, object]:
+        """Members of the work space that not every kernel has, and what its arrays hold."""
+        kernel, kind = self.kernel, self.real.type
+        nd, square = int(kernel.shared_symbols.shape[0]), min(kernel.m, kernel.n) ** 2
+        meaning = kernel.meaning
+        told = [f"x: {meaning.state}", f"k: {meaning.known}", f"f: {meaning.rows}; then the step: {meaning.step}"]
+        told += [f"d: {meaning.shared}"] if nd else []
+        wrapped = [line for text in told for line in textwrap.wrap(c_comment(text), _COMMENT_WIDTH - 3, subsequent_indent="   ")]
+        factors = "its LU factors" if kernel.is_square else "Q of QR of its transpose" if kernel.is_wide else "Q of QR"
+        return {
+            "meaning": "\n".join(f" * {line}" for line in wrapped),
+            "at": ""
+            if self.retarget
+            else f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the line begins */",
+            "shared": f"    {kind} d[{nd}]; /* values that rows and matrix share */" if nd else "",
+            "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "factors": factors,
+            "members": "\n".join(f"    {line}" for line in self.members),
+        }
+
+    @property
+    def _constants(self) -> dict[str, object]:
+        """Constants of the driver: squares of lengths, of ratios of steps, and parts of the line."""
+        literal, tuning = self.real.literal, self.tuning
+        return {
+            "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
+            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0),
+            "quick": literal(400.0), "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
+            "shrink": literal(0.375), "start_aim": self.start_aim or literal(1.0), "singular": literal(32.0 * self.real.epsilon),
+            "guard": literal(GUARD**-2),
+        }  # fmt: skip
+
+    @property
+    def _aiming(self) -> dict[str, object]:
+        """Calls that aim at parts of the line: by known values kept at the guess, or by `retarget`."""
+        aim, done = (f"{self.k}_set_target({self._ga}w, to, {part});" for part in ("aim", "done"))
+        # the matrix reads known values: it is made at the part of the line that is done. Of wide systems it is made at the part
+        # aimed at, because shortest steps follow the path more closely by that one
+        reads_known = self.kernel.reads_known and not self.kernel.is_wide
+        by_call = bool(self.retarget)
+        return {
+            "part_of": "" if by_call else ", aim", "part": "" if by_call else f", {self.real.type} part",
+            "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
+            "at_done": indent(["if (!judging) {", f"    {done}", "}"], 3) if reads_known else "",
+            "at_aim": indent(["if (!judging) {", f"    {aim}", "}"], 3) if reads_known else "",
+            "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
+            "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
+            "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
+        }  # fmt: skip
+
+
+def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
+    """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the shorter arc, with the sign of
+    the guess's."""
+    loop = f"for (int i = 0; i < {count}; ++i) {{"
+    lines = [loop, "    w->k[i] = to[i];", "}"]
+    at, to, k = (indexed(name, 4, quaternion or 0) for name in ("w->at", "to", "w->k"))
+    if quaternion is not None:
+        lines.append("/* of q and -q, one rotation, the one on the guess's side */")
+        lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
+        lines += [*(f"    {v} = -{v};" for v in k), "}"]
+    lines += [
+        f"if (part < {real.literal(1.0)}) {{",
+        f"    {loop}",
+        "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
+        "    }",
+    ]
+    if quaternion is not None:
+        square = " + ".join(f"{v} * {v}" for v in k)
+        lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
+        lines += [f"    {v} *= inverse;" for v in k]
+    return [*lines, "}"]

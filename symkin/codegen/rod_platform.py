@@ -1,0 +1,108 @@
+"""Describe a platform on six rods for code generation: its options, geometry, kernel and poses about home."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.c_emitter import Real, indexed
+from symkin.codegen.newton_kernel import Kernel, curvature
+from symkin.codegen.options import Options
+from symkin.codegen.rod_kernel import Rods, rod_geometry, rod_kernel
+from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply
+
+
+@dataclass(frozen=True, eq=False)
+class RodPlatform:
+    """A platform on six rods with its options: what its C is written from."""
+
+    mechanism: Mechanism
+    options: Options
+    home: Pose
+    real: Real
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    def check(self) -> None:
+        """Nothing to refuse: `home_pose` has refused homes at which no solver could work."""
+
+    @property
+    def parameters(self) -> ca.SX:
+        """Symbols of the geometry struct, limb by limb: base, platform, offset; none where the geometry is fixed."""
+        return ca.SX.sym("g", 42) if self.options.geometry == "struct" else ca.SX(0, 1)
+
+    @property
+    def geometry_values(self) -> np.ndarray:
+        """The struct's nominal numbers in its order."""
+        parts = [[*limb.base, *limb.platform, limb.offset] for limb in self.mechanism.limbs if isinstance(limb, RodLimb)]
+        return np.array(parts).ravel()
+
+    @property
+    def geometry_names(self) -> list[str]:
+        """C text of each symbol of the geometry."""
+        if self.options.geometry != "struct":
+            return []
+        names: list[str] = []
+        for k in range(6):
+            names += indexed(f"geometry->base[{k}]", 3) + indexed(f"geometry->platform[{k}]", 3) + [f"geometry->offset[{k}]"]
+        return names
+
+    def rods(self, parameters: ca.SX) -> Rods:
+        """The rods over the geometry's symbols, or as numbers."""
+        symbols = parameters if self.options.geometry == "struct" else None
+        return rod_geometry(self.mechanism, self.home, relative=self.options.home_relative, parameters=symbols)
+
+    def kernel(self) -> Kernel:
+        """The Newton iteration of the direct problem."""
+        parameters = self.parameters
+        return rod_kernel(self.mechanism, self.rods(parameters), parameters, self.home)
+
+    def lengths(self, pose: Pose) -> np.ndarray:
+        """Joint values at an absolute pose (length unit)."""
+        return rod_values(self.mechanism, pose)
+
+    def stated(self, pose: Pose) -> np.ndarray:
+        """The seven numbers by which generated code knows a pose: the pose, or its change from home."""
+        if not self.options.home_relative:
+            return np.array([*pose.position, *pose.quaternion])
+        turn = multiply(pose.quaternion, conjugate(self.home.quaternion))
+        return np.array([*(np.asarray(pose.position) - self.home.position), *turn])
+
+    def joint_values(self, pose: Pose) -> np.ndarray:
+        """Joint values as generated code takes them."""
+        zero = self.lengths(self.home) if self.options.home_relative else 0.0
+        return np.asarray(self.lengths(pose) - zero)
+
+
+def rod_values(mechanism: Mechanism, pose: Pose) -> np.ndarray:
+    """Joint values |p + R a - b| - offset of the rods at a pose (length unit)."""
+    ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in mechanism.limbs]  # type: ignore[union-attr]
+    return np.array([float(np.linalg.norm(d)) - limb.offset for d, limb in zip(ends, mechanism.limbs, strict=True)])  # type: ignore[union-attr]
+
+
+def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:
+    """Random poses about home: positions within `reach`, rotation vectors within `tilt` (both per component)."""
+    rng = np.random.default_rng(seed)
+    poses = []
+    for _ in range(count):
+        shift, c = rng.uniform(-reach, reach, 3), 0.5 * rng.uniform(-tilt, tilt, 3)
+        q = multiply(np.array([1.0, *c]), np.asarray(home.quaternion))
+        poses.append(Pose(np.asarray(home.position) + shift, q / np.linalg.norm(q)))
+    return poses
+
+
+def sampled(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
+    """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
+    size = platform.mechanism.size
+    poses = sample_poses(platform.home, 100, size / 7, 0.3, 1)
+    geometry = platform.geometry_values if platform.options.geometry == "struct" else np.zeros(0)
+    states = [platform.stated(pose) for pose in poses]
+    matrices = np.array([kernel.matrix(state, np.zeros(6), geometry) for state in states])
+    return matrices, curvature(kernel, states, [np.zeros(6)] * len(states), geometry)

@@ -1,0 +1,229 @@
+"""Write the C of a platform on six rods: explicit inverse, direct problem by Newton on the pose, no trigonometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.caching import cached_property
+from symkin.closure.snapping import snap
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import common_values, copy, fill
+from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.newton_kernel import Kernel
+from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.rod_kernel import Rods, rod_vectors
+from symkin.codegen.rod_platform import RodPlatform, sampled
+from symkin.model.limb import RodLimb
+from symkin.spatial.backend import cross, dot
+
+
+@dataclass(frozen=True, eq=False)
+class RodSource:
+    """The C of one platform on six rods, function by function."""
+
+    platform: RodPlatform
+
+    @property
+    def real(self) -> Real:
+        return self.platform.real
+
+    @property
+    def name(self) -> str:
+        return self.platform.name
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        return self.platform.kernel()
+
+    @cached_property
+    def rods(self) -> Rods:
+        return self.platform.rods(self.kernel.geometry)
+
+    @cached_property
+    def code(self) -> NewtonCode:
+        """The Newton iteration of the direct problem."""
+        matrices, kappa = sampled(self.platform, self.kernel)
+        return NewtonCode(
+            kernel=self.kernel,
+            name=self.name,
+            real=self.real,
+            geometry=self.platform.geometry_names,
+            matrices=matrices,
+            kappa=kappa,
+            target_lines=self._target_lines,
+            members=[f"const {self.name}_pose *guess; /* where the line begins */"],
+            matrix=_matrix_lines(self.platform),
+            retarget=f"{self.name}_direct_retarget({self._common['ga']}w, to, aim, done);",
+        )
+
+    @cached_property
+    def _common(self) -> dict[str, object]:
+        return common_values(self.name, self.real, struct=bool(self.platform.geometry_names)) | {"nq": 6, "ns": 7}
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Values of the names in the templates of this kind, the tests and the header."""
+        literal, p = self.real.literal, self.name
+        leave = [*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]
+        return self._common | {
+            "copy_joints": indent(copy("joints", "w.k", 6), 3),
+            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"], 2), "leave": indent(leave),
+            "check_branch": "", "unwrap": "", "to": "joints", "whole": "",
+            "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"])),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.size / 24) ** 2),
+        }  # fmt: skip
+
+    @property
+    def text(self) -> str:
+        """Everything of NAME.c between its beginning and end."""
+        code, values = self.code, self.values
+        retarget = fill("retarget.c", values | {"rod_values": indent(self._rod_value_lines, 2)})
+        return "".join([
+            fill("pose_and_info.c", values), _limit_check(self.platform, values), code.work, code.functions, self._rod_values,
+            code.target, code.linear.text, retarget, code.driver, fill("parallel_direct.c", values), "\n", self._inverse,
+        ])  # fmt: skip
+
+    @property
+    def _target_lines(self) -> list[str]:
+        """Statements that set w->k: squared lengths L^2, or (2 L0 + dL) dL."""
+        joints = ca.SX.sym("j", 6)
+        if self.platform.options.home_relative:
+            values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
+        else:
+            values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
+        function = ca.Function("target", [joints, self.kernel.geometry], [ca.vertcat(*values)], {"cse": True})
+        return _rolled(function, [indexed("to", 6), self.platform.geometry_names], self.real, "w->k")
+
+    @property
+    def _rod_value_lines(self) -> list[str]:
+        """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 + delta).delta in the
+        home-relative form."""
+        f, rods = ca.SX.sym("f", 6), self.rods
+        if rods.home is None:
+            joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
+        else:
+            # L - L0 = (L^2 - L0^2) / (L + L0): no large numbers cancel
+            joints = [-f[i] / (ca.sqrt(length**2 - f[i]) + length) for i, length in enumerate(rods.home_lengths)]
+        function = ca.Function("legs", [f, self.kernel.geometry], [ca.vertcat(*joints)], {"cse": True})
+        return [
+            *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
+            f"{self.name}_direct_rows({self._common['ga']}w);",
+            *_rolled(function, [indexed("w->f", 6), self.platform.geometry_names], self.real, "w->k"),
+        ]
+
+    @property
+    def _rod_values(self) -> str:
+        """NAME_rod_values: joint values at a pose, for the inverse problem."""
+        head = f"static void {self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
+        return f"/* Joint values at the state, into w->k. */\n{head}\n{{\n{indent(self._rod_value_lines)}\n}}\n\n"
+
+    @property
+    def _inverse(self) -> str:
+        """NAME_inverse and NAME_jacobian."""
+        function = _jacobian_function(self.rods, self.kernel.geometry)
+        emitter = Emitter(function, [indexed("x", 7), self.platform.geometry_names], self.real)
+        shortest = emitter.value(2, 0)
+        stores = [f"jacobian[{k}] = {emitter.value(1, k)};" for k in range(36)]
+        lines = [*emitter.lines, f"const {self.real.type} shortest = {shortest};"]
+        return fill("rod_inverse.c", self.values | {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)})
+
+
+def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: str) -> list[str]:
+    """Statements target[i] = output i: a loop where all six are alike, which takes less room."""
+    each = []
+    for i in range(6):
+        emitter = Emitter(function, names, real, prefix="t")
+        text = emitter.value(0, i)
+        each.append([line.replace(f"[{i}]", "[i]") for line in [*emitter.lines, f"{target}[{i}] = {text};"]])
+    if all(lines == each[0] for lines in each):
+        return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
+    unrolled = []
+    for i in range(6):
+        emitter = Emitter(function, names, real, prefix=f"t{i}_")
+        text = emitter.value(0, i)
+        unrolled += [*emitter.lines, f"{target}[{i}] = {text};"]
+    return unrolled
+
+
+def _matrix_lines(platform: RodPlatform) -> list[str]:
+    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but room does. The table
+    holds 4 b without coordinates that are zero for all bases."""
+    real = platform.real
+    struct = platform.options.geometry == "struct"
+    rows = platform.geometry_values.reshape(6, 7)[:, :3]
+    kept = [k for k in range(3) if struct or np.any(rows[:, k] != 0.0)] or [0]
+    numbers = ", ".join("{ " + ", ".join(real.literal(4.0 * snap(float(row[k]))) for k in kept) + " }" for row in rows)
+    table = [] if struct else [f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }}; /* 4 b */"]
+    b = "geometry->base[i]" if struct else "base[i]"
+    four = f"{real.literal(4.0)} * " if struct else ""
+    entries = [f"row[{k}] = d[{k}];" for k in range(3)]
+    for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        plus = f"{four}b[{kept.index(m)}] * d[{n}]" if m in kept else ""
+        minus = f"{four}b[{kept.index(n)}] * d[{m}]" if n in kept else ""
+        text = f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else real.literal(0.0))
+        entries.append(f"row[{3 + k}] = {text};")
+    return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
+            f"    {real.type} *const row = &w->a[6 * i];", *("    " + text for text in entries), "}"]  # fmt: skip
+
+
+def _limit_check(platform: RodPlatform, values: dict[str, object]) -> str:
+    """Ranges: the limbs' own, and lengths that are positive. In float, where room counts, a loop where all are alike."""
+    tests = _range_tests(platform)
+    shown: dict[str, object] = {"before": "", "ranges": "\n        && ".join(tests)}
+    alike = {test.replace(f"[{i}]", "[i]") for i, test in enumerate(tests)}
+    if platform.real.name == "float" and len(tests) == 6 and len(alike) == 1:
+        loop = [
+            "bool inside = true;",
+            "for (int i = 0; i < 6; ++i) {",
+            f"    if (!{alike.pop()}) {{",
+            "        inside = false;",
+            "    }",
+            "}",
+        ]
+        shown = {"before": indent(loop), "ranges": "inside"}
+    return fill("check_limits.c", values | shown | {"positive": " and rods longer than zero"})
+
+
+def _range_tests(platform: RodPlatform) -> list[str]:
+    """C conditions that joint values must all satisfy, joint by joint."""
+    real, size = platform.real, platform.mechanism.size
+    slack = max(1e-9, 16 * real.epsilon) * size
+    zero = platform.lengths(platform.home) if platform.options.home_relative else np.zeros(6)
+    tests = []
+    for i, limb in enumerate(platform.mechanism.limbs):
+        assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
+        low = max(-limb.offset + 1e-6 * size, limb.limits[0] - slack if limb.limits else -np.inf) - zero[i]
+        if platform.options.geometry == "struct" and not limb.limits and not platform.options.home_relative:
+            tests.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
+        else:
+            tests.append(f"(joints[{i}] >= {real.literal(low)})")
+        if limb.limits:
+            tests.append(f"(joints[{i}] <= {real.literal(limb.limits[1] + slack - zero[i])})")
+    return tests
+
+
+def _jacobian_function(rods: Rods, geometry: ca.SX) -> ca.Function:
+    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the squared rod lengths, which is
+    zero where a rod has none; and the joint values, which order the common subexpressions and with them the text."""
+    x = ca.SX.sym("x", 7)
+    arms, d, delta = rod_vectors(rods, x[:3], x[3:])
+    squared = [dot(v, v) for v in d]
+    lengths = [ca.sqrt(s) for s in squared]
+    if rods.home is None:
+        joints = [length - offset for length, offset in zip(lengths, rods.offsets, strict=True)]
+    else:
+        joints = [
+            dot(2 * d0 + change, change) / (length + length0)
+            for d0, change, length, length0 in zip(rods.home, delta, lengths, rods.home_lengths, strict=True)
+        ]
+    rows = []
+    for arm, v, length in zip(arms, d, lengths, strict=True):
+        inverse = 1 / length
+        rows.append(ca.vertcat(v * inverse, cross(arm, v) * inverse))
+    product = squared[0]
+    for square in squared[1:]:
+        product = product * square
+    return ca.Function("pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), product], {"cse": True})

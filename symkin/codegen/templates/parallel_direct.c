@@ -1,0 +1,70 @@
+/* Reads joints and guess: checks both and sets the state to the guess's. */
+static @{SHARED} @{p}_status @{p}_read_guess(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
+{
+    @{p}_status status = @{p}_check_limits(@{ga}joints);
+    if (status == @{P}_OK) {
+@{enter}
+    }
+    return status;
+}
+
+/* Writes the pose of the state. */
+static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose *pose)
+{
+@{use}
+@{leave}
+}
+
+/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
+static @{COLD} @{p}_status @{p}_failure_status(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_status status)
+{
+    return @{p}_check_finite(guess->position, 3, @{p}_check_finite(joints, @{nq}, status));
+}
+
+@{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
+{
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    @{p}_direct_work w;
+    @{p}_status status = @{p}_read_guess(@{ga}&w, joints, guess);
+    if (status == @{P}_OK) {
+@{unwrap}
+        status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
+@{check_branch}
+        if (status == @{P}_OK) {
+            @{p}_write_pose(@{ga}&w, pose);
+        } else {
+            status = @{p}_failure_status(joints, guess, status);
+        }
+    } else {
+        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    }
+    return status;
+}
+
+@{p}_status @{p}_track(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
+{
+    @{p}_direct_work w;
+    @{p}_status status = @{p}_read_guess(@{ga}&w, joints, pose);
+    if (status == @{P}_OK) {
+@{unwrap}
+        /* one step of Newton's method from the last pose */
+        @{p}_direct_set_target(@{ga}&w, @{to}@{whole});
+        @{p}_direct_rows(@{ga}&w);
+        if (@{track_factor}) {
+            @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+            status = @{p}_failure_status(joints, pose, @{P}_SINGULAR);
+        } else {
+            @{p}_direct_solve(&w);
+            const @{real} size = @{p}_direct_apply_step(@{ga}&w);
+            @{p}_write_info(info, 1U, @{kappa} * size, size, w.spread);
+            if (size <= @{track2}) {
+                @{p}_write_pose(@{ga}&w, pose);
+            } else {
+                status = @{p}_failure_status(joints, pose, @{P}_WRONG_BRANCH);
+            }
+        }
+    } else {
+        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    }
+    return status;
+}

@@ -1,0 +1,93 @@
+"""The proofs of steps: tubes hold one branch of a closed form, and none is proved over a fold."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.laws import same_angle
+from helpers.samples import (
+    COUPLER,
+    CRANK,
+    GROUND,
+    ROCKER,
+    TOGGLE,
+    bars,
+    rocker_angle,
+)
+from symkin.following.cubic import Cubic
+from symkin.following.last_tube import on_plane
+from symkin.following.path_system import coefficients, path_systems
+from symkin.following.step_certificate import Interval
+from symkin.following.trajectory import make_trajectory
+from symkin.position.problem import build_problem
+
+
+def test_tube_holds_one_branch_and_not_the_other():
+    """The closed form's branch lies in the proved tube at every crank angle of the step, the other branch outside."""
+    mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
+    problem = build_problem(mechanism, "direct")
+    system = path_systems(problem)[0]
+    index = [c.name for c in problem.system.unknowns].index("d")
+    trajectory = make_trajectory(mechanism, joints=[[1.0], [1.05]])
+    interval = Interval(system, coefficients(problem, *trajectory.samples))
+    ends = []
+    for angle in (1.0, 1.05):
+        mode = next(m for m in symkin.modes(mechanism, joints=[angle]) if _on(m.joints["d"], angle, 0))
+        ends.append(np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale)
+    slopes = [_slope(interval, np.append(z, u)) for z, u in zip(ends, (0.0, 1.0), strict=True)]
+    curve = Cubic.hermite(np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0)
+    tube = interval.tube(curve, np.append(np.zeros(len(ends[0])), 1.0))
+    assert tube is not None
+    for u in np.linspace(0, 1, 21):
+        own, other = (rocker_angle(1.0 + 0.05 * u, k) - rocker_angle(math.pi / 3, 0) for k in (0, 1))
+        assert abs(own - curve.at(u)[index]) < tube.half[index] < abs(other - curve.at(u)[index])
+
+
+def _on(d: float, angle: float, branch: int) -> bool:
+    return same_angle(d, rocker_angle(angle, branch) - rocker_angle(math.pi / 3, 0), 1e-6)
+
+
+def _slope(interval: Interval, y: np.ndarray) -> np.ndarray:
+    jacobian = interval.evaluate(y)[1]
+    return np.append(-np.linalg.solve(jacobian[:, :-1], jacobian[:, -1]), 1.0)
+
+
+def test_no_tube_over_a_fold_or_off_the_branch():
+    """No tube is proved over crank angles beyond the toggle, nor about a curve that is off the branch."""
+    mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
+    problem = build_problem(mechanism, "direct")
+    system = path_systems(problem)[0]
+    mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-3])[0]
+    z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
+    for end, shift in ((TOGGLE + 1e-3, 0.0), (TOGGLE - 0.99e-3, 0.3)):
+        trajectory = make_trajectory(mechanism, joints=[[TOGGLE - 1e-3], [end]])
+        interval = Interval(system, coefficients(problem, *trajectory.samples))
+        slope = _slope(interval, np.append(z, 0.0))
+        a = np.append(z + shift, 0.0)
+        curve = Cubic.hermite(a, slope, a + slope, slope, 1.0)
+        assert interval.tube(curve, np.append(np.zeros(len(z)), 1.0)) is None
+
+
+@pytest.mark.parametrize(("path", "folds"), [((TOGGLE - 1e-2, TOGGLE), True), ((TOGGLE, TOGGLE - 1e-2), False)])
+def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
+    """Through the toggle the crank angle has a maximum over the arc of the branch: u curves down where it grows to the
+    toggle, and up where it grows away from it."""
+    mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
+    problem = build_problem(mechanism, "direct")
+    system = path_systems(problem)[0]
+    trajectory = make_trajectory(mechanism, joints=[[v] for v in path])
+    interval = Interval(system, coefficients(problem, *trajectory.samples))
+    mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-6])[0]
+    z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
+    y = np.append(z, (TOGGLE - 1e-6 - path[0]) / (path[1] - path[0]))
+    null = np.linalg.svd(interval.evaluate(y)[1][:, :-1])[2][-1]
+    direction = np.append(null, 0.0)
+    a, b = (on_plane(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
+    curve = Cubic.hermite(*a, *b, float(direction @ (b[0] - a[0])))
+    tube = interval.tube(curve, direction)
+    assert tube is not None
+    assert interval.folds_once(curve, direction, tube) == folds
