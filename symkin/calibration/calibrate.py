@@ -126,10 +126,10 @@ class _Options:
 def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrationOptions]) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
-    The parameters p make the weighted squares of the residuals least, r = W (readings - h(q, p)), where the pose follows from
-    F(q, x, X, p) = 0 at each configuration; combinations that no reading determines are held by the least change from nominal.
-    Readings that do not belong are found by their normalised residuals, and left out unless `outliers` says otherwise. `options` are
-    those of `CalibrationOptions`: parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
+    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights W from
+    the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at the joint
+    readings q_i. What no reading determines is held by the least change from nominal. `options` are those of `CalibrationOptions`:
+    parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
     Source: Hollerbach, Khalil, Gautier, Model Identification, Springer Handbook of Robotics, 2016.
