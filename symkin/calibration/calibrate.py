@@ -12,7 +12,7 @@ import numpy as np
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import (
-    ROUGH_CLOSURE_TOLERANCE,
+    ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
     determinant_signs,
     newton_configurations,
@@ -278,7 +278,7 @@ class _Fitting:
 
     def _solve_roughly(self, p: np.ndarray, seed: int, z: np.ndarray | None = None) -> SolvedConfigurations:
         problem = self.problem
-        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
         """The problem of the configurations that are solved."""

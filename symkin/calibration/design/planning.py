@@ -173,7 +173,7 @@ def plan_measurements(
     aligned, seed. Of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
     trace M^-1 least, I-optimality the mean variance of poses over the workspace least.
 
-    Raises InputError for counts that cannot be, and where readings tell nothing of the geometry. Source: Atkinson and Donev,
+    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry. Source: Atkinson and Donev,
     Optimum Experimental Designs, 1992.
 
     >>> import symkin

@@ -27,7 +27,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, newton_configurations
+from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, newton_configurations
 from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
@@ -220,7 +220,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
         return Departure(share=1.0, position=0.0, angle=0.0, unclosed=0, configurations=0)
     joints = problem.measurements.joints[rows]
     with np.errstate(all="ignore"):
-        z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE)
     length, centre = lever(problem.mechanism), np.mean(platform_points(problem.mechanism), axis=0)
     here = _PoseSet.at(fitted, centre, length)
     spread = here.spread

@@ -25,6 +25,7 @@ from symkin.caching import cached_property
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Readings, deviations, group_basis, group_sum, neighbours, whitening
 from symkin.calibration.estimate.state import (
+    CONSTRAINT_ROUNDING,
     State,
     closed_state,
     error_free_design,
@@ -35,6 +36,7 @@ from symkin.calibration.estimate.state import (
     joint_covariance_at,
     spectrum,
 )
+from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 if TYPE_CHECKING:
@@ -165,7 +167,7 @@ def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarr
     if state.leftover is None:
         return found.determined
     null = found.null_space
-    return _null_basis(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
+    return null_space(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]), CONSTRAINT_ROUNDING).T
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
@@ -182,12 +184,6 @@ def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -
     if not readings.groups:
         return values
     return np.asarray(values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group])
-
-
-def _null_basis(rows: np.ndarray) -> np.ndarray:
-    """Orthonormal columns that the rows map to zero."""
-    _, singular, right = np.linalg.svd(rows, full_matrices=True)
-    return np.asarray(right[int(np.sum(singular > 1e-9)) :].T)
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
