@@ -69,7 +69,9 @@ class Lines:
 
 def fit(problem: CalibrationProblem, method: str = "nested") -> Estimate:
     """From nominal to the estimate: direct problems, then least squares."""
-    postures = solve_configurations(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE)
+    postures = solve_configurations(
+        problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
+    )
     return estimate(problem, postures.z, method=method)
 
 

@@ -38,6 +38,10 @@ _LOOPING = TrackSettings(most_steps=400)
 _ORBIT_LOOPS_AT_ONCE = 4
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
+_LOOPS_APART = 20
+"""Loops in a row that connect no two orbits before orbits are told apart. A loop around one branch point moves every root and
+connects only the pairs that meet there, so that moved roots alone are no evidence: where one loop in five would connect two
+orbits, twenty miss it once in a hundred times."""
 
 
 class TooManyRootsError(Exception):
@@ -129,9 +133,7 @@ def fibre(
     if found is None:
         return None
     search = _Search(system, found, k0, looping.angles, rng)
-    while search.loops < looping.most_loops and search.evidence < looping.needed:
-        if looping.bound is not None and search.found.z.shape[1] >= looping.bound:
-            break
+    while search.loops < looping.most_loops and not search.is_over(looping):
         search.go_round(looping.needed, looping.most_loops)
         if progress is not None:
             progress(int(100 * min(1.0, search.evidence / looping.needed)), 100)
@@ -155,11 +157,18 @@ class _Search:
     loops: int = 0
     work: float = 0.0
     at_once: int = _FEWEST_AT_ONCE
+    apart: int = 0
+    """Loops since the last that found a root or connected two orbits."""
+
+    def is_over(self, looping: Looping) -> bool:
+        """Whether the bound or the evidence is reached, and orbits that are left have stayed apart for long enough."""
+        reached = looping.bound is not None and self.found.z.shape[1] >= looping.bound
+        return (reached or self.evidence >= looping.needed) and (self.found.parts == 1 or self.apart >= _LOOPS_APART)
 
     def go_round(self, needed: float, most_loops: int) -> None:
         """Several loops at once, all of the same roots. Where one finds a root, none of them is evidence: the others did not
         move it. After idle ones come as many as the evidence `needed` seems to take."""
-        z = self.found.z
+        z, parts = self.found.z, self.found.parts
         roots = z.shape[1]
         count = min(self.at_once, most_loops - self.loops, max(1, _PATHS_AT_ONCE // roots))
         loops = around(self.system, z, [self._triangle() for _ in range(count)])
@@ -171,11 +180,13 @@ class _Search:
         if self.found.z.shape[1] > MOST_ROOTS:
             raise TooManyRootsError(self.found.z.shape[1])
         if self.found.z.shape[1] > roots:
-            self.found, self.evidence, self.at_once = self.found.compressed(), 0.0, _FEWEST_AT_ONCE
+            self.found, self.evidence, self.at_once, self.apart = self.found.compressed(), 0.0, _FEWEST_AT_ONCE, 0
             return
+        self.apart = self.apart + count if self.found.parts == parts else 0
         gained = sum(_evidence(m, roots) for m, loop in zip(moved, loops, strict=True) if loop.arrived.any())
         self.evidence += gained
-        self.at_once = int(np.clip(np.ceil((needed - self.evidence) / max(gained / count, 0.1)), 1, _LOOPS_AT_ONCE))
+        fewest = _ORBIT_LOOPS_AT_ONCE if self.found.parts > 1 else 1
+        self.at_once = int(np.clip(np.ceil((needed - self.evidence) / max(gained / count, 0.1)), fewest, _LOOPS_AT_ONCE))
 
     def _triangle(self) -> list[np.ndarray]:
         """A random loop k0, k1, k2, k0."""
@@ -248,14 +259,15 @@ def orbits(
     system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 10.0
 ) -> np.ndarray:
     """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
-    connection is `needed`. All zero where the loops leave a root alone: that is no evidence of a part of its own."""
-    found, evidence, loops = _Found.of(system, z), 0.0, 0
-    while found.parts > 1 and evidence < needed and loops < _MOST_ORBIT_LOOPS:
+    connection is `needed` and `_LOOPS_APART` have connected none. All zero where the loops leave a root alone: that is no evidence
+    of a part of its own."""
+    found, evidence, loops, apart = _Found.of(system, z), 0.0, 0, 0
+    while found.parts > 1 and (evidence < needed or apart < _LOOPS_APART) and loops < _MOST_ORBIT_LOOPS:
         count = max(1, min(_ORBIT_LOOPS_AT_ONCE, _PATHS_AT_ONCE // z.shape[1]))
         for loop in around(system, found.z, [[k0, corner(), corner(), k0] for _ in range(count)]):
             before, loops = found.parts, loops + 1
             moved = _absorb(found, replace(loop, arrived=loop.arrived & (found.match(loop.z) >= 0)))
-            evidence = evidence + _evidence(moved, z.shape[1]) if found.parts == before else 0.0
+            evidence, apart = (evidence + _evidence(moved, z.shape[1]), apart + 1) if found.parts == before else (0.0, 0)
     labels = np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
     return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
 
