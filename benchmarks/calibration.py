@@ -42,7 +42,7 @@ from helpers.tracker import Hexapod
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import joint_frames
-from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, solve_configurations
+from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.solver import Estimate, estimate
 from symkin.calibration.judge.outliers import screen_readings
@@ -69,7 +69,7 @@ class Lines:
 
 def fit(problem: CalibrationProblem, method: str = "nested") -> Estimate:
     """From nominal to the estimate: direct problems, then least squares."""
-    postures = solve_configurations(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
+    postures = solve_configurations(problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE)
     return estimate(problem, postures.z, method=method)
 
 

@@ -1,12 +1,16 @@
-"""A sweep beside the same enumeration in one process: time per point and core, and memory.
+"""A sweep beside the same enumeration in one process: time per point and core, and memory; then what a point of a grid takes.
 
-    python benchmarks/sweep.py [--points 10000] [--workers 2] [--seed 0] [--chunk 500] [--directory DIR]
+    python benchmarks/sweep.py [--points 10000] [--workers 2] [--seed 0] [--chunk 500] [--directory DIR] [--grids 1.0]
 
 Random leg lengths of `zhang2009` (+-40 mm about its example), all modes. The reference enumerates some of the same chunks in
 this process and stores nothing, half of them before the sweep and half after it, so that a busy machine slows both. "wall":
 time that passed, times the workers, over the points, start-up of processes and writing included; "cpu": processor time of
 all processes, which a busy machine changes less. `symkin.modes`, with certificates, is timed on a few points. 100,000
 points on two processors must take at most 1.3 times the reference's, and all processes together 1 GB.
+
+Grids over two joints of a five-bar, a planar 3-RRR and two hexapods (28 and 40 paths), in this process, storing included: time a
+point in T, `numpy.linalg.solve` on 40 complex 8 x 8 systems, measured before and after each; `--grids` scales their sizes, 0 leaves
+them out. On a busy machine the processor's time in T says more.
 """
 
 from __future__ import annotations
@@ -17,14 +21,18 @@ import resource
 import sys
 import tempfile
 import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 import symkin
+from enumeration import ReferenceKernel
 from symkin.sweeps.plan import Plan, make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 LIMIT, MEMORY_MB = 1.3, 1024.0
 """Most that a point may cost, of the reference, and most memory of all processes."""
@@ -35,6 +43,13 @@ REFERENCE_POINTS, MODES_POINTS = 10_000, 50
 
 def main() -> None:
     options = arguments()
+    if options.points:
+        time_sample(options)
+    for grid in grids(options.grids) if options.grids else []:
+        time_grid(grid)
+
+
+def time_sample(options: argparse.Namespace) -> None:
     mechanism = symkin.load("zhang2009")
     ranges = {c.name: (v - ABOUT_MM, v + ABOUT_MM) for c, v in zip(mechanism.actuated, mechanism.example.joints, strict=True)}
     space = make_space(mechanism, ranges, sample=options.points, seed=options.seed)
@@ -78,6 +93,52 @@ def main() -> None:
     )
 
 
+@dataclass(frozen=True)
+class Grid:
+    """A case: its mechanism, half the range of two swept joints, values along each, and most T that a point may take."""
+
+    mechanism: symkin.Mechanism
+    half_range: float
+    values: int
+    most_t: float
+
+
+def grids(scale: float) -> list[Grid]:
+    """Angles by half a radian, lengths by a tenth of the size."""
+    from helpers.samples import five_bar, three_rrr
+
+    five, three = five_bar(), three_rrr("planar")
+    cases = [
+        Grid(five, five.angle_out(0.5), 300, 0.5),
+        Grid(three, three.angle_out(0.5), 150, 3.0),
+        *(Grid(m, 0.1 * m.size, n, 30.0) for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))),
+    ]
+    return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
+
+
+def time_grid(grid: Grid) -> None:
+    """Sweep a grid once, after a small one that prepares all."""
+    mechanism, kernel = grid.mechanism, ReferenceKernel()
+    at = [mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated]
+    if all(isinstance(limb, symkin.RodLimb) for limb in mechanism.limbs):
+        raised = symkin.Pose(
+            np.array([0.0, 0.0, mechanism.size]), np.array([1.0, 0.05, 0.08, 0.1]) / np.linalg.norm([1.0, 0.05, 0.08, 0.1])
+        )
+        at = list(symkin.solve(mechanism, pose=raised).solution.actuated)
+    ends = [(c.name, v - grid.half_range, v + grid.half_range) for c, v in zip(mechanism.actuated[:2], at[:2], strict=True)]
+    with tempfile.TemporaryDirectory() as folder:
+        sweep(mechanism, {name: np.linspace(low, high, 3) for name, low, high in ends}, Path(folder) / "first", at=at, workers=0)
+        before, wall, cpu = kernel.seconds(100), time.perf_counter(), time.process_time()
+        values = {name: np.linspace(low, high, grid.values) for name, low, high in ends}
+        found = sweep(mechanism, values, Path(folder) / "s", at=at, workers=0)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    unit = 0.5 * (before + kernel.seconds(100)) * found.points
+    print(
+        f"{mechanism.name:16}{found.points:7d} points in {found.chunks} chunks: {1e6 * wall / found.points:8.1f} us a point, "
+        f"{wall / unit:6.2f} T (cpu {cpu / unit:.2f} T); allowed {grid.most_t} T: {verdict(cpu / unit <= grid.most_t)}"
+    )
+
+
 KILO = 1024.0 * (1024.0 if sys.platform == "darwin" else 1.0)
 """What `ru_maxrss` counts in, of a megabyte."""
 
@@ -88,6 +149,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--chunk", type=int, default=500)
+    parser.add_argument("--grids", type=float, default=1.0, help="size of the grids; 0 leaves them out")
     parser.add_argument("--directory", help="where the folder is left; default: a temporary one")
     return parser.parse_args()
 

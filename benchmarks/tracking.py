@@ -24,7 +24,8 @@ from symkin.following.track import track
 from symkin.following.track_result import Track
 from symkin.position.problem import Problem
 from symkin.position.roots import features
-from symkin.position.solution import Solution, make_solution
+from symkin.position.solution import Solution
+from symkin.position.solution_list import make_solution
 
 FAULTS = ("lost", "astray", "unnoticed", "false stop")
 """What can be wrong: an end that the enumeration lacks; an independent continuation that comes to no end; one that comes to

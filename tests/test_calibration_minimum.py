@@ -13,7 +13,7 @@ from helpers import parallel_arm
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.data.files import write_measurements
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.judge import read_back
+from symkin.calibration.judge import assessment
 from symkin.cli.app import main
 from symkin.model.file import load, parse
 
@@ -76,7 +76,7 @@ def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path
     the file is written."""
     rng = np.random.default_rng([1, 5])
     data = parallel_arm.measured(parallel_arm.random_table(rng), rng)
-    arm, corrected = parallel_arm.arm(), read_back.with_parameters
+    arm, corrected = parallel_arm.arm(), assessment.with_parameters
     (tmp_path / "arm.toml").write_text(arm.to_toml())
     write_measurements(tmp_path / "data.csv", arm, data)
 
@@ -84,7 +84,7 @@ def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path
         return corrected(mechanism, {name: float(f"{value:.5g}") for name, value in values.items()})
 
     for lossy in (True, False):
-        monkeypatch.setattr(read_back, "with_parameters", rounded if lossy else corrected)
+        monkeypatch.setattr(assessment, "with_parameters", rounded if lossy else corrected)
         with pytest.raises(SystemExit) as ended:
             main(["calibrate", "fit", str(tmp_path / "arm.toml"), str(tmp_path / "data.csv"), "-o", str(tmp_path / "out")])
         assert ended.value.code == (3 if lossy else 0)

@@ -17,7 +17,7 @@ from symkin.calibration.design.simulation import Noise, group_numbers, random_co
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.fit_file import fit_file, match_parameters
-from symkin.calibration.judge.column_order import best_column_order
+from symkin.calibration.judge.assignments import best_column_order
 from symkin.calibration.judge.diagnoses import nominal_misfit
 from symkin.cli.app import main
 from symkin.closure.closure import build_closure

@@ -26,7 +26,7 @@ from symkin import InputError
 from symkin.cli.app import main
 from symkin.plots.loci_plot import figure_of_loci
 from symkin.position.problem import build_problem
-from symkin.position.solution import make_solution
+from symkin.position.solution_list import make_solution
 from symkin.singularities.classification import classify
 from symkin.singularities.loci import Loci
 from symkin.singularities.locus_system import locus_systems, plane_of

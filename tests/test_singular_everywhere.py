@@ -12,7 +12,7 @@ import symkin
 from helpers.samples import delta, four_bar, pieper, random_mechanism, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.problem import build_problem
-from symkin.position.solution import make_solution
+from symkin.position.solution_list import make_solution
 from symkin.singularities.classification import classify, singularity
 from symkin.singularities.singularity import Singularity
 

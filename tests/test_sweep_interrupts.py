@@ -12,10 +12,9 @@ import pytest
 
 import symkin
 from symkin.sweeps.interrupts import interrupts_held, interrupts_kept_from_children
-from symkin.sweeps.plan import make_plan
+from symkin.sweeps.plan import Job, compute_chunk, make_plan
 from symkin.sweeps.space import make_space
 from symkin.sweeps.store import Store, open_store
-from symkin.sweeps.work import Job, compute_chunk
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs the signals of POSIX"),

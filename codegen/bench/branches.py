@@ -79,7 +79,7 @@ class Found:
 
 def goals_about(kind: Kind, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
     """Joint values (count, joints): of poses about home, or about the reference's joint values; kept within limits."""
-    size, joints = kind.mechanism.size, kind.mechanism.actuated
+    size, joints = kind.mechanism.characteristic_length, kind.mechanism.actuated
     if isinstance(kind, RodPlatform):
         goals = np.array([kind.lengths(_pose_about(kind.home, reach, size, rng)) for _ in range(count)])
     else:
@@ -105,7 +105,7 @@ def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | Non
     kind = build_program(mechanism, options).kind
     problem = build_problem(mechanism, "direct")
     home = home_values(kind, problem.closure)  # type: ignore[arg-type]
-    rng, epsilon, size = np.random.default_rng(seed), Real(options.real).epsilon, mechanism.size
+    rng, epsilon, size = np.random.default_rng(seed), Real(options.real).epsilon, mechanism.characteristic_length
     reach = reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS)
     walker, ask = Walker(problem), asking(mechanism, options)
     first, pose = problem.select_values(home, problem.system.unknowns), pose_of(problem.closure, home)

@@ -93,7 +93,7 @@ class Both:
         return Answer(code, self._of_unknowns(found, known) if np.isfinite(row) else np.full(12, np.nan), row)
 
     def _row(self, z: np.ndarray, known: np.ndarray) -> float:
-        largest = float(np.abs(np.array(self.plain.rows(z, known))).max()) / self.plain.problem.closure.size
+        largest = float(np.abs(np.array(self.plain.rows(z, known))).max()) / self.plain.problem.closure.characteristic_length
         return largest if np.isfinite(largest) else np.nan
 
     def _of_pose(self, pose: np.ndarray) -> np.ndarray:
@@ -104,15 +104,15 @@ class Both:
         return self._flat(pose_of(problem.closure, problem.join_values(z, known)))
 
     def _flat(self, pose: Pose) -> np.ndarray:
-        return np.concatenate([pose.position, self.plain.problem.closure.size * pose.rotation.ravel()])
+        return np.concatenate([pose.position, self.plain.problem.closure.characteristic_length * pose.rotation.ravel()])
 
     def same(self, one: Answer, other: Answer) -> bool:
         """Angles of arms are compared as they are: a turn more is another command."""
-        scale = 1.0 if self.serial else self.plain.problem.closure.size
+        scale = 1.0 if self.serial else self.plain.problem.closure.characteristic_length
         gap = np.abs(one.values - other.values)
         if self.serial:
             sliding = np.array([not c.is_angular for c in self.plain.mechanism.actuated])
-            gap[sliding] /= self.plain.problem.closure.size
+            gap[sliding] /= self.plain.problem.closure.characteristic_length
         return bool(gap.max() <= SAME * scale)
 
     # --- starts and goals --------------------------------------------------------------------------------------------
@@ -132,7 +132,9 @@ class Both:
         if not self.serial:
             return goals_about(kind, count, WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS, rng)
         mechanism = self.plain.mechanism
-        spread = [WIDE_POSES.turn if c.is_angular else WIDE_JOINTS.part * mechanism.size for c in mechanism.actuated]
+        spread = [
+            WIDE_POSES.turn if c.is_angular else WIDE_JOINTS.part * mechanism.characteristic_length for c in mechanism.actuated
+        ]
         joints = self.start + np.array(spread) * rng.uniform(-1, 1, (count, len(spread)))
         return np.array([kind.forward_at(q) for q in joints])  # type: ignore[union-attr]
 
@@ -144,7 +146,7 @@ class Both:
         if self.serial:
             far[:3] *= 10.0
         elif isinstance(self.plain.program.kind, RodPlatform):
-            far[0] += 5.0 * self.plain.problem.closure.size
+            far[0] += 5.0 * self.plain.problem.closure.characteristic_length
         else:
             far[[not c.is_angular for c in self.plain.mechanism.actuated]] *= 1e-3
         bad[0] = np.nan

@@ -16,12 +16,12 @@ from symkin.caching import cached_property, lru_cache
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import complex_count, real_candidates
-from symkin.homotopy.engine import engine_of
-from symkin.homotopy.many_instances import APART, nearest, plain_instances
+from symkin.homotopy.engine import aligned, engine_of
+from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
-from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, DISTINCT_ROOTS, SUSPECT_CONDITION
 from symkin.position.canonical import canonical
@@ -35,12 +35,12 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 @dataclass(frozen=True, eq=False)
 class BlockRoots:
     """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing, `owner` (m,) their instances,
-    rising, `residual` and `condition` (m,); `plain` (n,) the instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
+    rising, `residual` (m,), `extremes` (m, 2): the largest and smallest singular values of their Jacobians; `plain` (n,) the instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
 
     points: np.ndarray
     owner: np.ndarray
     residual: np.ndarray
-    condition: np.ndarray
+    extremes: np.ndarray
     plain: np.ndarray
     complex_count: np.ndarray
     proofs: RootProofs | None
@@ -96,12 +96,17 @@ class BlockPaths:
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
         k = known_values(self.problem, known.T)
-        ends, plain = plain_instances(self.algebraic, self.start, k)
+        proves = certify and self.prover.proves_ends
+        ends, plain = plain_instances(self.algebraic, self.start, k, judge=not proves)
         plain[plain] = self._clear(ends[plain])
         chosen = np.flatnonzero(plain)
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
-        proved = self.prover.ends(z, known, instance) if certify else None
+        proved = self.prover.ends(z, known, instance) if proves else None
+        if proved is not None and not proved.certified.all():  # a certified root is regular
+            left = np.flatnonzero(~proved.certified)
+            irregular = ~are_regular(self.algebraic, z[:, left], aligned(self.algebraic, self.start.k, k)[:, instance[left]])
+            plain[instance[left[irregular]]] = False
         counts, origin, columns, owner = self._real_ones(
             z, instance, plain, None if proved is None else proved.real == "not real"
         )
@@ -191,11 +196,11 @@ class BlockPaths:
         points = canonical(block.unknowns, self._slices, polished.points)
         residual = block.residuals(points, here)
         closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.size)
-        points, owner, condition = points[closed], owner[closed], conditions(polished.jacobians[closed])
-        plain[owner[~(condition < SUSPECT_CONDITION)]] = False
+        points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
+        plain[owner[~(condition_of(extremes) < SUSPECT_CONDITION)]] = False
         plain[_owners_of_equal(block, points, owner)] = False
         counts = counts << len(replaced_universal_joints(self.problem))
-        return BlockRoots(points, owner, residual[closed], condition, plain, counts, None), candidates.origin[closed]
+        return BlockRoots(points, owner, residual[closed], extremes, plain, counts, None), candidates.origin[closed]
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:

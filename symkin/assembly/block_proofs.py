@@ -48,11 +48,8 @@ class BlockProver:
         t = self.bound.theorem
         return f"{t.count}: {t.about} ({t.reference})"
 
-    def ends(self, z: np.ndarray, known: np.ndarray, instance: np.ndarray) -> CertificateBatch | None:
-        """Certificates of complex roots z (width, m) of the instances known (n, values); None where those of the real roots say
-        all."""
-        if not self.proves_ends:
-            return None
+    def ends(self, z: np.ndarray, known: np.ndarray, instance: np.ndarray) -> CertificateBatch:
+        """Certificates of complex roots z (width, m) of the instances known (n, values), where these say all (`proves_ends`)."""
         from symkin.certificate.certificate import certify_batch
         from symkin.certificate.exact import knowns_of
 

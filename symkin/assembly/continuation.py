@@ -28,12 +28,13 @@ from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
+from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
 from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import Proofs, Roots, is_of_continuum, unite
+from symkin.position.roots import Proofs, Roots, moves_freely, unite
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to 1e-9."""
@@ -87,8 +88,8 @@ def _block_roots(
     if doubtful or not len(points):
         count, generator = (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
         sampled = batched(problem, block, given, count, generator)
-        regular = [z for z in sampled.points if block.condition(z, given.values) < SUSPECT_CONDITION]
-        points = np.concatenate([points, np.array(regular).reshape(len(regular), block.width)])
+        regular = block.conditions(sampled.points, given.values) < SUSPECT_CONDITION
+        points = np.concatenate([points, sampled.points[regular]])
         continuum = sampled.continuum if continuum is None else continuum
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
@@ -141,15 +142,15 @@ def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z:
 
 def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> Roots:
     """Configurations polished on all rows; those that close, and those of them that are not isolated."""
+    starts = [np.concatenate([named[c.name] for c in block.unknowns]) for named in configurations]
+    polished = block.polish_many(np.array(starts).reshape(len(starts), block.width), known)
+    ends = block.fold(polished.points)
+    residuals, suspect = block.residuals(ends, known), conditions(polished.jacobians) > SUSPECT_CONDITION
     points: list[np.ndarray] = []
     members: list[np.ndarray] = []
-    smallest = np.inf
-    for named in configurations:
-        z = block.polish(np.concatenate([named[c.name] for c in block.unknowns]), known, steps=8)
-        z = block.fold(z[None])[0]
-        left = block.residual(z, known)
-        smallest = min(smallest, left)
-        if left <= CLOSURE_TOLERANCE * block.size:
-            (members if is_of_continuum(block, z, known) else points).append(z)
-    found = np.array(points).reshape(len(points), block.width)
+    for z, is_suspect in zip(
+        ends[residuals <= CLOSURE_TOLERANCE * block.size], suspect[residuals <= CLOSURE_TOLERANCE * block.size], strict=True
+    ):
+        (members if is_suspect and moves_freely(block, z, known) else points).append(z)
+    found, smallest = np.array(points).reshape(len(points), block.width), float(np.min(residuals, initial=np.inf))
     return Roots(block, found, None, smallest, continuum=np.array(members) if members else None)

@@ -11,16 +11,18 @@ import numpy as np
 
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.mode_list import Completeness, Modes
+from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.search import Search
 from symkin.errors import TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.given import Given, pose_from
+from symkin.position.given import Given
 from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
-from symkin.position.solution import PartialProof, Solution, make_solution
+from symkin.position.solution import PartialProof, Solution
+from symkin.position.solution_list import checked_solutions, make_solution
 from symkin.position.starts import start_values
 
 _NEARLY_CLOSED = 1e-4
@@ -207,31 +209,26 @@ def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Soluti
             f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
             "listed; solve for one of them near a start"
         )
-    found = []
-    for parts in product(*(range(len(b.points)) for b in blocks)):
-        values = np.empty(int(problem.closure.variables.shape[0]))
-        for roots, k in zip(blocks, parts, strict=True):
-            for c, place in zip(roots.system.unknowns, roots.system.slices, strict=True):
-                values[problem.closure.slices[c.name]] = roots.points[k][place]
-        start = 0
-        for c in problem.known_coordinates:
-            values[problem.closure.slices[c.name]] = given.values[start : start + c.width]
-            start += c.width
-        hits = [int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None]
-        solution = make_solution(problem, values, hits=min(hits, default=None), notes=given.notes)
-        found.append(_with_certificate(solution, blocks, parts))
-    return sorted(found, key=lambda s: _sort_key(problem, s))
+    parts = np.array(list(product(*(range(len(b.points)) for b in blocks))), dtype=int).reshape(count, len(blocks))
+    values = np.empty((count, int(problem.closure.variables.shape[0])))
+    values[:, problem.known_places] = given.values
+    for roots, chosen in zip(blocks, parts.T, strict=True):
+        values[:, problem.places(roots.system.unknowns)] = roots.points[chosen]
+    found = checked_solutions(problem, values, given.notes)
+    order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(count, dtype=int))
+    return [_with_parts(found[i], blocks, tuple(parts[i].tolist())) for i in order.tolist()]
 
 
-def _with_certificate(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
-    """A mode is certified if each part is; its radius is the largest of theirs."""
+def _with_parts(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
+    """A mode with what is known of its parts: it is certified if each of them is, and its radius is the largest of theirs."""
+    hits = min((int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None), default=None)
     proofs = [roots.proofs for roots in blocks]
     if not all(proofs):
-        return solution
+        return replace(solution, hits=hits)
     certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
     radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
     ground = None if certified else _ground(blocks, parts)
-    return replace(solution, certified=certified, radius=radius, ground=ground)
+    return replace(solution, hits=hits, certified=certified, radius=radius, ground=ground)
 
 
 def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
@@ -244,15 +241,3 @@ def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
         rows = int(roots.system.rows.shape[0])
         found.append(PartialProof(rows, rows, float(p.radius[k]), 0.0) if p.certified[k] else p.partial[k])
     return PartialProof.joined([part for part in found if part is not None])
-
-
-def _sort_key(problem: Problem, solution: Solution) -> tuple[float, ...]:
-    """Nearest to the example's start or the reference pose first; ties by joint values, all rounded."""
-    mechanism, size = problem.mechanism, problem.closure.size
-    reference = mechanism.reference_pose
-    if problem.kind == "direct" and mechanism.example is not None and mechanism.example.start is not None:
-        reference = pose_from(mechanism.example.start) if mechanism.example.joints is not None else reference
-    turn = float(np.sum((solution.rotation - reference.rotation) ** 2))
-    away = float(np.linalg.norm(solution.position - np.asarray(reference.position))) / size
-    flat = np.concatenate([np.atleast_1d(np.asarray(v, dtype=float)) for v in solution.values.values()])
-    return (round(turn + away**2, 6), *np.round(flat, 6))

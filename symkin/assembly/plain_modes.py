@@ -22,7 +22,7 @@ from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache import cache_folder
 from symkin.numeric.levenberg import Progress
-from symkin.numeric.system import System
+from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.canonical import canonical, poses_of, within_limits
 from symkin.position.problem import Problem
@@ -89,8 +89,8 @@ class PlainModes:
         )
 
     def _found(self, known: np.ndarray, certify: bool) -> Plain:
-        plain = self._meets_conditions(known) if self.parts else np.zeros(len(known), dtype=bool)
-        places = np.flatnonzero(plain)
+        constant = self._errors_without_unknowns(known)
+        places = np.flatnonzero((constant <= CLOSURE_TOLERANCE * self.problem.closure.size) & bool(self.parts))
         known = known[places]
         blocks = [part.roots(known, certify=certify) for part in self.parts] if places.size else []
         good = np.ones(len(places), dtype=bool)
@@ -102,18 +102,20 @@ class PlainModes:
         proved = np.array(complete, dtype=bool).reshape(len(blocks), len(kept)).T
         if not blocks:
             proved = np.zeros((len(kept), len(self.parts)), dtype=bool)
-        return Plain(self._combined(known, blocks, kept, proved), places[kept], proved)
+        return Plain(self._combined(known, constant[places], blocks, kept, proved), places[kept], proved)
 
-    def _meets_conditions(self, known: np.ndarray) -> np.ndarray:
-        """Inputs (n,) that do not contradict rows without unknowns."""
+    def _errors_without_unknowns(self, known: np.ndarray) -> np.ndarray:
+        """By how much inputs contradict rows without unknowns (n,), length unit."""
         conditions = self.problem.conditions
         if not conditions.errors.shape[0]:
-            return np.ones(len(known), dtype=bool)
-        left = conditions.residuals(np.zeros((len(known), 0)), known)
-        return np.asarray(left <= CLOSURE_TOLERANCE * self.problem.closure.size)
+            return np.zeros(len(known))
+        return conditions.residuals(np.zeros((len(known), 0)), known)
 
-    def _combined(self, known: np.ndarray, blocks: list[BlockRoots], kept: np.ndarray, proved: np.ndarray) -> ModeTable:
-        """All modes of the instances `kept`: the product of their blocks' roots."""
+    def _combined(
+        self, known: np.ndarray, constant: np.ndarray, blocks: list[BlockRoots], kept: np.ndarray, proved: np.ndarray
+    ) -> ModeTable:
+        """All modes of the instances `kept`: the product of their blocks' roots. `constant` (n,) are the errors of rows without
+        unknowns."""
         problem, width = self.problem, int(self.problem.closure.variables.shape[0])
         counts = [block.counts[kept] for block in blocks]
         total = (
@@ -131,7 +133,7 @@ class PlainModes:
         position, quaternion = poses_of(problem.closure, values)
         order = order_of_modes(problem, values, position, quaternion, owner)
         values, position, quaternion = values[order], position[order], quaternion[order]
-        residual, condition = self._verified(values, blocks, chosen, order)
+        residual, condition = self._verified(values, blocks, [which[order] for which in chosen], constant[kept][owner])
         inside = within_limits(problem.closure, values)
         certified, radius = _certified(blocks, chosen, order)
         return ModeTable(
@@ -154,20 +156,17 @@ class PlainModes:
         )
 
     def _verified(
-        self, values: np.ndarray, blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.ndarray
+        self, values: np.ndarray, blocks: list[BlockRoots], chosen: list[np.ndarray], constant: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals and conditions (m,) of the whole system; those of a block that is the whole are known."""
-        system, problem = self.problem.system, self.problem
-        if len(blocks) == 1 and _is_whole(self.parts[0].block, system):
-            return blocks[0].residual[chosen[0]][order], blocks[0].condition[chosen[0]][order]
-        unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
-        return system.residuals(unknown, known), system.conditions(unknown, known)
-
-
-def _is_whole(block: System, system: System) -> bool:
-    """Whether a block has all unknowns and rows of a system, in the same order."""
-    sizes = (block.rows.shape, block.errors.shape) == (system.rows.shape, system.errors.shape)
-    return sizes and block.unknowns == system.unknowns
+        """Residuals and conditions (m,) of the whole system: the largest of the blocks' and of rows without unknowns; the blocks'
+        Jacobians are the diagonal of the whole one."""
+        problem, residual = self.problem, constant
+        for block, which in zip(blocks, chosen, strict=True):
+            residual = np.maximum(residual, block.residual[which])
+        if blocks and all(part.block.rows.shape[0] >= part.block.freedom for part in self.parts):
+            extremes = np.stack([block.extremes[which] for block, which in zip(blocks, chosen, strict=True)])
+            return residual, condition_of(np.stack([extremes[:, :, 0].max(axis=0), extremes[:, :, 1].min(axis=0)], axis=1))
+        return residual, problem.system.conditions(values[:, problem.unknown_places], values[:, problem.known_places])
 
 
 def _choices(blocks: list[BlockRoots], kept: np.ndarray, total: np.ndarray, owner: np.ndarray) -> list[np.ndarray]:

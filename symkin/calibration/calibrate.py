@@ -12,7 +12,7 @@ import numpy as np
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import (
-    ROUGH_CLOSURE_TOLERANCE,
+    ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
     determinant_signs,
     newton_configurations,
@@ -40,7 +40,6 @@ __all__ = [
     "METHODS",
     "OUTLIER_RULES",
     "Calibration",
-    "CalibrationKeywords",
     "CalibrationOptions",
     "Parameter",
     "Residual",
@@ -56,30 +55,35 @@ deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
-class CalibrationKeywords(TypedDict, total=False):
-    """Keywords of `calibrate`; see `CalibrationOptions`."""
+class CalibrationOptions(TypedDict, total=False):
+    """What `calibrate` takes beside mechanism and measurements; the values in brackets stand where nothing is given."""
 
     parameters: Sequence[str] | None
+    """Names of parameters to identify (see `parameter_names`, for factors of readings and measuring frames too). [all that matter]"""
     fixed: Sequence[str]
+    """Those among them that keep their nominal values, which is one way to choose frames (see `joint_frames`). [none]"""
     residual: str
+    """"means", "differences" or "maximum likelihood" (see `residuals`). ["means"]"""
     tolerance: tuple[float, float] | None
+    """Standard deviations to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a
+    posteriori. [none]"""
     method: str
+    """"nested", "lifted" or "ipopt". ["nested"]"""
     loss: str
+    """"squared", "huber" or "cauchy" (see `robust`). ["squared"]"""
     outliers: str
+    """"remove", "report" or "ignore". ["remove"]"""
     level: float | None
+    """Share of clean data sets in which a reading may be called an outlier. [0.02]"""
     max_iterations: int
+    """Most steps of an iteration. [60]"""
     seed: int
+    """Seed of random starts of direct problems. [0]"""
 
 
 @dataclass(frozen=True)
-class CalibrationOptions:
-    """`parameters` are names (default: all that the closure uses; see `parameter_names` for factors of readings and
-    measuring frames), `fixed` those among them that keep their nominal values, which is one way to choose frames (see
-    `joint_frames`); whatever else no reading tells is held by the least change from nominal. `tolerance` is the standard deviation
-    to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a posteriori. `residual`: "means",
-    "differences" or "maximum likelihood" (see `residuals`); `method`: "nested", "lifted" or "ipopt"; `loss`: "squared", "huber"
-    or "cauchy" (see `robust`); `outliers`: "remove", "report" or "ignore", at the family-wise `level` (default 0.02); `seed` is for
-    random starts of direct problems."""
+class _Options:
+    """The options of one call of `calibrate`, with their defaults."""
 
     parameters: Sequence[str] | None = None
     fixed: Sequence[str] = ()
@@ -119,12 +123,13 @@ class CalibrationOptions:
 
 
 @without_float_warnings
-def calibrate(mechanism: Mechanism, measurements: Measurements, **keywords: Unpack[CalibrationKeywords]) -> Calibration:
-    """Identify a mechanism's geometry from measurements; the keywords are those of `CalibrationOptions`.
+def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrationOptions]) -> Calibration:
+    """Identify a mechanism's geometry from measurements.
 
-    The parameters p make the weighted squares of the residuals least, r = W (readings - h(q, p)), where the pose follows from
-    F(q, x, X, p) = 0 at each configuration; combinations that no reading tells are held by the least change from nominal.
-    Readings that do not belong are found by their normalised residuals, and left out unless `outliers` says otherwise.
+    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights W from
+    the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at the joint
+    readings q_i. What no reading determines is held by the least change from nominal. `options` are those of `CalibrationOptions`:
+    parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
     Source: Hollerbach, Khalil, Gautier, Model Identification, Springer Handbook of Robotics, 2016.
@@ -138,7 +143,10 @@ def calibrate(mechanism: Mechanism, measurements: Measurements, **keywords: Unpa
     >>> found.status, round(found.values["dh.1.d"], 3)
     ('ok', 105.53)
     """
-    options = CalibrationOptions(**keywords)
+    return _calibrate(mechanism, measurements, _Options(**options))
+
+
+def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Options) -> Calibration:
     begin = time.perf_counter()
     measurements.check(mechanism)
     _check_residual_form(options.residual, measurements)
@@ -172,9 +180,7 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 # --- fitting -------------------------------------------------------------------------------------------------------
 
 
-def _fit_measurements(
-    mechanism: Mechanism, measurements: Measurements, options: CalibrationOptions, near: StartValues | None
-) -> Fit:
+def _fit_measurements(mechanism: Mechanism, measurements: Measurements, options: _Options, near: StartValues | None) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
     if read.all() or not read.any():
@@ -189,7 +195,7 @@ class _Fitting:
     """The fit of one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
     estimate."""
 
-    def __init__(self, options: CalibrationOptions, problem: CalibrationProblem) -> None:
+    def __init__(self, options: _Options, problem: CalibrationProblem) -> None:
         self.options, self.problem = options, problem
         self.notes: list[str] = []
 
@@ -225,7 +231,7 @@ class _Fitting:
 
     def _improved(self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, result: Estimate) -> Estimate:
         """The estimate by another method where one does not converge, continued where it nearly has, by descent alone where that
-        leads lower, with the least change along what no reading tells, and with the robust loss that is asked for."""
+        leads lower, with the least change along what no reading determines, and with the robust loss that is asked for."""
         method, limit = self.options.method, self.options.max_iterations
         if result.status != "ok" and method in _OTHER_METHOD:
             other = self._estimate(part, solved, p, _OTHER_METHOD[method])
@@ -272,7 +278,7 @@ class _Fitting:
 
     def _solve_roughly(self, p: np.ndarray, seed: int, z: np.ndarray | None = None) -> SolvedConfigurations:
         problem = self.problem
-        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
         """The problem of the configurations that are solved."""

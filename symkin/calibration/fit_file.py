@@ -53,17 +53,26 @@ class NotFittedError(InputError):
         return type(self), (self.message, self.suspicions)
 
 
-class FileFitKeywords(TypedDict, total=False):
-    """Keywords of `fit_file`: those of `FileFitOptions`, and those of `calibrate` but for `fixed`."""
+class FileFitOptions(TypedDict, total=False):
+    """What `fit_file` takes beside mechanism and file; the values in brackets stand where nothing is given. From `residual` on they
+    are those of `calibrate`."""
 
     parameters: str | None
+    """Patterns of the parameters to identify, separated by commas. ["all"]"""
     hold: str | None
+    """Patterns of those among them that keep their nominal values. [none]"""
     frames: str
+    """"least" or "joints:..." (see `frame_names`). ["least"]"""
     sigmas: Mapping[str, np.ndarray | float] | None
+    """Standard deviations by kind of reading, for what the file leaves out. [none]"""
     hold_out: str | None
+    """How many configurations (`20`, `20%`) are only predicted. [none]"""
     any_machine: bool
+    """Whether a geometry far from the file's is accepted. [False]"""
     command: str
+    """What the report says was run. [nothing]"""
     seed: int
+    """Seed of random starts and draws. [0]"""
     residual: str
     tolerance: tuple[float, float] | None
     method: str
@@ -74,11 +83,8 @@ class FileFitKeywords(TypedDict, total=False):
 
 
 @dataclass(frozen=True)
-class FileFitOptions:
-    """`parameters` and `hold` are patterns separated by commas (default: all; none), `frames` is "least" or "joints:..." (see
-    `frame_names`), `sigmas` standard deviations by kind for what the file leaves out; `hold_out` is how many
-    configurations (`20`, `20%`) are only predicted; with `any_machine` a geometry far from the file's is not refused for that;
-    `command` is what the report says was run, `seed` that of random starts and draws."""
+class _Options:
+    """The options of one call of `fit_file` that are not those of `calibrate`, with their defaults."""
 
     parameters: str | None = None
     hold: str | None = None
@@ -97,12 +103,12 @@ class FileFitOptions:
         return names, tuple(name for name in held if name in names)
 
 
-def fit_file(mechanism: Mechanism, data: DataFile, **keywords: Unpack[FileFitKeywords]) -> FitReport:
-    """Fit a data file and judge the fit; the keywords are those of `FileFitOptions` and of `calibrate`.
+def fit_file(mechanism: Mechanism, data: DataFile, **options: Unpack[FileFitOptions]) -> FitReport:
+    """Fit a data file and judge the fit; `options` are those of `FileFitOptions`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
-    given: dict[str, Any] = dict(keywords)
-    own = FileFitOptions(**{item.name: given.pop(item.name) for item in fields(FileFitOptions) if item.name in given})
+    given: dict[str, Any] = dict(options)
+    own = _Options(**{item.name: given.pop(item.name) for item in fields(_Options) if item.name in given})
     names, fixed = own.names(mechanism)
     notes = (*data.notes, *_note_left_out(mechanism, own.parameters or ALL_PARAMETERS, names))
     data = replace(data, notes=notes).without_copies()

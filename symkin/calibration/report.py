@@ -13,8 +13,8 @@ import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.model import ANGULAR
-from symkin.calibration.judge.assessment import is_exact
 from symkin.calibration.judge.euler_sequence import SequenceChoice
+from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
 from symkin.calibration.judge.plausibility import Departure, describe_other_machine, is_other_machine
 from symkin.calibration.judge.pose_accuracy import PoseSigma

@@ -228,10 +228,11 @@ def _noise(
             check_noise(float(value), "angle" if c.is_angular else "length", m, "noise-joints")
             lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
     return Noise(
-        lengths, angles, noise_quantity(_or_default(group), "angle", m, "noise-group"),
-        noise_quantity(_or_default(inclination), "angle", m, "noise-inclination"),
-        1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
-        noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size, uniform=shape is Shape.uniform
+        lengths=lengths, angles=angles, group=noise_quantity(_or_default(group), "angle", m, "noise-group"),
+        inclination=noise_quantity(_or_default(inclination), "angle", m, "noise-inclination"),
+        position=1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
+        orientation=noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size,
+        uniform=shape is Shape.uniform,
     )  # fmt: skip
 
 

@@ -36,10 +36,12 @@ class Turn:
     def direction(self, v: ca.SX) -> ca.SX:
         if self.angle is None:
             return v
+        # Rodrigues: R v = cos v + sin (a x v) + (1 - cos) (a.v) a
         c, s = ca.cos(self.angle), ca.sin(self.angle)
         return c * v + s * cross(self.axis, v) + (1 - c) * dot(self.axis, v) * self.axis
 
     def move(self, p: ca.SX) -> ca.SX:
+        # screw motion: turn about the axis, then slide along it; the two commute
         moved = p if self.angle is None else self.point + self.direction(p - self.point)
         return moved if self.slide is None else moved + self.slide * self.axis
 

@@ -43,8 +43,14 @@ class Closure:
     idle: tuple[str, ...]
 
     @property
+    def characteristic_length(self) -> float:
+        """The mechanism's characteristic length, by which angles become lengths."""
+        return self.mechanism.characteristic_length
+
+    @property
     def size(self) -> float:
-        return self.mechanism.size
+        """Short name of `characteristic_length`."""
+        return self.characteristic_length
 
     @cached_property
     def slices(self) -> dict[str, slice]:
@@ -158,6 +164,7 @@ def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.nd
     """Only parameters on which the closure or the tool pose depends."""
     table = builder.table
     everything = ca.vertcat(*table.symbols)
+    # axes that cancel in the rows are no parameters: nothing could be said of them by measuring
     depends = ca.which_depends(ca.vertcat(*builder.rows, builder.pose.position, builder.pose.quaternion), everything, 1, False)
     used = [k for k, flag in enumerate(depends) if flag]
     symbols = ca.vertcat(*(table.symbols[k] for k in used)) if used else ca.SX(0, 1)
@@ -183,10 +190,11 @@ def _nonzero_rows(
     evaluate = ca.Function("rows", [variables, symbols], [rows])
     rng = np.random.default_rng(0)
     largest = np.zeros(rows.shape[0])
+    # a row that vanishes at random points is zero everywhere, with probability one
     for _ in range(3):
-        sample = random_values(coordinates, builder.mechanism.size, rng)
+        sample = random_values(coordinates, builder.mechanism.characteristic_length, rng)
         largest = np.maximum(largest, np.abs(np.asarray(evaluate(sample, values))).ravel())
-    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.size))
+    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.characteristic_length))
 
 
 def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosure:
@@ -200,6 +208,7 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
     variables = ca.vertcat(joints, pose)
     kept = _nonzero_rows(builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0))
     rows = ca.vertcat(*(builder.rows[k] for k in kept))
+    # six distances have a start system of their own, which needs points and lengths alone
     all_distances = len(builder.distances) == len(builder.rows) and not any(c.role == "passive" for c in coordinates)
     distances = ca.vertcat(*builder.distances) if all_distances else None
     return AlgebraicClosure(

@@ -68,6 +68,7 @@ class HomogeneousPose:
         return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        # |p + R m - b|^2 = |p - b|^2 + |m|^2 + 2 (p - b).R m, where N R m is a quadratic form of the quaternion
         offset = self.position - other
         return self.weight * (dot(offset, offset) + dot(m, m)) + 2 * dot(offset, self.direction(m))
 
@@ -87,12 +88,14 @@ class StudyPose:
         return dot(self.quaternion, self.quaternion)
 
     def point(self, m: ca.SX) -> ca.SX:
+        # N p = 2 g e*: the dual part holds half the position times e
         return 2 * multiply(self.dual, conjugate(self.quaternion))[1:] + self.direction(m)
 
     def direction(self, v: ca.SX) -> ca.SX:
         return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
+        # N |p + R m - b|^2 = |(p + R m - b) e|^2 with p e = 2 g and (R m) e = e m: linear in (e, g) inside the bars
         e = self.quaternion
         difference = 2 * self.dual + multiply(e, ca.vertcat(0, m)) - multiply(ca.vertcat(0, other), e)
         return dot(difference, difference)

@@ -92,8 +92,8 @@ class RowBuilder:
         joints, tool = self._geometry()
         joints = {name: [symbols.moved(self._shift(symbols.joint)) for symbols in chain] for name, chain in joints.items()}
         if self.table.bound:
-            joints = {name: [symbols.snapped(m.size) for symbols in chain] for name, chain in joints.items()}
-            tool = Pose(snapped_constants(tool.position, m.size), snapped_constants(tool.quaternion))
+            joints = {name: [symbols.snapped(m.characteristic_length) for symbols in chain] for name, chain in joints.items()}
+            tool = Pose(snapped_constants(tool.position, m.characteristic_length), snapped_constants(tool.quaternion))
         self.limb_joints = joints
         self._declare_pose(tool)
         for limb in m.limbs:
@@ -150,6 +150,7 @@ class RowBuilder:
         if "quaternion" in values:
             quaternion = values["quaternion"]
         else:
+            # a turn about the base frame's z axis, after the reference orientation
             half = 0.5 * values.get("gamma", ca.SX(0))
             quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion)
         self.pose = Pose(position, quaternion)
@@ -193,7 +194,8 @@ class RowBuilder:
         squared = self.platform_pose.squared_distance(*ends)
         self.distances.append(ca.vertcat(length, ends[1], ends[0]))
         target = length * length if length_squared is None else length_squared
-        row = (squared - self.platform_pose.weight * target) / (2 * self.mechanism.size)
+        # over 2 size the row is a length, and its derivative by the distance is distance / size, of the order of 1
+        row = (squared - self.platform_pose.weight * target) / (2 * self.mechanism.characteristic_length)
         self._add(limb, "distance", [row], [ca.sqrt(squared) - length])
 
     def _rod_limb(self, limb: RodLimb) -> None:
@@ -259,6 +261,7 @@ class RowBuilder:
         base = before.move(symbols.point)
         arm = Chain(self._steps(joints[hinge + 1 : ball])).move(joints[ball].point) - symbols.point
         platform = self._platform_side(self._steps(joints[ball + 1 :]))
+        # the universal joint turns the arm about its centre: only the distance between the centres does not depend on its angles
         squared = dot(arm, arm)
         self._distance(limb.name, (platform.local(joints[ball].point), base), ca.sqrt(squared), squared)
         reach = platform.move(joints[ball].point) / platform.weight - base
@@ -271,9 +274,10 @@ class RowBuilder:
         return PlatformSide(self.platform_pose, self.reference, tuple(step.inverse() for step in reversed(after)))
 
     def _none_cut(self, name: str, base: Chain, platform: PlatformSide) -> None:
-        size, origin = self.mechanism.size, self.reference.position
+        size, origin = self.mechanism.characteristic_length, self.reference.position
         gap = platform.move(origin) - platform.weight * base.move(origin)
         e = multiply(conjugate(base.quaternion), platform.quaternion)
+        # the check compares whole rotation matrices, which no spurious root of the rows passes
         full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
         if all(c.role == "actuated" for step in self.limb_joints[name] for c in step.joint.coordinates):
             self.forward = Pose(base.move(origin), multiply(base.quaternion, self.reference.quaternion))
@@ -283,7 +287,7 @@ class RowBuilder:
         )  # fmt: skip
 
     def _cut(self, name: str, symbols: JointSymbols, base: Chain, platform: PlatformSide) -> None:
-        size, point, axis = self.mechanism.size, symbols.point, symbols.axis
+        size, point, axis = self.mechanism.characteristic_length, symbols.point, symbols.axis
         gap = platform.move(point) - platform.weight * base.move(point)
         kind = symbols.joint.type
         if kind in "SRU":
@@ -292,11 +296,14 @@ class RowBuilder:
             return
         assert axis is not None  # noqa: S101 - every cut joint but S has an axis
         if kind == "U":
+            # a universal joint keeps the angle between its two axes
             angle = dot(base.direction(axis), platform.direction(symbols.axis2)) - platform.weight * dot(axis, symbols.axis2)
             self._add(name, "axes' angle", [size * angle], [size * angle])
             return
+        # e is parallel to the joint's axis: both components normal to it vanish
         u, v = _normals(axis, symbols.joint.axis)
         if kind in "CP":
+            # the joint slides along its axis: only the gap across it is held
             offsets = [dot(base.direction(n), gap) for n in (u, v)]
             self._add(name, "line", offsets, offsets)
         e = multiply(conjugate(base.quaternion), platform.quaternion)
@@ -355,6 +362,7 @@ def _cut_index(joints: Sequence[JointSymbols]) -> int | None:
         joint = symbols.joint
         if joint.actuated or joint.type == "H":
             continue
+        # >= takes the last of equals, so that the chain from the base is the longer one
         if best is None or joint.freedom >= joints[best].joint.freedom:
             best = i
     return best

@@ -1,9 +1,9 @@
 """Write code from the closure: C99 folders for controllers, and Jacobians in C, NumPy, SymPy and LaTeX.
 
-A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the kind of the mechanism, `vectors`
-(on `samples`) and `readme` make its test and its README. The kinds: `rod_platform`, `rod_platform_source` (six rods, with
-`rod_kernel`, `home_pose`), `limb_platform`, `limb_platform_source` (any limbs, with `pose_coordinates`), `serial_arm`; their
-geometry is numbers or a struct (`geometry`).
+A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the kind of the mechanism,
+`vectors` (on `samples`) and `readme` make its test and its README. The kinds, whose geometry is numbers or a struct (`geometry`):
+`rod_platform`, `rod_platform_source` (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any limbs,
+with `limb_source`, `pose_coordinates`); `serial_arm`.
 
 Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it, `linear_solver` its LU or QR.
 

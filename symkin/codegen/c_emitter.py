@@ -131,6 +131,7 @@ class Emitter:
             if k not in wanted and k not in self._text:
                 wanted.add(k)
                 stack.extend(nodes[k].reads)
+        # operands have lower numbers than what is made of them
         for k in sorted(wanted):
             self._text[k] = self._statement(nodes[k])
         return self._text[outputs[output, nonzero]]
@@ -194,6 +195,7 @@ class Emitter:
         below = self._graph.nodes[node.reads[1]]
         if below.op == ca.OP_CONST:
             self.operations["multiplications"] += 1
+            # a controller multiplies in one cycle and divides in 14 or more
             return f"{a[0]} * {self.real.literal(1.0 / below.constant)}"
         if divisors[node.reads[1]] > 1:
             self.operations["multiplications"] += 1

@@ -135,7 +135,7 @@ def _test_values(program: Program) -> dict[str, object]:
         else ""
     )
     return _redundant_values(program) | {
-        "far": real.literal(1e4 * max(mechanism.size, 1.0)),
+        "far": real.literal(1e4 * max(mechanism.characteristic_length, 1.0)),
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
@@ -146,7 +146,7 @@ def _test_values(program: Program) -> dict[str, object]:
 def _angle_bound(program: Program) -> str:
     """What makes the allowed error of lengths one of joint values, some of which are angles."""
     angular = any(c.is_angular for c in program.mechanism.actuated)
-    return f" * {max(1.0, 2.0 / program.mechanism.size)!r}" if angular else ""
+    return f" * {max(1.0, 2.0 / program.mechanism.characteristic_length)!r}" if angular else ""
 
 
 def _redundant_values(program: Program) -> dict[str, object]:
@@ -156,7 +156,7 @@ def _redundant_values(program: Program) -> dict[str, object]:
     if not isinstance(kind, SerialArm) or not kind.is_redundant:
         return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
     slides = " || ".join(f"(i == {i})" for i, c in enumerate(kind.actuated) if not c.is_angular)
-    bound = f"(({slides}) ? {0.01 * program.mechanism.size!r} : 0.01)" if slides else "0.01"
+    bound = f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)" if slides else "0.01"
     first = "geometry, " if program.options.geometry == "struct" else ""
     again = [
         f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the answer", k);',
@@ -191,7 +191,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
-        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.size)}", "",
+        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.characteristic_length)}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)

@@ -45,7 +45,7 @@ def _first(mechanism: Mechanism, home: Sequence[float] | None) -> tuple[str, Pos
     if example is not None and example.joints is not None:
         result = solve(mechanism, joints=example.joints, check=False)
         if result.status == "ok" and result.solution is not None:
-            return "the pose of [example] joints", _rounded(result.solution.pose, mechanism.size)
+            return "the pose of [example] joints", _rounded(result.solution.pose, mechanism.characteristic_length)
     return "the reference pose", mechanism.reference_pose
 
 
@@ -65,7 +65,7 @@ def _refusal(mechanism: Mechanism, pose: Pose) -> str | None:
     if not condition <= SINGULAR_HOME:
         return f"is singular (condition {condition:.2g}; allowed: up to {SINGULAR_HOME:.0e})"
     for c, value in zip(direct.known_coordinates, joints, strict=True):
-        slack = 1e-9 * mechanism.size
+        slack = 1e-9 * mechanism.characteristic_length
         if c.limits is not None and not c.limits[0] - slack <= value <= c.limits[1] + slack:
             return (
                 f"has {c.name} = {value:.6g} {mechanism.length_unit}, outside its limits [{c.limits[0]:.6g}, {c.limits[1]:.6g}]"

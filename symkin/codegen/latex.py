@@ -103,8 +103,8 @@ def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[li
 
 def _in_user_scale(closure: Closure) -> ca.SX:
     """Rows as a reader expects them: distances as d.d - l^2, orientation without the factor of the size."""
-    factor = {"distance": 2 * closure.size, "point": 1.0, "line": 1.0}
-    scaled = [factor.get(row.relation, 1 / closure.size) for row in closure.row_sources]
+    factor = {"distance": 2 * closure.characteristic_length, "point": 1.0, "line": 1.0}
+    scaled = [factor.get(row.relation, 1 / closure.characteristic_length) for row in closure.row_sources]
     for k, row in enumerate(closure.row_sources):
         if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
             scaled[k] = 1.0

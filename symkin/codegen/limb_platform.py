@@ -1,7 +1,8 @@
 """Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by limb and all together.
 
-The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given the limbs decouple: each is solved from the reference configuration along the line of poses to the
-given one, so that it stays on the reference's branch. Rods are explicit.
+The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given
+the limbs decouple: each is solved from the reference configuration along the line of poses to the given one, so that it
+stays on the reference's branch. Rods are explicit.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ class LimbPlatform:
         return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
 
     def _block(self, number: int, system: System) -> LimbBlock:
-        pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.size
+        pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.characteristic_length
         rod, kernel = None, None
         if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
             # the error of a rod is its length by the pose less its coordinate

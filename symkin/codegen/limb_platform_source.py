@@ -11,6 +11,7 @@ from symkin.caching import cached_property
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.limb_source import limb_text
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, line_target
@@ -21,7 +22,7 @@ from symkin.text import c_comment
 
 
 @dataclass(frozen=True, eq=False)
-class LimbSource:
+class LimbPlatformSource:
     """The C of one mechanism, function by function."""
 
     made: LimbPlatform
@@ -47,10 +48,10 @@ class LimbSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made, real, values = self.made, self.real, self.values
-        ranges = condition_within_limits(made.actuated, real, made.closure.size)
+        ranges = condition_within_limits(made.actuated, real, made.closure.characteristic_length)
         return "".join([
             fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
-            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._block(block) for block in made.blocks),
+            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(limb_text(made, block, self._common) for block in made.blocks),
             self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
             fill("parallel_direct.c", values), "\n", self._inverse,
         ])  # fmt: skip
@@ -96,7 +97,7 @@ class LimbSource:
             "enter": indent(self._enter_lines(passive), 2), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
             "to": "given", "whole": ", " + literal(1.0),
             "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.size / 24) ** 2),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),
         }  # fmt: skip
 
     def _enter_lines(self, passive: int) -> list[str]:
@@ -113,46 +114,6 @@ class LimbSource:
         ]  # fmt: skip
 
     # --- limbs -----------------------------------------------------------------------------------------------------
-
-    def _block(self, block: LimbBlock) -> str:
-        """Functions that solve one limb for a pose and give its right-hand sides; a rod needs none."""
-        if block.kernel is None:
-            return ""
-        made, kernel, real = self.made, block.kernel, self.real
-        nc = int(kernel.known.shape[0])
-        known = made.inverse.known_coordinates
-        states = [made.inverse.select_values(s.values, block.system.unknowns) for s in made.samples]
-        poses = [made.inverse.select_values(s.values, known) for s in made.samples]
-        matrices = np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)])
-        code = NewtonCode(
-            kernel=kernel,
-            name=self.name,
-            real=real,
-            geometry=made.geometry.names,
-            matrices=matrices,
-            kappa=curvature(kernel, states, poses, made.geometry.values),
-            target_lines=line_target(real, nc, kernel.quaternion),
-        )
-        reference = made.closure.reference
-        start, at = (made.inverse.select_values(reference, c) for c in (block.system.unknowns, known))
-        begin = [f"w->x[{i}] = {real.literal(float(v))};" for i, v in enumerate(start)]
-        begin += [f"w->at[{i}] = {real.literal(float(v))};" for i, v in enumerate(at)]
-        return code.text + fill("limb.c", self._common | {
-            "k": code.k, "begin": indent(begin), "sides": indent(self._side_lines(block, nc)),
-            "count": kernel.m * int(block.sides.shape[1]),
-        })  # fmt: skip
-
-    def _side_lines(self, block: LimbBlock, nc: int) -> list[str]:
-        """Statements of the right-hand sides of the joint rates, row by row."""
-        made, kernel, freedom = self.made, block.kernel, int(block.sides.shape[1])
-        assert kernel is not None  # noqa: S101 - the caller has looked
-        function = ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True})
-        emitter = Emitter(
-            function, [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", nc), made.geometry.names], self.real
-        )
-        entries = [f"sides[{freedom * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(freedom)]
-        unread = not any("w->" in line for line in [*emitter.lines, *entries])
-        return [*emitter.lines, *(["(void)w;"] if unread else []), *entries]
 
     @property
     def _solve_limbs(self) -> str:
@@ -216,7 +177,8 @@ class LimbSource:
         made = self.made
         if not made.has_dead_centres:
             return ""
-        size = made.closure.size
+        size = made.closure.characteristic_length
+        # near a dead centre the pose moves by the square of the joint: an error t of the pose is sqrt(t) there
         near = [4.0 * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         return fill("check_branch.c", self._common | {
@@ -272,7 +234,11 @@ class LimbSource:
                      f"        {k}_solve(&w);"]  # fmt: skip
             for there, index, angular in actuated:
                 # steps of angles are lengths, angle times the size
-                scale = f" * {real.literal(1 / made.closure.size)}" if angular and made.closure.size != 1.0 else ""
+                scale = (
+                    f" * {real.literal(1 / made.closure.characteristic_length)}"
+                    if angular and made.closure.characteristic_length != 1.0
+                    else ""
+                )
                 body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
         return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
 

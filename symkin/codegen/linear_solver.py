@@ -74,6 +74,7 @@ def choose_pivots(matrices: np.ndarray) -> Pivots:
         columns.remove(j)
         pivot = work[:, i, j].copy()
         usual.append(rounded(float(np.median(np.abs(pivot)) * row_scale[i] * column_scale[j])))
+        # a sample that is singular here must not stop the others
         pivot[pivot == 0.0] = 1e-300
         for other in rows:
             work[:, other] -= (work[:, other, j] / pivot)[:, None] * work[:, i]
@@ -92,6 +93,7 @@ def _next_pivot(work: np.ndarray, rows: Sequence[int], columns: Sequence[int]) -
     sizes = np.quantile(np.abs(work[:, rows][:, :, columns]), 0.1, axis=0)
     fill_in = np.array([[_filled(work, i, j, rows, columns) for j in columns] for i in rows])
     best = float(np.max(sizes))
+    # within a factor 3 of the largest, fewer new entries matter more than size
     allowed = np.where(sizes >= 0.3 * best, fill_in + (1.0 - sizes / best), np.inf)
     a, b = np.unravel_index(int(np.argmin(allowed)), sizes.shape)
     return rows[int(a)], columns[int(b)]

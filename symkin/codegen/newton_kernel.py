@@ -113,6 +113,7 @@ def system_kernel(name: str, system: System, known: Sequence[Coordinate], geomet
     for coordinate, place in zip(system.unknowns, system.slices, strict=True):
         z, part = system.unknown[place], step[column : column + coordinate.freedom]
         if coordinate.kind == "quaternion":
+            # a turn by w is exp(w / 2) q, to first order (1, w / 2) q; the step holds w times the size
             q = multiply(ca.vertcat(1, (0.5 / system.size) * part), z)
             inverse = 1 / ca.sqrt(dot(q, q))
             moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))

@@ -41,7 +41,7 @@ class NewtonCode:
     """The C functions NAME_KERNEL_... of one kernel.
 
     `geometry` is the C text of each geometry parameter, empty where they are numbers in the code; `matrices` are samples of
-    the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target` are statements that set w->k from
+    the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target_lines` are statements that set w->k from
     w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
     `start_aim`, C text of how much of the line to try first, and `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew

@@ -23,11 +23,12 @@ COLUMNS: dict[str, tuple[int, ...]] = {
 def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
     closure = geometry.closure
-    motion, size = closure.mechanism.motion, closure.size
+    motion, size = closure.mechanism.motion, closure.characteristic_length
     x = ca.SX.sym("x", 7)
     reference = _reference(geometry)
     away = [x[i] - reference[i] for i in range(3)]
     delta = multiply(x[3:], conjugate(reference[3:]))
+    # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the tilt
     turn = 2 * ca.atan2(delta[3], delta[0])
     tilt = [2 * size * delta[1], 2 * size * delta[2]]
     coordinates, off = {

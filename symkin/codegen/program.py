@@ -9,7 +9,7 @@ from symkin.codegen.c_emitter import Real
 from symkin.codegen.c_templates import fill
 from symkin.codegen.home_pose import home_pose
 from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.limb_platform_source import LimbSource
+from symkin.codegen.limb_platform_source import LimbPlatformSource
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
 from symkin.codegen.rod_kernel import is_rod_platform
@@ -51,13 +51,13 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     check_c_name(mechanism.name)
     options.check(mechanism)
     kind = _kind(mechanism, options)
-    source: RodSource | LimbSource | ArmSource
+    source: RodSource | LimbPlatformSource | ArmSource
     if isinstance(kind, SerialArm):
         source = ArmSource(kind)
     elif isinstance(kind, RodPlatform):
         source = RodSource(kind)
     else:
-        source = LimbSource(kind)
+        source = LimbPlatformSource(kind)
     kind.check()
     values = source.values | _header_values(kind, source.code)
     values["declarations"] = fill("serial.h" if mechanism.serial else "parallel.h", values)
@@ -96,7 +96,7 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         *_branch_lines(kind), "",
         f"One step of Newton's method: {counts} (rows, matrix, factors, step).",
         f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
-        f"{_short(8 * real.epsilon * mechanism.size)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
+        f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
         f"Model SHA-256 {mechanism.digest}",
     ]  # fmt: skip
     if relative:
@@ -109,7 +109,7 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         "about": "\n".join((" * " + line).rstrip() for line in about), "ctype": real.name, "target": cmake_target(name), "unit": mechanism.length_unit,
         "frame": "tool" if mechanism.serial else "platform",
         "relative": ", as changes from home" if relative else "",
-        "size": real.literal(mechanism.size), "tolerance": real.literal(main.tuning.tolerance), "max_step": real.literal(mechanism.size),
+        "size": real.literal(mechanism.characteristic_length), "tolerance": real.literal(main.tuning.tolerance), "max_step": real.literal(mechanism.characteristic_length),
         "geometry": _geometry(kind) if struct else "", "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }  # fmt: skip
 

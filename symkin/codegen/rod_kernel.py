@@ -100,6 +100,7 @@ def _times(c: ca.SX, x: ca.SX) -> ca.SX:
 def _rotation_rows(q: ca.SX, *, less_identity: bool) -> list[list[ca.SX]]:
     """R(q), or R(q) - 1 without cancellation, entry by entry."""
     w, x, y, z = (q[k] for k in range(4))
+    # R = 1 + 2 w [u] + 2 [u]^2 with u = (x, y, z); without the 1 nothing cancels near home
     x2, y2, z2 = 2 * x, 2 * y, 2 * z
     xx, yy, zz = x2 * x, y2 * y, z2 * z
     xy, xz, yz, wx, wy, wz = x2 * y, x2 * z, y2 * z, x2 * w, y2 * w, z2 * w
@@ -115,6 +116,7 @@ def _rotated(r: Sequence[Sequence[ca.SX]], a: ca.SX) -> ca.SX:
 
 def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], position: ca.SX) -> list[ca.SX]:
     """position + R a, the terms that points share summed first."""
+    # platforms have points with equal coordinates: products with these are summed first, once for all
     keys = [[str(a[k]) for k in range(3)] for a in points]
     moved = []
     for a, own in zip(points, keys, strict=True):
@@ -155,17 +157,21 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
         rows = [known[i] - dot(d[i], d[i]) for i in range(6)]
     else:
         rows = [known[i] - dot(2 * rods.home[i] + delta[i], delta[i]) for i in range(6)]
+    # half the derivative of d.d is d.v0 + (b x d).w; by (2 v0, w / 2) its row is (d, 4 b x d), the factor 1/2 cancelled
     jacobian = []
     for i, base in enumerate(rods.bases):
         di, b4 = d_symbols[3 * i : 3 * i + 3], 4 * base
         m = [_times(b4[j], di[k]) - _times(b4[k], di[j]) for j, k in ((1, 2), (2, 0), (0, 1))]
         jacobian.append(ca.horzcat(di.T, *m))
+    # v = v0 + w x p at the platform's origin, by s = (2 v0, h = w / 2): v = (s[:3] + 4 h x p) / 2
     half = step[3:]
     where = position if rods.home is None else position + rods.home_position
     velocity = 0.5 * (step[:3] + cross(4 * half, where))
     turned = multiply(ca.vertcat(1, half), quaternion)
+    # |(1, h) q| = sqrt(1 + h.h) for a unit quaternion q
     inverse = 1 / ca.sqrt(1 + dot(half, half))
-    size = mechanism.size
+    # L^2 - d.d is 2 L times the error of a length: the mean length turns rows into lengths
+    size = mechanism.characteristic_length
     lengths = [float(np.linalg.norm(home.apply(np.array(limb.platform)) - np.array(limb.base))) for limb in mechanism.limbs]  # type: ignore[union-attr]
     return Kernel(
         name="direct",

@@ -100,7 +100,7 @@ def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -
 
 def sampled(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
     """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
-    size = platform.mechanism.size
+    size = platform.mechanism.characteristic_length
     poses = sample_poses(platform.home, 100, size / 7, 0.3, 1)
     geometry = platform.geometry_values if platform.options.geometry == "struct" else np.zeros(0)
     states = [platform.stated(pose) for pose in poses]

@@ -73,7 +73,7 @@ class RodSource:
             "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"], 2), "leave": indent(leave),
             "check_branch": "", "unwrap": "", "to": "joints", "whole": "",
             "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"])),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.size / 24) ** 2),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
         }  # fmt: skip
 
     @property
@@ -189,7 +189,7 @@ def _limit_check(platform: RodPlatform, values: dict[str, object]) -> str:
 
 def _range_tests(platform: RodPlatform) -> list[str]:
     """C conditions that joint values must all satisfy, joint by joint."""
-    real, size = platform.real, platform.mechanism.size
+    real, size = platform.real, platform.mechanism.characteristic_length
     slack = max(1e-9, 16 * real.epsilon) * size
     zero = platform.lengths(platform.home) if platform.options.home_relative else np.zeros(6)
     tests = []

@@ -33,12 +33,13 @@ def configurations(
     rng = np.random.default_rng(seed)
     joints = direct.known_coordinates
     begin_known, begin = direct.select_values(home, joints), direct.select_values(home, direct.system.unknowns)
-    reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.size) for c in joints])
+    reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.characteristic_length) for c in joints])
     signs, found = _limb_signs(direct, home), list[Configuration]()
     for _ in range(4 * count):
         if len(found) == count:
             break
         goal = _within(joints, begin_known, reach * np.round(rng.uniform(-1, 1, len(joints)), 6))
+        # joints between narrow limits give the same goal again and again
         if any(np.all(np.abs(goal - other.known) <= _DISTINCT * reach) for other in found):
             continue
         z = followed(direct, begin, begin_known, goal)
@@ -72,7 +73,8 @@ def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
 
 def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> bool:
     parts = [
-        float(np.max(np.abs(after[place] - before[place]))) / (1.0 if c.kind != "length" else direct.closure.size)
+        float(np.max(np.abs(after[place] - before[place])))
+        / (1.0 if c.kind != "length" else direct.closure.characteristic_length)
         for c, place in zip(direct.system.unknowns, direct.system.slices, strict=True)
     ]
     return max(parts) > 0.25

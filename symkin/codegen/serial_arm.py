@@ -66,6 +66,7 @@ class SerialArm:
         q = self.pose[3:]
         columns = []
         for i in range(int(self.joints.shape[0])):
+            # dq/dt = (0, w) q / 2, so that w is the vector part of 2 dq/dt q*
             spin = multiply(2 * rates[3:, i], conjugate(q))
             columns.append(ca.vertcat(rates[:3, i], spin[1:]))
         return ca.horzcat(*columns)
@@ -101,7 +102,7 @@ class SerialArm:
         rng = np.random.default_rng(4)
         found = []
         for _ in range(60):
-            q = np.array([_middle(c, self.mechanism.size, float(rng.uniform(-1, 1))) for c in self.actuated])
+            q = np.array([_middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1))) for c in self.actuated])
             found.append((q, self.forward_at(q)))
         return found
 
@@ -174,7 +175,7 @@ class ArmSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         arm, values, nq = self.arm, self.values, len(self.arm.actuated)
-        ranges = condition_within_limits(arm.actuated, arm.real, arm.mechanism.size)
+        ranges = condition_within_limits(arm.actuated, arm.real, arm.mechanism.characteristic_length)
         functions = fill("serial_functions.c", values | {
             "jacobian": indent(self._jacobian_lines, 2), "to_x": indent(copy("w.x", "guess", nq), 2),
             "out": indent(copy("joints", "w.x", nq), 3),

@@ -93,7 +93,7 @@ def _bound(real: Real, size: float, condition: float, tolerance: float) -> float
 def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     mechanism, real = kind.mechanism, kind.real
     direct = build_problem(mechanism, "direct")
-    closure, size = direct.closure, direct.closure.size
+    closure, size = direct.closure, direct.closure.characteristic_length
     home = home_values(kind, closure)
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
@@ -104,6 +104,7 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
         given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
         z = direct.system.polish(case.unknown, given + _zero(kind), 6)
         pose = pose_of(closure, direct.join_values(z, given + _zero(kind)))
+        # every other case starts next to the answer, as a servo loop does; the others from home
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
         guess = rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven))
         target = _tidy(stated(kind, pose), seven)
@@ -137,7 +138,9 @@ def _zero(kind: RodPlatform | LimbPlatform) -> np.ndarray | float:
 
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
     """A configuration near a case: joints moved by a part of the size."""
-    known = case.known + part * np.array([1.0 if c.is_angular else direct.closure.size for c in direct.known_coordinates])
+    known = case.known + part * np.array(
+        [1.0 if c.is_angular else direct.closure.characteristic_length for c in direct.known_coordinates]
+    )
     return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
 
 
@@ -170,7 +173,7 @@ def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
         inverse.system.unknown,
         inverse.system.rows,
         inverse.system.errors,
-        closure.size,
+        closure.characteristic_length,
     )
     _, by_pose = pose.linearise_one(known, unknown)
     solved = np.linalg.lstsq(by_joints, -by_pose, rcond=1e-12)[0]
@@ -182,7 +185,11 @@ def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
         number = [c.name for c in closure.mechanism.actuated].index(name)
         angular = closure.mechanism.actuated[number].is_angular
         for j, column in enumerate(columns):
-            full[number, column] = solved[row, j] * (closure.size if column >= 3 else 1.0) / (closure.size if angular else 1.0)
+            full[number, column] = (
+                solved[row, j]
+                * (closure.characteristic_length if column >= 3 else 1.0)
+                / (closure.characteristic_length if angular else 1.0)
+            )
     return full
 
 
@@ -199,7 +206,7 @@ def _flat(kind: RodPlatform | LimbPlatform) -> np.ndarray:
 
 
 def _serial(arm: SerialArm) -> _Found:
-    real, size = arm.real, arm.mechanism.size
+    real, size = arm.real, arm.mechanism.characteristic_length
     system = arm.inverse.system
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     rng = np.random.default_rng(21)
@@ -230,7 +237,7 @@ def _serial(arm: SerialArm) -> _Found:
 
 
 def _scales(arm: SerialArm) -> np.ndarray:
-    return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.size for c in arm.actuated])
+    return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated])
 
 
 def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:

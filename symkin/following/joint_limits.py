@@ -24,6 +24,7 @@ from symkin.position.problem import Problem
 _NEAR_LIMIT = 1e-4
 """Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the branch itself."""
 _HALVINGS = 60
+"""Halvings of a step to the place where a limit is met: beyond a double's digits."""
 
 
 @dataclass(frozen=True)

@@ -45,14 +45,14 @@ def prove_last_tube(
         return None
     curve = Cubic.hermite(*begin, *end, float(direction @ (end[0] - begin[0])))
     tube = interval.tube(curve, direction, half)
-    if tube is None or not _holds(curve, tube, direction, y, half):
+    if tube is None or not _box_lies_in(curve, tube, direction, y, half):
         return None
     if not interval.system.is_square:
         return LastTube(None)
     box = _turning_box(interval, point)
-    if box is None or not _holds(curve, tube, direction, point.y, box):
+    if box is None or not _box_lies_in(curve, tube, direction, point.y, box):
         return None
-    if not (_sets_out(interval, y, half, direction) and interval.folds_once(curve, direction, tube)):
+    if not (_parameter_grows(interval, y, half, direction) and interval.folds_once(curve, direction, tube)):
         return None
     return LastTube(float(box[-1]))
 
@@ -66,7 +66,7 @@ def on_plane(interval: Interval, y: np.ndarray, direction: np.ndarray) -> tuple[
     return (y, tangent) if np.isfinite(tangent).all() else None
 
 
-def _holds(curve: Cubic, tube: Tube, direction: np.ndarray, y: np.ndarray, half: np.ndarray) -> bool:
+def _box_lies_in(curve: Cubic, tube: Tube, direction: np.ndarray, y: np.ndarray, half: np.ndarray) -> bool:
     """Whether all of a box about y lies in the tube, each of its points on the hyperplane of some point of the curve."""
     offset = float(direction @ (y - curve.control[0]))
     spread = float(np.abs(direction) @ half) + 1e-15
@@ -77,7 +77,7 @@ def _holds(curve: Cubic, tube: Tube, direction: np.ndarray, y: np.ndarray, half:
     return bool((away <= tube.half).all())
 
 
-def _sets_out(interval: Interval, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> bool:
+def _parameter_grows(interval: Interval, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> bool:
     """Whether s is proved to grow with u at the root in the station's box."""
     n = len(y)
     found = interval.tangent(y, half, np.append(np.zeros(n - 1), 1.0))

@@ -82,23 +82,9 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
         found = modes_at_need(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
     except SymkinError:
         return None
-    turning = [w for w in branch.stopped if _is_turning(w)]
-    sides = {id(w): _sides(w, u - back) for w in turning}
-    signs = None
-    if len(turning) < len(branch.stopped) or len(turning) > _MOST_COMBINED:
-        own_unknown = _joined(problem, branch.blocks, {id(w): w.at(u - back) for w in branch.blocks})
-        reach = _NEAR_RATIO * float(_distances(problem, own_unknown[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
-        own = mode_number(problem, found, own_unknown)
-        near = [k for k, d in enumerate(mode_distances(problem, found, branch.last.unknown)) if d < reach]
-    else:
-        rest = {id(w): w.at(u - back) for w in branch.blocks if w not in turning}
-        near, own = [], None
-        for sign in product((0, 1), repeat=len(turning)):
-            chosen = {id(w): sides[id(w)][k] for w, k in zip(turning, sign, strict=True)}
-            number = mode_number(problem, found, _joined(problem, branch.blocks, rest | chosen))
-            near += [] if number is None else [number]
-            own = own if any(sign) else number
-        signs = _opposite(turning, sides, u - back)
+    turning = [block for block in branch.stopped if _is_turning(block)]
+    folds_only = len(turning) == len(branch.stopped) and len(turning) <= _MOST_COMBINED
+    own, near, signs = (_across_folds if folds_only else _near_by)(problem, branch, found, u - back)
     return Meeting(
         parameter=trajectory.parameter(row, u - back),
         given=given,
@@ -108,6 +94,27 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
         completeness=found.completeness,
         opposite_signs=signs,
     )
+
+
+def _across_folds(problem: Problem, branch: Branch, found: Modes, u: float) -> tuple[int | None, list[int], bool | None]:
+    """Numbers (from 0) of the followed mode and of those on the other sides of the turning blocks' folds, in all combinations,
+    and whether the determinants' signs are opposite."""
+    turning = [block for block in branch.stopped if _is_turning(block)]
+    sides = {id(block): _sides(block, u) for block in turning}
+    rest = {id(block): block.at(u) for block in branch.blocks if block not in turning}
+    numbers = []
+    for signs in product((0, 1), repeat=len(turning)):
+        chosen = {id(block): sides[id(block)][k] for block, k in zip(turning, signs, strict=True)}
+        numbers.append(mode_number(problem, found, _joined(problem, branch.blocks, rest | chosen)))
+    return numbers[0], [number for number in numbers if number is not None], _opposite(turning, sides, u)
+
+
+def _near_by(problem: Problem, branch: Branch, found: Modes, u: float) -> tuple[int | None, list[int], None]:
+    """Numbers (from 0) of the followed mode and of those near the singular point, where branches cross."""
+    own = _joined(problem, branch.blocks, {id(block): block.at(u) for block in branch.blocks})
+    reach = _NEAR_RATIO * float(_distances(problem, own[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
+    near = np.flatnonzero(mode_distances(problem, found, branch.last.unknown) < reach)
+    return mode_number(problem, found, own), near.tolist(), None
 
 
 def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[float]]:
@@ -146,6 +153,7 @@ def _is_turning(block: BlockFollower) -> bool:
 def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     """z of a turning block at a u before its turning point: on the followed side, and on the other one."""
     point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
+    # u = u* + u'' t^2 / 2 about the turning point (see `singular_point`): t = +-sqrt(2 (u* - u) / |u''|) on its two sides
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
     v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0)
     own, mate = (block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1] for s in (1.0, -1.0))

@@ -127,18 +127,25 @@ def mode_graph(
     mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
     progress: Progress | None = None,
 ) -> ModeGraph:  # fmt: skip
-    """Find which assembly modes connect without a singularity over two actuated joints.
+    """Find which assembly modes connect without a singularity over two actuated joints: their graph on n x n points.
 
-    `axes` are the two joints, each with a range in its unit, on n x n points; `joints` is the chosen input and holds the other
-    joints (default: the example's, else the reference's). At each point all modes are found, and each is followed along the
-    grid's edges by `track`. Joint limits are left out of account. Raises InputError for axes, counts and values that do not fit,
-    and for serial arms. Source: Innocenti and Parenti-Castelli, Journal of Mechanical Design 120(1), 1998.
+    Nodes are the modes at each point, found by complete enumeration; edges join those that `track` carries from one point to
+    its neighbour without a singularity. Modes of the chosen input that are on one connected set of nodes can be exchanged without
+    a singularity (Innocenti and Parenti-Castelli 1998); a finer grid can join more, and never parts what is joined.
 
-    >>> import symkin
-    >>> platform = symkin.load("zhao2000")
-    >>> graph = symkin.mode_graph(platform, [("theta1", 80.0, 82.0), ("op", 105.0, 106.0)], 2)
-    >>> len(graph.sheets), graph.certified
-    (4, True)
+    `axes` are two actuated joints, each with a range in its unit, `n` (2 to 100) the points along each. `joints` is the chosen
+    input, in file order or by name, and holds the other joints (default: the example's, else the reference's). Joint limits are
+    left out of account. `progress` is called with the points and edges done and their number. Raises InputError.
+
+        >>> from symkin import Joint, Limb, Mechanism, mode_graph
+        >>> z = (0, 0, 1)
+        >>> left = [Joint("q1", "R", (0, 0, 0), z, actuated=True), Joint("a", "R", (0, 60, 0), z)]
+        >>> right = [Joint("q2", "R", (90, 0, 0), z, actuated=True), Joint("b", "R", (90, 60, 0), z), Joint("c", "R", (45, 120, 0), z)]
+        >>> limbs = [Limb("left", left), Limb("right", right)]
+        >>> five_bar = Mechanism("five_bar", limbs, platform_position=(45, 120, 0), motion="planar", angle_unit="deg")
+        >>> graph = mode_graph(five_bar, [("q1", -10, 10), ("q2", -10, 10)], 2)
+        >>> graph.groups, graph.certified          # the tip above or below the elbows: a singularity parts the two
+        ([[0], [1]], True)
     """
     if mechanism.serial:
         raise InputError(

@@ -15,6 +15,7 @@ from symkin.position.problem import Problem
 _SECTIONS = 40
 """Golden sections of the interval that holds the least value: it shrinks to 4e-9 of itself."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+"""Share of an interval that each section keeps (Kiefer 1953)."""
 
 
 def nearest_to_singularity(branch: Branch, problem: Problem, trajectory: Trajectory) -> PathPoint | None:

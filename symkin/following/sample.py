@@ -13,7 +13,8 @@ from symkin.following.follow import PathPoint
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.linear_algebra import singular_values
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution, make_solution, pose_of
+from symkin.position.solution import Solution, pose_of
+from symkin.position.solution_list import make_solution
 from symkin.spatial.pose import Pose
 
 

@@ -7,7 +7,8 @@ dG/dz, thin in all directions but those that the small singular values belong to
     N G(p(t)) = sum N G_k t^k,    N [dG/dy (p(t) + L b)] L = sum N J_k L t^k,    k = 0 ... K,
 
 with power series over balls, the last coefficients over the whole tube. Krawczyk's operator in the coordinates of the
-parallelepiped, -N G + (1 - N [dG/dy L; e L]) b, N about the inverse of [dG/dy; e] L, then proves the same as for a plain tube.
+parallelepiped, -N G + (1 - N [dG/dy L; e L]) b, N about the inverse of [dG/dy; e] L, then proves the same as for a plain tube
+(Krawczyk 1969; parallelepipeds against wrapping as in Lohner 1987; series with remainders as in Makino and Berz 2003).
 """
 
 from __future__ import annotations
@@ -22,16 +23,15 @@ from flint import arb, arb_mat, arb_series, ctx
 from symkin.caching import cached_property
 from symkin.following.ball_matrices import identity, inverse_with, matrix
 from symkin.following.cubic import Cubic
-from symkin.following.step_certificate import HELD_WIDTH, Interval, Tube
+from symkin.following.step_certificate import HELD_WIDTH, LARGEST_FILL, Interval, Tube
 from symkin.numeric.balls import UP, precision, upper
 
 _BITS = 96
+"""Precision of the balls: coefficients of order 8 lose digits by cancellation."""
 _ORDER = 8
 """K: the order of the remainders."""
 _TRIALS = 6
 """Boxes tried for one tube."""
-_LARGEST_FILL = 0.99
-"""The image must lie in the box shrunk by this factor."""
 
 
 def series_tube(interval: Interval, curve: Cubic, *ends: np.ndarray | None) -> Tube | None:
@@ -59,7 +59,7 @@ def series_tube(interval: Interval, curve: Cubic, *ends: np.ndarray | None) -> T
             image = proof.image(half)
             if not np.isfinite(image).all() or float(np.max(half)) > 1.0:
                 return None
-            if (image <= _LARGEST_FILL * half).all():
+            if (image <= LARGEST_FILL * half).all():
                 return Tube(half, float(np.max(image / half)), frame)
             half = np.maximum(np.maximum(1.5 * image, 0.5 * half), least)
             half[-1] = HELD_WIDTH

@@ -1,4 +1,4 @@
-"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (see `proof.krawczyk`).
+"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (Krawczyk 1969; see `certificate.krawczyk`).
 
 About a curve p(t), 0 <= t <= h, with the linear row e.(y - p(t)) = 0 added, and for a box B about zero,
 
@@ -27,9 +27,10 @@ from symkin.following.path_system import PathSystem, coefficient_scales
 from symkin.numeric.balls import REAL, UP, precision, upper
 
 BITS = 64
+"""Precision of the balls: eleven bits more than the doubles about which they lie."""
 _COEFFICIENT_RADIUS = 2.0**-49
 """Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision leaves out at the samples."""
-_LARGEST_FILL = 0.99
+LARGEST_FILL = 0.99
 """The image must lie in the box shrunk by this factor."""
 _TRIALS = 3
 """Boxes tried for one tube."""
@@ -107,7 +108,7 @@ class Interval:
                 image = self._image_along(m, start, curve, half, direction)
                 if not np.isfinite(image).all():
                     return None
-                if (image <= _LARGEST_FILL * half).all():
+                if (image <= LARGEST_FILL * half).all():
                     return Tube(half, float(np.max(image / half)))
                 half = np.maximum(np.maximum(1.3 * image, _LEAST_NEXT_WIDTH * half), least)
                 if float(np.max(half)) > 30.0 * float(np.max(extent) + 1e-12):
@@ -128,7 +129,7 @@ class Interval:
                 image = self._image(m, start, y, half, direction)
                 if not np.isfinite(image).all() or float(np.max(half)) > 1e-2:
                     return None
-                if (image <= _LARGEST_FILL * half).all():
+                if (image <= LARGEST_FILL * half).all():
                     return half
                 half = half * 8.0
         return None

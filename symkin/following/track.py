@@ -86,8 +86,8 @@ def track(
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
         >>> found = symkin.track(arm, joints=[[0, 0, 0, 0, 0, 0], [10, 20, 30, 0, 0, 0]], samples=3)
-        >>> found.reached, len(found.samples), [round(v, 6) for v in found.end.actuated_values[:3]]
-        (True, 3, [10.0, 20.0, 30.0])
+        >>> found.reached, len(found.samples), [round(value, 9) for value in found.end.actuated_values]
+        (True, 3, [10.0, 20.0, 30.0, 0.0, 0.0, 0.0])
     """
     begin = time.perf_counter()
     chosen = _Options(**options)

@@ -1,11 +1,11 @@
-"""Paths of inputs: joint values or poses from sample to sample, in the mechanism's units, with all turns of angles kept.
+"""Make a path of inputs: joint values or poses from sample to sample, in the mechanism's units, with all turns of angles kept.
 
 Between two samples each joint value and each position moves straight, a rotation by the shortest way about a fixed axis
 (slerp), an angle of a restricted motion by the shortest way:
 
     k(u) = a + u (b - a),    q(u) = cos(u h) a + sin(u h) n,    0 <= u <= 1,
 
-h half the angle between two orientations and n the unit quaternion orthogonal to a in their plane.
+h half the angle between two orientations and n the unit quaternion orthogonal to a in their plane (slerp, Shoemake 1985).
 """
 
 from __future__ import annotations

@@ -21,16 +21,13 @@ from symkin.homotopy.lane_code import closure_source
 from symkin.homotopy.tracker import Tracked, TrackSettings
 from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
 from symkin.numeric.cache import cache_folder
+from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 DATA = Path(__file__).resolve().parent / "data"
 SOURCES = ("tracker.c", "elimination.h", "lanes.h")
 """Files of the engine that are the same for every closure, the one to compile first."""
 OFF = "numpy"
 """Value of the environment variable SYMKIN_ENGINE that forbids compiled code."""
-POLISHED = 1e-9
-"""Largest last Newton step, relative to max(1, |z|), of a path that has arrived."""
-LEFT = 1e-6
-"""Largest row, relative to 1, that a root may leave: above it, rows contradict each other."""
 
 
 class _Settings(ctypes.Structure):
@@ -69,7 +66,9 @@ class CompiledTracker:
         """Newton at fixed k, as `tracker.newton` does; a point that has no finite step stays where it is."""
         points, n = self._points(z)
         ends, last, known = np.empty_like(points), np.zeros(n), self._line(k, k, n)[0]
-        self.library.symkin_newton(n, _at(points), _at(known), int(known.ndim > 1), iterations, LEFT, _at(ends), _at(last))
+        self.library.symkin_newton(
+            n, _at(points), _at(known), int(known.ndim > 1), iterations, ROWS_CONTRADICT, _at(ends), _at(last)
+        )
         with np.errstate(all="ignore"):
             return self.system.normalise(ends.T), last
 
@@ -135,7 +134,7 @@ def _c_settings(settings: TrackSettings) -> _Settings:
     first step has a predictor of second order only, and is shorter for that."""
     tolerance = settings.tolerance
     return _Settings(
-        tolerance=tolerance, accepted=0.1 * tolerance, polished=POLISHED, left=LEFT, first_step=0.2 * settings.first_step,
+        tolerance=tolerance, accepted=0.1 * tolerance, polished=ROOT_POLISHED, left=ROWS_CONTRADICT, first_step=0.2 * settings.first_step,
         smallest_step=settings.smallest_step, longest=2.0, aim=0.3 * tolerance,
         most_steps=settings.most_steps, corrections=3, polishing=6,
     )  # fmt: skip

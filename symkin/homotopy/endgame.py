@@ -16,9 +16,10 @@ from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import Germ, circle, follow, gaps, separations
 from symkin.homotopy.ends import Ends, SingularRoots
 from symkin.homotopy.engine import aligned, newton, track
-from symkin.homotopy.local import NULL, ROWS, is_no_pose, lie_on_sets, look, polish
+from symkin.homotopy.local import ROWS, is_no_pose, lie_on_sets, look, polish
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.tracker import Tracked, TrackSettings
+from symkin.numeric.tolerances import MULTIPLE_ROOT_SHARE, RANK_TOLERANCE, ROOT_POLISHED
 
 RADII = (3e-2, 6e-3, 1.2e-3, 2.5e-4, 5e-5, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
 """Radii of the circles, as shares of the line from the base to the target."""
@@ -32,8 +33,6 @@ _BASES = (0.3 + 0.4j, 0.3 - 0.5j)
 """Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on it."""
 _AGREED = 1e-6
 """Largest distance between ends that two radii, or a mean and Newton, give for one cycle."""
-SINGULAR_SHARE = 1e-8
-"""Share of the smallest singular value (see `local`) below which a root is singular."""
 BESIDE = 1e-7
 """Distance from a root at which a Newton step shows that it is well conditioned."""
 RETURNED = 0.05
@@ -120,7 +119,7 @@ def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -
     good = gaps(system, back, z) < RETURNED * BESIDE
     doubtful = np.flatnonzero(~good)
     if doubtful.size:
-        good[doubtful] = look(system, z[:, doubtful], target).share > SINGULAR_SHARE
+        good[doubtful] = look(system, z[:, doubtful], target).share > RANK_TOLERANCE
     regular[places] = good & ~is_no_pose(system, z) & (separations(system, z) > _ONE)
     return regular
 
@@ -209,7 +208,7 @@ def _judge(
             if regular[j] and germ.turns == 1 and germ.is_closed:
                 paths.decide(i, _REGULAR, exact[:, j])
             else:
-                end = _End(polished[:, j], float(local.largest_row[j]), bool(local.share[j] < NULL), allowed)
+                end = _End(polished[:, j], float(local.largest_row[j]), bool(local.share[j] < MULTIPLE_ROOT_SHARE), allowed)
                 _compare(system, i, germ, end, paths)
     paths.last = germs
 
@@ -217,8 +216,8 @@ def _judge(
 def _settle(system: AlgebraicSystem, points: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Which points (width, n) Newton settles at once at a regular pose, and where."""
     exact, last = newton(system, points, target, 6)
-    regular = (last < 1e-9) & (gaps(system, exact, points) < _AGREED) & ~is_no_pose(system, exact)
-    return regular & (look(system, exact, target).share > SINGULAR_SHARE), exact
+    regular = (last < ROOT_POLISHED) & (gaps(system, exact, points) < _AGREED) & ~is_no_pose(system, exact)
+    return regular & (look(system, exact, target).share > RANK_TOLERANCE), exact
 
 
 def _compare(system: AlgebraicSystem, i: int, new: Germ, end: _End, paths: _Paths) -> None:

@@ -12,9 +12,8 @@ import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import gaps
+from symkin.numeric.tolerances import MULTIPLE_ROOT_SHARE
 
-NULL = 1e-5
-"""Share below which a direction counts as lost at a root of several paths."""
 ROWS = 1e-14
 """Largest row that a root may leave, beyond what rows that contradict each other leave everywhere."""
 _FAR = 1e-5
@@ -107,7 +106,7 @@ def _close_beside(system: AlgebraicSystem, z: np.ndarray, length: float, k: np.n
     here = look(system, z, k)
     allowed = ROWS + 10 * here.largest_row
     found = np.zeros(z.shape[1], dtype=bool)
-    directions = [_lost_directions(here.right[i][here.shares[i] < NULL]) for i in range(z.shape[1])]
+    directions = [_lost_directions(here.right[i][here.shares[i] < MULTIPLE_ROOT_SHARE]) for i in range(z.shape[1])]
     owner = np.repeat(np.arange(z.shape[1]), [len(d) for d in directions])
     lanes = z[:, owner] + length * np.concatenate([*directions, np.zeros((0, system.width))]).T
     for _ in range(_MOST_STEPS):
@@ -116,7 +115,7 @@ def _close_beside(system: AlgebraicSystem, z: np.ndarray, length: float, k: np.n
         here = look(system, lanes, k)
         away = gaps(system, lanes, z[:, owner])
         beside = (away > 0.1 * length) & (away < 3 * length)
-        found[owner[beside & (here.largest_row < allowed[owner]) & (here.share < NULL)]] = True
+        found[owner[beside & (here.largest_row < allowed[owner]) & (here.share < MULTIPLE_ROOT_SHARE)]] = True
         damped = here.values / (here.values**2 + here.largest_row[:, None] + 1e-30)
         left = beside & ~found[owner]
         lanes, owner = (lanes + here.step(damped))[:, left], owner[left]

@@ -13,11 +13,12 @@ import numpy as np
 from symkin.caching import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import gaps
-from symkin.homotopy.endgame import BESIDE, RETURNED, SINGULAR_SHARE
+from symkin.homotopy.endgame import BESIDE, RETURNED
 from symkin.homotopy.engine import aligned, newton, track
 from symkin.homotopy.local import is_no_pose, look
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.symmetry import Orbits
+from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
@@ -27,18 +28,20 @@ APART = 1e-5
 """Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by 1e-6."""
 
 
-def plain_instances(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def plain_instances(
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
     """Roots (n, width, roots) of n instances with known values (known, n), and which of the instances are plain; the roots
-    of others mean nothing."""
+    of others mean nothing. Without `judge` nobody has looked yet whether the roots are regular."""
     each = max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
     count = known.shape[1]
-    parts = [_group(system, start, known[:, i : i + each]) for i in range(0, count, each)]
+    parts = [_group(system, start, known[:, i : i + each], judge=judge) for i in range(0, count, each)]
     if len(parts) == 1:
         return parts[0]
     return np.concatenate([z for z, _ in parts]), np.concatenate([plain for _, plain in parts])
 
 
-def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool) -> tuple[np.ndarray, np.ndarray]:
     mirrors, n = start.mirrors, known.shape[1]
     begin = start.z if mirrors is None else start.z[:, mirrors.first]
     each = begin.shape[1]
@@ -51,9 +54,12 @@ def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray) -> tuple[np
     plain &= np.isfinite(tracked.z).all(axis=0).reshape(n, each).all(axis=1)
     places = np.flatnonzero(plain)
     if places.size:
-        # by symmetry the images of regular roots are regular
+        # by symmetry what holds of roots holds of their images
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
-        plain[places] = _are_regular(system, kept, target[:, places])
+        good = ~is_no_pose(system, kept)
+        if judge:
+            good &= are_regular(system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1))
+        plain[places] = good.reshape(places.size, each).all(axis=1)
     ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
     if mirrors is not None:
         ends = _unfolded(mirrors, ends)
@@ -68,31 +74,27 @@ def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
     return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
 
 
-def _are_regular(system: AlgebraicSystem, z: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Instances (n,) whose roots are well conditioned poses: a Newton step from beside each leads back to it, or the Jacobian there
-    has full rank."""
-    n = target.shape[1]
-    roots = z.shape[1] // n
-    k = target[:, 0] if n == 1 else np.repeat(target, roots, axis=1)
-    shift = np.tile(_directions(system.width, roots), (1, n))
-    good = np.zeros(z.shape[1], dtype=bool)
+def are_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a Newton step from beside each leads back
+    to it, or the Jacobian there has full rank."""
+    direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
     for distance in (BESIDE, _CLOSE_BESIDE):
         left = np.flatnonzero(~good)
         if left.size:
-            here, known = z[:, left], k if n == 1 else k[:, left]
-            back, _ = newton(system, here + distance * shift[:, left], known, 1)
+            here = z[:, left]
+            back, _ = newton(system, here + distance * direction, k if k.ndim == 1 else k[:, left], 1)
             good[left] = gaps(system, back, here) < RETURNED * distance
     left = np.flatnonzero(~good)
     if left.size:
-        good[left] = look(system, z[:, left], k if n == 1 else k[:, left]).share > SINGULAR_SHARE
-    return np.asarray((good & ~is_no_pose(system, z)).reshape(n, roots).all(axis=1))
+        good[left] = look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > RANK_TOLERANCE
+    return good
 
 
 @lru_cache(maxsize=64)
-def _directions(width: int, roots: int) -> np.ndarray:
-    """Random complex directions (width, roots), the same for each instance."""
+def _direction(width: int) -> np.ndarray:
+    """A random complex direction (width, 1), the same for every root."""
     rng = np.random.default_rng(0)
-    return rng.normal(size=(width, roots)) + 1j * rng.normal(size=(width, roots))
+    return rng.normal(size=(width, 1)) + 1j * rng.normal(size=(width, 1))
 
 
 def nearest(system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:

@@ -20,6 +20,7 @@ from symkin.homotopy import tracker
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.quadratic_form import Line, QuadraticForm, line_of, quadratic_form
 from symkin.homotopy.tracker import Tracked, TrackSettings
+from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 __all__ = ["quadratic_form", "track"]
 
@@ -35,10 +36,6 @@ _ROUNDING = 1e-3
 """Chord step, over the tolerance, that is small enough whatever the ratio: ill-conditioned roots end in rounding."""
 _SETTLED = 1e-8
 """Newton step at the end after which no other is taken."""
-_POLISHED = 1e-9
-"""Largest last step at the end, relative to max(1, |z|), of a path that has arrived."""
-_LEFT = 1e-6
-"""Largest row that an end may leave: above it, redundant rows contradict each other."""
 _RIDGE = 1e-12
 """Relative weight by which the equations for the denominator are kept regular."""
 
@@ -106,7 +103,7 @@ def _arrive(line: Line, x: np.ndarray, s: np.ndarray, tries: np.ndarray) -> Trac
             if np.all(first <= _SETTLED):
                 break
         left = np.max(np.abs(_rows(line, line.apply(x[there]), x[there], line.weights(at)[:, :, 0])), axis=(1, 2))
-        arrived[there] = (last <= _POLISHED) & (left <= _LEFT)
+        arrived[there] = (last <= ROOT_POLISHED) & (left <= ROWS_CONTRADICT)
     return Tracked(x[:, : form.unknowns].T, arrived, s, tries)
 
 

@@ -14,13 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 _POINTS = 3
 """Points and tangents that the predictor keeps."""
-_LEFT = 1e-6
-"""Largest row, relative to 1, that a corrected point may leave: above it, rows contradict each other."""
-_POLISHED = 1e-9
-"""Largest last Newton step, relative to max(1, |z|), of a path that has arrived."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +130,7 @@ def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarr
     arrived = s >= 1.0
     if there.size:
         z[:, there], last = newton(system, z[:, there], end[:, there], 4)
-        arrived[there] = last <= _POLISHED
+        arrived[there] = last <= ROOT_POLISHED
     return Tracked(z, arrived, s, tries)
 
 
@@ -147,7 +144,7 @@ def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: in
             f, j = system.linearise(z, known)
             dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
             z, last = z + dz, _relative(dz, z)
-            last = np.where(np.isfinite(last) & (np.max(np.abs(f), axis=1) < _LEFT), last, np.inf)
+            last = np.where(np.isfinite(last) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT), last, np.inf)
             if np.all((last < 1e-13) | ~np.isfinite(last)):
                 break
     return system.normalise(z), last
@@ -225,7 +222,7 @@ def _correct(
     f, j, t = system.evaluate(z, k, direction)
     both = -solve_rows(_with_patch(j, _patch(system, z)), np.stack([f, t], axis=2))
     dz, tangent = both[:, :, 0], both[:, :, 1]
-    last = np.where(np.max(np.abs(f), axis=1) < _LEFT, _relative(dz, z), np.inf)
+    last = np.where(np.max(np.abs(f), axis=1) < ROWS_CONTRADICT, _relative(dz, z), np.inf)
     z = z + dz
     if system.projective:
         ray = slice(system.projective[0], system.projective[-1] + 1)

@@ -85,6 +85,7 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
     from symkin.model.schema import JointLimbTable, MechanismTable, RodLimbTable
 
     _check_class(data)
+    # sin, cos, tan in arithmetic need the unit before the file is validated; a wrong one is refused there
     unit = data.get("angle_unit")
     context = {"angle_unit": unit if unit in ANGLE_UNITS else "deg"}
     table = _validated(MechanismTable, data, (), context)

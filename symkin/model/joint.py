@@ -172,6 +172,7 @@ def unit3(value: Sequence[float], where: str) -> tuple[float, float, float]:
     length = math.hypot(x, y, z)
     if length < 1e-12:
         raise MechanismError(f"{where} = {[x, y, z]} is the zero vector; a direction is needed")
+    # a unit vector to rounding keeps its digits, so that files read back as they were written
     if abs(length - 1.0) <= 4e-16:
         return (x, y, z)
     return (x / length, y / length, z / length)

@@ -131,6 +131,7 @@ class Mechanism:
         for limb in self.limbs:
             placed |= placed_points(limb, origin) if isinstance(limb, Limb) else {}
         spread, much = self._spread(placed), self._spread(described)
+        # points placed by least squares may coincide to rounding where the described ones do not: then the described ones stay
         return placed if _ROUNDING * much < spread and _MUCH_LARGER * spread < much else described
 
     @cached_property
@@ -217,6 +218,7 @@ def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
     if len(q) != 4:
         raise MechanismError(f"{where} = {list(q)} has {len(q)} numbers; four are needed (w, x, y, z)")
     length = math.hypot(*q)
+    # beyond a slip of digits, numbers in another order or of another kind have been given
     if abs(length - 1.0) > 1e-2:
         raise MechanismError(f"{where} = {list(q)} has norm {length:.6g}; a unit quaternion is needed (1 to within 0.01)")
     return q if abs(length - 1.0) <= 4e-16 else tuple(component / length for component in q)

@@ -31,6 +31,7 @@ def placed_points(limb: Limb, platform: np.ndarray) -> dict[str, np.ndarray]:
         end = np.mean([rod.start for rod in limb.rods], axis=0) if limb.rods else platform
         shifts = _shifts(held, moved, end)
         points |= {j.name: points[j.name] + s * np.array(j.axis) for j, s in zip(moved, shifts, strict=True)}
+    # a P joint's point holds nothing: the foot of the perpendicular from the joint before it will do
     for before, joint in pairwise([held[0] if held else limb.joints[0], *limb.joints]):
         if joint.type == "P" and joint.name in loose:
             axis = np.array(joint.axis)
@@ -53,6 +54,7 @@ def _shifts(joints: Sequence[Joint], moved: Sequence[Joint], end: np.ndarray) ->
     """Distances along their axes by which the `moved` joints' points come nearest to their neighbours'; the least ones where
     several do."""
     column = {joint.name: k for k, joint in enumerate(moved)}
+    # least sum of |p_(i+1) + s_(i+1) a_(i+1) - p_i - s_i a_i|^2: a linear least-squares problem in the shifts s
     points = [*(np.array(joint.point) for joint in joints), end]
     rows = np.zeros((3 * len(joints), len(moved)))
     gaps = np.concatenate([b - a for a, b in pairwise(points)])

@@ -124,6 +124,7 @@ def _angle(mechanism: Description, radians: float) -> float:
     if mechanism.angle_unit == "rad":
         return radians
     degrees = math.degrees(radians)
+    # degrees(radians(x)) is not always x: try the shorter spellings that read back as these very radians
     for digits in (12, 14, 15, 16, 17):
         candidate = float(f"{degrees:.{digits}g}")
         if math.radians(candidate) == radians:

@@ -23,29 +23,38 @@ def conditions(jacobians: np.ndarray) -> np.ndarray:
     """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows, columns); infinite where the
     smallest vanishes (see `NO_MOTION`) or entries are not finite, 1 where there are no rows and no columns."""
     count, rows, columns = jacobians.shape
-    if min(count, rows, columns) == 0:
+    if min(rows, columns) == 0:
         return np.full(count, 1.0 if rows * columns == 0 else np.inf)
-    largest, smallest = _squared_extremes(jacobians)
-    found = np.sqrt(largest / np.maximum(smallest, 1e-300))
-    doubtful = ~(found < GRAM_CONDITION)
-    if doubtful.any():
-        values = singular_values(jacobians[doubtful])
-        largest, smallest = values[:, 0], values[:, -1]
-        regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
-        found[doubtful] = np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    return condition_of(extreme_singular_values(jacobians))
+
+
+def condition_of(extremes: np.ndarray) -> np.ndarray:
+    """Conditions (n,) from the largest and smallest singular values (n, 2)."""
+    largest, smallest = extremes.T
+    regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
+    return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+
+
+def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
+    """The largest and the smallest (n, 2) of the min(rows, columns) singular values; zeros where a matrix is not finite."""
+    if not len(matrices):
+        return np.zeros((0, 2))
+    found = np.sqrt(np.maximum(_squared_extremes(matrices), 0.0))
+    doubtful = np.flatnonzero(~(found[:, 0] < GRAM_CONDITION * found[:, 1]))
+    if doubtful.size:
+        found[doubtful] = singular_values(matrices[doubtful])[:, [0, -1]]
     return np.asarray(found)
 
 
-def _squared_extremes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Squares (n,) of the largest and smallest singular values, from the smaller of J^T J and J J^T, in half the time of the
-    decomposition; to 1e-16 of the largest. NaN where a matrix is not finite."""
+def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
+    """Squares (n, 2) of the largest and smallest singular values, to 1e-16 of the largest: eigenvalues of the smaller of J^T J and
+    J J^T take half the time of the decomposition. Zero where a matrix is not finite."""
     transposed = matrices.transpose(0, 2, 1)
     gram = transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
     finite = np.isfinite(gram).all(axis=(1, 2))
     if not finite.all():
-        gram = np.where(finite[:, None, None], gram, np.eye(gram.shape[1]))
-    values = np.linalg.eigvalsh(gram)
-    return np.where(finite, values[:, -1], np.nan), np.where(finite, values[:, 0], np.nan)
+        gram = np.where(finite[:, None, None], gram, 0.0)
+    return np.linalg.eigvalsh(gram)[:, [-1, 0]]
 
 
 def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:

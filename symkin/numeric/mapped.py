@@ -1,7 +1,7 @@
 """CasADi functions of vectors, evaluated at many points in few calls and without conversions.
 
 A call of a CasADi function from Python costs some 30 us, most of it for turning arrays into CasADi's matrices and back; a call
-on a buffer costs 1 us. Points are taken in blocks of 64, 32, ..., 1, each by the function mapped to so many points, so that no
+on a buffer costs 1 us. Points are taken in blocks of 256, 128, ..., 1, each by the function mapped to so many points, so that no
 evaluation is wasted and one point costs one evaluation.
 """
 
@@ -16,8 +16,8 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.pool import Pool
 
-_LARGEST_BLOCK = 64
-"""Points of the largest block; its inputs and outputs stay in the first levels of the cache."""
+_LARGEST_BLOCK = 256
+"""Points of the largest block; its inputs and outputs stay in the second level of the cache."""
 
 
 @dataclass(frozen=True, eq=False)

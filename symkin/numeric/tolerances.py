@@ -8,6 +8,10 @@ values of a Jacobian whose generic rank is r, lengths in rows and columns alike 
     s_1 / s_r > SINGULAR_CONDITION (1e8)    the same number, said of a solution: half of its digits are lost
     s_r < SINGULAR_VALUE (1e-6)             a configuration at which a rank that generic ones have is lost: singularities, loci
     s_1 / s_r > SUSPECT_CONDITION (1e6)     the same, said of a root or a start: it may be one of a continuum, or several in one
+    s_r / s_1 < MULTIPLE_ROOT_SHARE (1e-5)  at a root of several paths, known to half of the digits only: the rank there is less
+
+Elsewhere the question is another one, and its constant stands beside it: whether a Newton step from a start is worth taking
+(`position.moved_starts`), which joints follow a pose (`position.feasible_pose`), which parameters data tell (`calibration`).
 """
 
 from __future__ import annotations
@@ -35,6 +39,10 @@ known to full precision."""
 SUSPECT_CONDITION = 1e6
 """Condition above which a root is examined for being one of a continuum, before it is called isolated: 1 / SINGULAR_VALUE."""
 
+MULTIPLE_ROOT_SHARE = 1e-5
+"""Share of the largest singular value below which a direction counts as lost at a multiple root: such a root is known to the square
+root of rounding (1e-8), and so are the singular values that vanish there, times curvature."""
+
 NO_MOTION = 1e-13
 """Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and
 more, rounding of a pose's numbers 1e-16."""
@@ -47,6 +55,15 @@ WELL_CONDITIONED = 1e8
 
 GRAM_CONDITION = 1e3
 """Condition up to which J^T J gives it to ten digits: eigenvalues have errors of 1e-16 of the largest, 1e-10 of the smallest."""
+
+CLOSED_CONFIGURATION = 1e-10
+"""Of the size: largest closure error of configurations that are sought to look at the mechanism there, not to be answers."""
+
+ROOT_POLISHED = 1e-9
+"""Largest last Newton step, relative to max(1, |z|), of a path that has arrived: the next one, its square, is rounding."""
+
+ROWS_CONTRADICT = 1e-6
+"""Largest row, relative to 1, that the end of a path may leave: above it, redundant rows contradict each other."""
 
 DISTINCT_ROOTS = 1e-6
 """Of the size: polished roots within this of each other are one; their rounding is 1e-15 times the condition."""

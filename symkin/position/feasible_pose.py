@@ -14,6 +14,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem, build_problem
 
@@ -71,7 +72,7 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
         z = whole.move(z[None], step[None])[0]
         if float(np.max(np.abs(step))) < 1e-13 * whole.size:
             break
-    if not whole.residual(z, np.zeros(0)) <= 1e-10 * whole.size:
+    if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.size:
         return None
     found = z[len(joints) :]
     return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))

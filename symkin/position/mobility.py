@@ -21,7 +21,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
+from symkin.numeric.tolerances import CLEAR_GAP, CLOSED_CONFIGURATION, CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.solution import pose_of
 from symkin.result import Result, Summary
 from symkin.spatial.screw import tidy_rows
@@ -163,7 +163,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     generic = ranks[best]
     reference = closure.reference
     limbs, values = _limb_screws(closure, candidates[best]), candidates[best]
-    is_closed = system.residual(reference, nothing) <= 1e-9 * closure.size
+    is_closed = system.residual(reference, nothing) <= CLOSURE_TOLERANCE * closure.size
     reference_rank = Rank.of(system.linearise_one(reference, nothing)[1]) if is_closed else None
     at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
@@ -177,7 +177,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         closure=closure,
         values=values,
         at_reference=at_reference,
-        closed=system.residual(values, nothing) <= 1e-9 * closure.size,
+        closed=system.residual(values, nothing) <= CLOSURE_TOLERANCE * closure.size,
         freedoms=system.freedom,
         rows=int(closure.rows.shape[0]),
         rank=generic,
@@ -253,8 +253,8 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = [system.polish(z, nothing, steps=8) for z in batch.points[batch.converged]]
-    closed = [z for z in ends if system.residual(z, nothing) <= 1e-10 * closure.size]
+    ends = system.polish_many(batch.points[batch.converged], nothing).points
+    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.size])
     return closed or [closure.reference]
 
 

@@ -45,8 +45,7 @@ def _no_roots(block: System, points: np.ndarray, largest: np.ndarray, given: Giv
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
     batch = levenberg_marquardt(block, points[order], given.values, max_iterations=300, patience=60)
-    residuals = [block.residual(z, given.values) for z in batch.points]
-    smallest = float(np.nanmin(residuals))
+    smallest = float(np.nanmin(block.residuals(batch.points, given.values)))
     return Roots(block, np.zeros((0, block.width)), np.zeros(0, dtype=int), smallest, starts)
 
 

@@ -16,6 +16,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import pose_coordinates
 from symkin.position.mobility import fewer_rows, mobility
 from symkin.position.varied_pose import varied_pose
@@ -29,8 +30,6 @@ _STEP = 0.01
 """Step of the varied coordinates, of the size or in rad: a condition of third order leaves a thousand times the tolerance."""
 _FOLLOWING = 8
 """Starts for the joints near a configuration, so that one of them leaves a singular one."""
-_CLOSED = 1e-9
-"""Largest closure error of a closed configuration, of the size."""
 
 Box = tuple[tuple[str, float, float], ...]
 """Names of varied coordinates (x, y, z, gamma, rx, ry, rz) with their least and largest values, in length units and rad."""
@@ -96,8 +95,8 @@ def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator
 def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = (system.polish(z, nothing, steps=8) for z in batch.points[batch.converged])
-    return [z for z in ends if system.residual(z, nothing) <= _CLOSED * system.size][:_TRIED]
+    ends = system.polish_many(batch.points[batch.converged], nothing).points
+    return list(ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.size])[:_TRIED]
 
 
 def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:
@@ -107,7 +106,7 @@ def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Ge
     for target in (varied + step, varied - step):
         spread = _STEP * system.size * rng.normal(size=(_FOLLOWING, system.freedom))
         batch = levenberg_marquardt(system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target)
-        ends = (system.polish(end, target, steps=8) for end in batch.points[batch.converged])
-        if any(system.residual(end, target) <= _CLOSED * system.size for end in ends):
+        ends = system.polish_many(batch.points[batch.converged], target).points
+        if (system.residuals(ends, target) <= CLOSURE_TOLERANCE * system.size).any():
             return True
     return False

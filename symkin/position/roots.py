@@ -6,15 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
+from symkin.numeric.tolerances import (
+    CLOSED_CONFIGURATION,
+    CLOSURE_TOLERANCE,
+    DISTINCT_ROOTS,
+    MULTIPLE_ROOT_SHARE,
+    SUSPECT_CONDITION,
+)
 from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
 _DIGITS_LEFT = 100.0
 """Rounding errors of a root, in units of its condition times the machine's precision."""
 _CONTINUUM_SAMPLE = 5
-_LOST = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,15 +114,14 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     first, labels = merge(features(system, ends), 1e-5 * system.size)
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
+    polished = system.polish_many(ends[first[order]], known)
+    residuals, suspect = system.residuals(polished.points, known), conditions(polished.jacobians) > SUSPECT_CONDITION
     roots: list[np.ndarray] = []
     counts, continuum, smallest, singular = [], [], np.inf, 0
-    for index, count in zip(first[order], hits[order], strict=True):
-        z = system.polish(ends[index], known, steps=8)
-        left = system.residual(z, known)
+    for z, left, is_singular, count in zip(polished.points, residuals.tolist(), suspect.tolist(), hits[order], strict=True):
         smallest = min(smallest, left)
         if left > CLOSURE_TOLERANCE * system.size:
             continue
-        is_singular = system.condition(z, known) > SUSPECT_CONDITION
         if is_singular and moves_freely(system, z, known):
             continuum.append(z)
         else:
@@ -139,25 +144,20 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     f = features(system, points)
-    conditions = np.array([system.condition(z, known) for z in points])
-    singular = conditions > SUSPECT_CONDITION
-    first, labels = merge(f[~singular], 1e-6 * system.size)
+    found = system.conditions(points, known)
+    singular = found > SUSPECT_CONDITION
+    first, labels = merge(f[~singular], DISTINCT_ROOTS * system.size)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
     chosen = np.flatnonzero(~singular)[first].tolist()
     if not continuum_met:
-        for i in sorted(np.flatnonzero(singular), key=lambda i: -conditions[i]):
+        for i in sorted(np.flatnonzero(singular), key=lambda i: -found[i]):
             if everything[i] < 0:
-                tolerance = min(_DIGITS_LEFT * conditions[i] * np.finfo(float).eps, 1e-3) * system.size
+                tolerance = min(_DIGITS_LEFT * found[i] * np.finfo(float).eps, 1e-3) * system.size
                 same = (np.max(np.abs(f - f[i]), axis=1) <= tolerance) & singular & (everything < 0)
                 everything[same] = len(chosen)
                 chosen.append(int(i))
     return np.array(chosen, dtype=int), everything
-
-
-def is_of_continuum(system: System, z: np.ndarray, known: np.ndarray) -> bool:
-    """Whether a root is not isolated."""
-    return system.condition(z, known) > SUSPECT_CONDITION and moves_freely(system, z, known)
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
@@ -165,7 +165,7 @@ def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     lost its rank closes again nearby without coming back (from an isolated multiple root it comes back)."""
     _, jacobian = system.linearise_one(z, known)
     _, singular, right = np.linalg.svd(jacobian)
-    lost = right[int(np.sum(singular > _LOST * max(singular[0], 1e-300))) :]
+    lost = right[int(np.sum(singular > MULTIPLE_ROOT_SHARE * max(singular[0], 1e-300))) :]
     if len(lost) == 0:
         lost = right[-1:]
     mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
@@ -177,7 +177,7 @@ def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: 
     here = features(system, z[None])
     begin = system.move(z[None], 1e-3 * system.size * direction[None])
     end = system.polish(begin[0], known, steps=30)
-    if system.residual(end, known) > 1e-10 * system.size:
+    if system.residual(end, known) > CLOSED_CONFIGURATION * system.size:
         return False
     moved = np.max(np.abs(features(system, end[None]) - here))
     return bool(moved > 0.1 * np.max(np.abs(features(system, begin) - here)))

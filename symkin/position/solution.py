@@ -12,8 +12,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.tolerances import SINGULAR_CONDITION
-from symkin.position.canonical import canonical, poses_of, within_limits
+from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
@@ -143,25 +142,6 @@ class Solution(Result):
 
     def __repr__(self) -> str:
         return str(self)
-
-
-def make_solution(problem: Problem, values: np.ndarray, *, hits: int | None = None, notes: tuple[str, ...] = ()) -> Solution:
-    """A canonical, checked solution from a full vector of variables."""
-    closure, system = problem.closure, problem.system
-    values = canonical(closure.coordinates, closure.slices, values[None])
-    unknown, known = problem.select_values(values, system.unknowns), problem.select_values(values, problem.known_coordinates)
-    condition = float(system.conditions(unknown, known)[0])
-    inside = within_limits(closure, values)
-    return Solution(
-        closure.mechanism,
-        named_values(closure, values[0]),
-        pose_of(closure, values[0]),
-        float(system.residuals(unknown, known)[0]),
-        condition,
-        None if inside is None else bool(inside[0]),
-        hits,
-        notes=notes if condition < SINGULAR_CONDITION else (*notes, SINGULAR_NOTE),
-    )
 
 
 def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Solutions held as arrays, each made an object when it is asked for."""
+"""Checked solutions from values of all variables, held as arrays; each is made an object when it is asked for."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.numeric.tolerances import SINGULAR_CONDITION
+from symkin.position.canonical import canonical, poses_of, within_limits
+from symkin.position.problem import Problem
 from symkin.position.solution import SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
@@ -63,6 +65,32 @@ class SolutionList(Sequence[Solution]):
             radius=float(self.radius[i]) if certified else None,
             notes=self.notes if condition < SINGULAR_CONDITION else (*self.notes, SINGULAR_NOTE),
         )
+
+
+def checked_solutions(problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()) -> SolutionList:
+    """Solutions from full vectors of variables (m, variables): in their standard writing, with closure errors and conditions."""
+    closure, system = problem.closure, problem.system
+    values = canonical(closure.coordinates, closure.slices, values)
+    unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
+    inside, untried = within_limits(closure, values), np.full(len(values), -1)
+    position, quaternion = poses_of(closure, values)
+    return SolutionList(
+        closure=closure,
+        values=values,
+        position=position,
+        quaternion=quaternion,
+        residual=system.residuals(unknown, known),
+        condition=system.conditions(unknown, known),
+        within_limits=untried if inside is None else inside.astype(int),
+        certified=untried,
+        radius=np.full(len(values), np.nan),
+        notes=notes,
+    )
+
+
+def make_solution(problem: Problem, values: np.ndarray, *, notes: tuple[str, ...] = ()) -> Solution:
+    """The solution from one full vector of variables."""
+    return checked_solutions(problem, values[None], notes)[0]
 
 
 def _flag(value: int) -> bool | None:

@@ -24,7 +24,8 @@ from symkin.position.moved_starts import (
 )
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Solution, make_solution, pose_of
+from symkin.position.solution import Solution, pose_of
+from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values

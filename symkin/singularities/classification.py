@@ -50,23 +50,26 @@ def singularity(
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
 ) -> Singularity:
-    """Say which kind of singularity a configuration is, how near it is to one, and which motion or wrench shows it.
+    """Classify a configuration: which kinds of singularity, how near each is, and the screws that show it.
 
-    The configuration is the one that `solve` reaches from the same arguments, or a Solution that is there already:
+    With the velocity equations A t + B q' = 0, t the platform's twist and q' the actuated joints' rates, passive joints
+    eliminated: type 1 where B loses rank, type 2 where A does (Gosselin and Angeles 1990), and Zlatanov's conditions
+    (Zlatanov, Fenton and Benhabib 1995). A distance is a singular value of rows of unit length; below `tolerance` it is zero.
 
-        symkin.singularity(mechanism, joints=[...])
-        symkin.singularity(mode)                       for each mode of `symkin.modes`, or `symkin.solve(...).solution`
+    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` and `start` (one of
+    joints and pose, in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
+    configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. `output` names what type 1 and
+    type 2 are about, in place of the platform's position and orientation together: some of x, y, z (velocity of `point`, given in
+    the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame. Raises SolveError where no
+    configuration is reached, InputError for values that do not fit.
 
-    `output` names what type 1 and type 2 are about, in place of the platform's position and orientation together: some of x, y, z
-    (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame.
-    At a singular configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. Raises
-    SolveError where no configuration is reached, InputError for values that do not fit. Sources: Gosselin and Angeles 1990 (type 1
-    and 2); Zlatanov, Fenton and Benhabib 1995; Zlatanov, Bonev and Gosselin 2002 (constraint).
-
-    >>> import symkin
-    >>> found = symkin.singularity(symkin.load("gluon_6l3"), joints=[0, 0, 0, 0, 0, 0])
-    >>> found.kinds
-    ('type 1',)
+        >>> import symkin
+        >>> arm = symkin.load("gluon_6l3")
+        >>> found = symkin.singularity(arm, joints=[10, 20, 30, 40, 0, 50])      # the wrist is straight
+        >>> found.kinds, sorted(found.inputs[0])
+        (('type 1',), ['q2', 'q3', 'q4', 'q6'])
+        >>> symkin.singularity(arm, joints=[10, 20, 30, 40, 50, 60]).is_singular
+        False
     """
     wanted = make_output(output, point)
     if isinstance(mechanism, Solution):

@@ -13,7 +13,8 @@ from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Solution, make_solution
+from symkin.position.solution import Solution
+from symkin.position.solution_list import make_solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveError
 from symkin.position.starts import start_values

@@ -39,32 +39,30 @@ def singular_loci(
     starts: int = DEFAULT_STARTS,
     seed: int = 0,
 ) -> Loci:
-    """Trace the curves of singular configurations over two coordinates.
+    """Find the curves of singular configurations over two coordinates, all others as in `solution`.
 
-    All other pose coordinates (or actuated joints) are those of `solution`, whose working mode is the one that `in_mode` names.
+    A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w, with J the part of
+    dF/d(q, x, X) that loses rank: type 2 for all unknowns of the direct problem, type 1 for one limb's joints (Gosselin and Angeles
+    1990). Every equation is solved at every point. A closed curve that no start reaches is missed: `Loci.notes` say so.
 
-    `plane` names two actuated joints or two pose coordinates, those that `symkin.sweep` takes with the same meaning: x, y, z,
-    gamma (about z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`);
-    `ranges` are two pairs in the mechanism's units, by default half the size or half a turn to both sides. A curve is where
-    type 1 (det of the inverse problem's Jacobian is 0) or type 2 (of the direct problem's) holds, traced by pseudo-arclength
-    continuation; every point is a zero to 1e-11 of the size. `starts` random configurations look for curves; one that none of them
-    reaches is missed. Raises InputError. Source: Gosselin and Angeles, IEEE Trans. Robotics and Automation 6(3), 1990.
+    `solution` is a configuration, from `symkin.solve` or `symkin.modes`; its working mode is the one that `Locus.in_mode` names.
+    `plane` names two actuated joints or two pose coordinates, with the same meaning as in `symkin.sweep`: x, y, z, gamma (about z,
+    from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two pairs
+    in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought; `starts`
+    (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
 
-    >>> import symkin
-    >>> here = symkin.solve(symkin.load("zhao2000")).solution
-    >>> found = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (1.0, 200.0)], starts=10)
-    >>> {curve.kind for curve in found.curves} <= {"type 1", "type 2"}
-    True
+        >>> import symkin
+        >>> platform = symkin.load("zhang2009")
+        >>> home = symkin.solve(platform).solution
+        >>> loci = symkin.singular_loci(home, ("x", "y"), kinds=("type 2",), starts=10)
+        >>> {curve.kind for curve in loci.curves}
+        {'type 2'}
+        >>> corner = loci.given(loci.curves[0].points[0])
+        >>> symkin.singularity(platform, **corner).kinds
+        ('type 2',)
     """
     chosen = plane_of(solution, plane)
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
-    if not 1 <= starts <= MOST_STARTS:
-        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
-    if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
-        raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
-    if chosen.of_pose:
-        _check_pose(chosen)
+    _check(chosen, kinds, starts, seed)
     window = _window(chosen, ranges)
     curves: list[Locus] = []
     notes: list[str] = []
@@ -72,17 +70,27 @@ def singular_loci(
         found, said = _curves(system, window, starts, np.random.default_rng(seed))
         curves.extend(found)
         notes.extend(said)
-    outside = tuple(
+    u_range, v_range = (
         (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
     )
-    found_sides = np.ptp(np.array(outside), axis=1)
-    kept = merged(curves, found_sides)
+    kept = merged(curves, np.ptp([u_range, v_range], axis=1))
     if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
         notes.append(MISSING)
     if not kept and not any(note.endswith(LOST_OVER_PLANE) for note in notes):
         notes.append(NONE_MET)
-    return Loci(chosen, (outside[0], outside[1]), kept, starts, seed, tuple(dict.fromkeys(notes)))
+    return Loci(chosen, (u_range, v_range), curves=kept, starts=starts, seed=seed, notes=tuple(dict.fromkeys(notes)))
+
+
+def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
+    if not 1 <= starts <= MOST_STARTS:
+        raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
+    if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
+        raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
+    if plane.of_pose:
+        _check_pose(plane)
 
 
 def _check_pose(plane: Plane) -> None:

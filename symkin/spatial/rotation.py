@@ -54,6 +54,7 @@ def quaternion_from_axis_angle(axis: Array, angle: Array) -> Array:
 def quaternion_from_rotation_vector(r: Array) -> Array:
     """exp of the rotation vector r = angle * axis; regular at r = 0."""
     squared = dot(r, r)
+    # below 1e-4 rad the series of sin(a/2)/a and cos(a/2): the terms left out are below rounding
     small = squared < 1e-8
     angle = sqrt(where(small, 1.0, squared))
     half_sinc = where(small, 0.5 - squared / 48.0, sin(0.5 * angle) / angle)
@@ -63,6 +64,7 @@ def quaternion_from_rotation_vector(r: Array) -> Array:
 
 def rotation_vector_from_quaternion(q: Array) -> Array:
     """log of a unit quaternion: angle * axis with angle in [0, pi]."""
+    # q and -q are one rotation: the half with w >= 0 has the angle in [0, pi]
     sign = where(q[0] < 0, -1.0, 1.0)
     w, u = sign * q[0], scale(sign, q[1:])
     squared = dot(u, u)
@@ -99,6 +101,7 @@ def matrix_from_quaternion(q: Array) -> Array:
 
 def quaternion_from_matrix(r: Array) -> Array:
     """Unit quaternion with w >= 0 of a rotation matrix, by the best conditioned of the four divisions (Shepperd)."""
+    # these are 4 w^2, 4 x^2, 4 y^2, 4 z^2; the largest is at least 1, so that dividing by its root is safe
     trace = r[0, 0] + r[1, 1] + r[2, 2]
     squares = [1 + trace, 1 + 2 * r[0, 0] - trace, 1 + 2 * r[1, 1] - trace, 1 + 2 * r[2, 2] - trace]
     candidates = [
@@ -153,6 +156,7 @@ def euler_from_quaternion(q: Array, sequence: str) -> Array:
     symmetric = i == k
     if symmetric:
         k = 3 - i - j
+    # the sign of the permutation (i, j, k): left-handed sequences mirror the last axis
     parity = (i - j) * (j - k) * (k - i) // 2
     w, v = q[0], q[1:]
     if symmetric:

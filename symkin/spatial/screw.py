@@ -36,6 +36,7 @@ def exponential(screw: Array, value: Array) -> Pose:
     """
     s, s0 = scale(value, screw[:3]), scale(value, screw[3:])
     squared = dot(s, s)
+    # below 1e-5 rad the series of the coefficients: the terms left out are below rounding
     small = squared < 1e-10
     angle = sqrt(where(small, 1.0, squared))
     first = where(small, 0.5 - squared / 24.0, (1.0 - cos(angle)) / (angle * angle))

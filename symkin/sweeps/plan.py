@@ -1,9 +1,11 @@
-"""All that decides the arrays of a sweep, and the comparison of two sweeps."""
+"""All that decides the arrays of a sweep, the comparison of two sweeps, and what a worker does with a plan."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import pickle
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +15,7 @@ import numpy as np
 from symkin._version import __version__
 from symkin.assembly.finder import ModeFinder, make_finder
 from symkin.assembly.search import MOST_STARTS
-from symkin.caching import cached_property
+from symkin.caching import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Kind
@@ -138,3 +140,37 @@ def _short(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{k} ({v})" for k, v in value.items())
     return str(value)
+
+
+# --- workers -----------------------------------------------------------------------------------------------------
+
+_one_at_a_time = threading.Lock()
+"""Threads of one process share what is prepared, and compute in turn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A plan, and what its folder has pinned."""
+
+    plan: Plan
+    pinned: Mapping[str, Any]
+
+    def packed(self) -> bytes:
+        return pickle.dumps(self)
+
+
+def compute_chunk(job: bytes, index: int) -> dict[str, np.ndarray]:
+    """The arrays of chunk `index` of a packed `Job`. Raises InputError in a process whose results would differ."""
+    with _one_at_a_time:
+        plan, finder = _prepared(job)
+        return plan.compute(finder, index)
+
+
+@lru_cache(maxsize=4)
+def _prepared(job: bytes) -> tuple[Plan, ModeFinder]:
+    loaded: Job = pickle.loads(job)
+    finder = loaded.plan.finder()
+    reason = difference(loaded.pinned, loaded.plan.pinned(finder))
+    if reason is not None:
+        raise InputError(f"a worker cannot go on with this sweep: {reason}")
+    return loaded.plan, finder

@@ -10,20 +10,26 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
+from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.position.given import Joints
+from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
+from symkin.sweeps.arguments import check_types, refuse_unread, whole
+from symkin.sweeps.damage import mend
+from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
+from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
+from symkin.sweeps.space import Values, make_space
+from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
+
+OVER = ("inputs", "poses")
+"""What a sweep's points are: values of the actuated joints, or poses."""
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
     from contextlib import AbstractContextManager
-
-    from symkin.position.given import Joints
-    from symkin.sweeps.executors import Crew
-    from symkin.sweeps.plan import Plan
-    from symkin.sweeps.space import Values
-    from symkin.sweeps.store import Store
 
 Progress = Callable[[int, int], None]
 """Called with the count of points that are done, and of all."""
@@ -74,7 +80,7 @@ class Swept(Result):
 
 
 class SweepOptions(TypedDict, total=False):
-    """What `sweep` takes beside the grid, its folder, `poses` and `at`; the values in brackets stand where nothing is given."""
+    """What `sweep` takes beside the grid, its folder, `over` and `at`, as the options of `symkin sweep`; the values in brackets stand where nothing is given."""
 
     random: int | None
     """Points of a random sample, in place of a grid: `grid` then maps names to (least, largest). [a grid]"""
@@ -119,17 +125,18 @@ def sweep(
     grid: Mapping[str, Values],
     directory: Path | str,
     *,
+    over: str = "inputs",
     poses: bool = False,
     at: Joints | Pose | None = None,
     **options: Unpack[SweepOptions],
 ) -> Swept:
     """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
 
-    `grid` maps actuated joints to rising values, with `poses` the coordinates of the platform's motion: x, y, z, gamma (about
-    z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of `at`), in the mechanism's
-    units. Poses of which the joints allow hardly any are refused. `at` gives what is not swept: all actuated joints, in file
-    order or by name, or a pose. `options` are those of `SweepOptions`: random, seed, quantity, certify, starts, chunk, executor,
-    workers, dask, progress.
+    `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` = "poses", coordinates of the platform's
+    motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of
+    `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is not swept:
+    all actuated joints, in file order or by name, or a pose. `options` are those of `SweepOptions`: random, seed, quantity,
+    certify, starts, chunk, executor, workers, dask, progress.
 
     The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
     what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs
@@ -141,19 +148,12 @@ def sweep(
     >>> found.points, found.points_by_count
     (2, {4: 2})
     """
-    from symkin.assembly.search import DEFAULT_SEED
-    from symkin.position.multistart import DEFAULT_STARTS
-    from symkin.sweeps.arguments import check_types, refuse_unread, whole
-    from symkin.sweeps.damage import mend
-    from symkin.sweeps.plan import make_plan
-    from symkin.sweeps.space import make_space
-    from symkin.sweeps.store import locked, open_store, read_attributes, require_zarr
-    from symkin.sweeps.work import Job
-
     chosen = _Options(**options)
     executor, dask, progress = chosen.executor, chosen.dask, chosen.progress
     others = {"poses": poses, "certify": chosen.certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
     check_types(mechanism, grid, directory, **others)
+    if over not in OVER:
+        raise InputError(f"over = {over!r} is unknown; allowed: {', '.join(OVER)}")
     random, chunk, workers, seed, starts = (
         None if value is None else whole(value, name)
         for name, value in ((name, getattr(chosen, name)) for name in ("random", "chunk", "workers", "seed", "starts"))
@@ -163,7 +163,9 @@ def sweep(
     read_attributes(folder)
     if (executor is not None) + (workers is not None) + (dask is not None) > 1:
         raise InputError("executor, workers and dask are given together; one of them is needed, or none")
-    space = make_space(mechanism, grid, poses=poses, at=at, sample=random, seed=DEFAULT_SEED if seed is None else seed)
+    space = make_space(
+        mechanism, grid, poses=poses or over == "poses", at=at, sample=random, seed=DEFAULT_SEED if seed is None else seed
+    )
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
     plan = make_plan(space, quantity=chosen.quantity, certify=chosen.certify, starts=count, chunk=chunk)
@@ -177,16 +179,12 @@ def sweep(
 
 
 def _crew(executor: Executor | None, workers: int | None, dask: str | None) -> AbstractContextManager[Crew]:
-    from symkin.sweeps.executors import dask_crew, given_crew, local_crew
-
     if executor is not None:
         return given_crew(executor)
     return local_crew(workers) if dask is None else dask_crew(dask)
 
 
 def _run(store: Store, crew: Crew, job: bytes, progress: Progress | None) -> Swept:
-    from symkin.sweeps.work import compute_chunk
-
     plan = store.plan
     done_before = store.done()
     left = np.flatnonzero(~done_before)

@@ -148,7 +148,7 @@ def _unknown(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: b
     allowed = ", ".join(units) or "nothing"
     if poses and name in ALL_POSE_AXES:
         return f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to sweep; allowed: {allowed}"
-    hint = "; poses are swept with --poses (poses=True)" if not poses and name in ALL_POSE_AXES else ""
+    hint = "; poses are swept with --poses (over='poses')" if not poses and name in ALL_POSE_AXES else ""
     return f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {allowed}{hint}"
 
 
@@ -185,7 +185,7 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
         references = [(c, c.reference[0]) for c in mechanism.actuated]
         return tuple(mechanism.angle_out(v) if c.is_angular else v for c, v in references)
     if isinstance(at, Pose):
-        raise InputError("at: a pose is given; a sweep over inputs takes all actuated joints (poses=True sweeps over poses)")
+        raise InputError("at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' sweeps over poses)")
     joint_values(mechanism, at, "at")
     return tuple(float(v) for v in in_file_order(mechanism, at, "at"))
 

@@ -1,4 +1,4 @@
-"""The velocity equations A t + P x' + B q' = 0 of a closure, and what follows from them at a configuration.
+"""Write the velocity equations A t + P x' + B q' = 0 of a closure, and evaluate them at a configuration.
 
 t is the twist (velocity of the platform's or tool's origin; angular velocity), both in the base frame, q' are the rates of
 the actuated joints in file order and x' those of the passive joints that the closure has. Passive joints are eliminated

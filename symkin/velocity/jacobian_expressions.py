@@ -1,4 +1,4 @@
-"""The Jacobians of a closure as expressions, from its velocity equations limb by limb.
+"""Derive the Jacobians of a closure as expressions, from its velocity equations limb by limb.
 
 For limb i with rows A_i t + P_i x_i' + B_i q_i' = 0, orthogonal elimination (see `elimination`) of P_i leaves equations in t
 and q'; all limbs' together, solved by least squares, give the direct Jacobian, and each limb's alone, solved for q_i', the

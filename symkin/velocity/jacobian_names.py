@@ -1,4 +1,4 @@
-"""Names of a Jacobian's rows, columns and inputs."""
+"""Name a Jacobian's rows, columns and inputs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,11 @@
 """The velocity equations at one configuration, as numbers, and the Jacobians that follow from them.
 
+With E_i A_i t + E_i B_i q' = 0 the limbs' equations without passive joints (see `limb_ranks`), all in lengths:
+
+    t = J q',       J = -(E A)^+ E B                             all limbs' rows together
+    q' = J^-1 t,    q_i' = -(E_i B_i)^+ E_i A_i t                each limb alone, for feasible t
+    x' = Jp q',     x_i' = -P_i^+ (A_i J + B_i) q'
+
 Ranks are those of generic configurations, and a configuration where one is lost is refused; `singularities.limb_equations`
 eliminates passive joints by the ranks at the configuration itself, for what holds at singular ones.
 """

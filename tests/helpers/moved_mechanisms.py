@@ -9,7 +9,8 @@ import numpy as np
 import symkin
 from symkin import Joint, Limb, Mechanism, RodLimb
 from symkin.position.problem import build_problem
-from symkin.position.solution import Solution, make_solution
+from symkin.position.solution import Solution
+from symkin.position.solution_list import make_solution
 
 
 def reference_solution(mechanism: Mechanism) -> Solution:

@@ -1,4 +1,4 @@
-"""Read and write measurements and plans as CSV: names and units in the header, one row a configuration, empty cells where nothing was read.
+"""Read and write measurements as CSV: names and units in the header, one row a configuration, empty cells for no reading.
 
 group                               configurations with the same text have equal inclination; empty: none
 leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; every cell is needed

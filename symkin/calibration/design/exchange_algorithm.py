@@ -84,7 +84,7 @@ class ExchangeSearch:
         """Return C after one candidate is added (sign 1) or removed (-1)."""
         rows = self.rows[k]
         spread = rows @ c
-        inner = np.eye(len(rows)) + sign * spread @ rows.T
+        inner = np.eye(len(rows)) + sign * spread @ rows.T  # Woodbury: (M +- a^T a)^-1
         return np.asarray(c - sign * spread.T @ np.linalg.solve(inner, spread))
 
     def greedy(self, count: int, allowed: set[int]) -> list[int]:

@@ -117,23 +117,28 @@ def corner_wedges(tilt: float) -> np.ndarray:
     return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2)) if tilt > 0 else np.zeros((1, 2))
 
 
-class PlanKeywords(TypedDict, total=False):
-    """Keywords of `plan_measurements`; see `PlanOptions`."""
+class PlanOptions(TypedDict, total=False):
+    """What `plan_measurements` takes beside workspace, count and noise; the values in brackets stand where nothing is given."""
 
     groups: int
+    """Most groups of equal inclination, 0 for none. [5]"""
     readings: Sequence[str]
+    """What is read beside the joints (see `READING_CHOICES`). [nothing but groups]"""
     wedges: np.ndarray | None
+    """Inclinations (W, 2) that groups may have, radians. [level, edges and corners of the workspace's tilt]"""
     criterion: Criterion
+    """"D", "A" or "I" (see `exchange_algorithm`). ["I"]"""
     parameters: Sequence[str] | None
+    """Names of the parameters to identify. [all that matter]"""
     aligned: bool
+    """Whether poses are judged after the best alignment of constant base and tool frames. [True]"""
     seed: int
+    """Seed of the random candidates. [0]"""
 
 
 @dataclass(frozen=True, eq=False)
-class PlanOptions:
-    """Most groups of equal inclination (0: none), what is read beside the joints, inclinations (W, 2) that groups may have (radians;
-    default: level, edges and corners of the workspace's tilt), the criterion, names of parameters (default: all), whether poses are
-    judged after the best alignment of constant base and tool frames, and the seed of random candidates."""
+class _Options:
+    """The options of one call of `plan_measurements`, with their defaults."""
 
     groups: int = 5
     readings: Sequence[str] = ()
@@ -158,7 +163,7 @@ class PlanOptions:
 
 
 def plan_measurements(
-    workspace: Workspace | Mechanism, configurations: int, noise: Noise | Mapping[str, float], **options: Unpack[PlanKeywords]
+    workspace: Workspace | Mechanism, configurations: int, noise: Noise | Mapping[str, float], **options: Unpack[PlanOptions]
 ) -> Plan:
     """Choose the configurations whose measurement identifies the geometry best, by exchange of random candidates.
 
@@ -168,7 +173,7 @@ def plan_measurements(
     aligned, seed. Of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
     trace M^-1 least, I-optimality the mean variance of poses over the workspace least.
 
-    Raises InputError for counts that cannot be, and where readings tell nothing of the geometry. Source: Atkinson and Donev,
+    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry. Source: Atkinson and Donev,
     Optimum Experimental Designs, 1992.
 
     >>> import symkin
@@ -181,7 +186,7 @@ def plan_measurements(
     """
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
-    chosen = PlanOptions(**options)
+    chosen = _Options(**options)
     chosen.check(configurations)
     task = _Task(workspace, configurations, noise, chosen)
     pool = task.chosen_candidates()
@@ -218,7 +223,7 @@ class _Pool:
 class _Task:
     """What stays the same while configurations are chosen: readings, noise, parameters, test poses, the observable directions."""
 
-    def __init__(self, workspace: Workspace, count: int, noise: Noise, options: PlanOptions) -> None:
+    def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
         self.names = default_parameters(self.mechanism) if options.parameters is None else tuple(options.parameters)
@@ -281,7 +286,7 @@ class _Task:
         """Keep the directions of parameter space that all candidates together determine."""
         self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
         if self.directions.shape[1] == 0:
-            raise InputError(f"{self.mechanism.name}: these readings tell nothing of the geometry; name other readings")
+            raise InputError(f"{self.mechanism.name}: these readings determine nothing of the geometry; name other readings")
 
     def reduced(self, slopes: Candidates) -> Candidates:
         return Candidates(slopes.rows @ self.directions, slopes.group, slopes.wedge)
@@ -371,7 +376,7 @@ def reading_slopes(
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
     basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ e.slopes, basis)
+    return ReadingSlopes(whiten @ (e.readings_p + e.readings_z @ e.following), basis)
 
 
 def plan_text(plan: Plan) -> str:

@@ -18,10 +18,10 @@ from symkin.position.given import pose_coordinates, pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_euler
 
-CLOSURE_TOLERANCE = 1e-10
+SOLVED_TOLERANCE = 1e-10
 """A configuration is solved when its largest closure row is below this, of the size: far above rounding (1e-15), far below
 any noise."""
-ROUGH_CLOSURE_TOLERANCE = 1e-6
+ROUGHLY_SOLVED_TOLERANCE = 1e-6
 """The same, of the size, where an estimator goes on from there and corrects what is left to first order."""
 _MAX_STEP = 0.3
 """Longest Newton step, of the size: longer ones leave the assembly mode."""
@@ -44,7 +44,7 @@ class SolvedConfigurations:
 
 
 def newton_configurations(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, *, tolerance: float = CLOSURE_TOLERANCE
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, *, tolerance: float = SOLVED_TOLERANCE
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve the direct problems by Newton from points z (n, width): points, and which of them closed (n,)."""
     z, largest = _newton(lambda z: model.rows(z, joints, p), model.system, z, _Steps(_MAX_STEPS, tolerance, _MAX_STEP))
@@ -79,7 +79,7 @@ def _newton(
 
 def solve_configurations(
     model: ConfigurationModel, measurements: Measurements, p: np.ndarray, *, z: np.ndarray | None = None, seed: int = 0,
-    tolerance: float = CLOSURE_TOLERANCE
+    tolerance: float = SOLVED_TOLERANCE
 ) -> SolvedConfigurations:  # fmt: skip
     """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
@@ -93,7 +93,7 @@ def solve_configurations(
                 better = _solve_from_many(model, measurements, p, int(k), np.vstack([start[k], near]), seed)
                 found[k] = found[k] if better is None else better
             found, solved = newton_configurations(model, found, joints, p, tolerance=tolerance)
-        if tolerance <= CLOSURE_TOLERANCE:
+        if tolerance <= SOLVED_TOLERANCE:
             found = np.where(solved[:, None], _polished(model, found, joints, p), found)
     return SolvedConfigurations(found, solved)
 
@@ -208,44 +208,28 @@ def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarra
     return values
 
 
-class _MappedSystem:
-    """A system solved at many points, each with known values of its own."""
-
-    def __init__(self, system: System) -> None:
-        self.system = system
-        self._one = ca.Function("rows", [system.unknown, system.known], [ca.densify(system.rows), ca.densify(system.jacobian)])
-        self._maps: dict[int, ca.Function] = {}
-
-    def _linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        count = len(z)
-        mapped = self._maps.setdefault(count, self._one.map(count))
-        rows, rows_z = (np.asarray(part) for part in mapped(z.T, known.T))
-        m = int(self.system.rows.shape[0])
-        return rows.T.reshape(count, m), rows_z.reshape(m, count, self.system.freedom).transpose(1, 0, 2)
-
-    def newton(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points (n, width) by Newton from z, and which of them closed (n,)."""
-        z, largest = _newton(
-            lambda z: self._linearise(z, known), self.system, z, _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
-        )
-        return z, largest < _CLOSED_TO_ROUNDING
+def closed_points(system: System, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Solve a system by Newton from points z (n, width), each with known values (n, k) of its own: points, and which of them closed
+    to rounding (n,)."""
+    steps = _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
+    z, largest = _newton(lambda z: system.linearise(z, known), system, z, steps)
+    return z, largest < _CLOSED_TO_ROUNDING
 
 
 class JointsOfPose:
     """Solves for all joints, actuated and passive, at given poses."""
 
     def __init__(self, closure: Closure) -> None:
-        self.closure = closure
         unknowns, known = closure.role("actuated", "passive"), closure.role("pose")
         self.width = sum(c.width for c in unknowns)
         unknown = closure.variables[: self.width]
         pose = closure.variables[self.width : self.width + sum(c.width for c in known)]
-        rows = closure.bound(closure.rows)
-        self._system = _MappedSystem(System(unknowns, unknown, pose, rows, closure.bound(closure.errors), closure.size))
+        rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
+        self._system = System(unknowns, unknown, pose, rows, errors, closure.size)
 
     def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Solve for the joints by Newton from those in the values; and tell which configurations closed."""
-        return self._system.newton(values[:, : self.width], values[:, self.width :])
+        return closed_points(self._system, values[:, : self.width], values[:, self.width :])
 
     def solve(self, values: np.ndarray) -> np.ndarray:
         """Replace the joints by Newton's where it closes; others stay as they were."""
@@ -253,15 +237,13 @@ class JointsOfPose:
         return np.where(closed[:, None], np.hstack([joints, values[:, self.width :]]), values)
 
 
-class AllCoordinates(_MappedSystem):
-    """Solves for all coordinates; with `held` also the inclination, size (R^T e_z - R_home^T (Ry Rx)^T e_z) = 0."""
-
-    def __init__(self, closure: Closure, home: Pose, *, held: bool) -> None:
-        rows, known = closure.bound(closure.rows), ca.SX.sym("inclination", 2 if held else 0)
-        if held:
-            tilted = quaternion_from_euler([known[0], known[1], 0.0], "xyz")
-            wanted = Pose(ca.SX.zeros(3), multiply(tilted, ca.SX(ca.DM(home.quaternion))))
-            quaternion = closure.bound(closure.pose.quaternion)
-            up = ca.SX(ca.DM([0.0, 0.0, 1.0]))
-            rows = ca.vertcat(rows, closure.size * (Pose(up, quaternion).inverse().turn(up) - wanted.inverse().turn(up)))
-        super().__init__(System(closure.coordinates, closure.variables, known, rows, rows, closure.size))
+def all_coordinates(closure: Closure, home: Pose, *, held: bool) -> System:
+    """The closure in all coordinates; with `held` also the inclination, size (R^T e_z - R_home^T (Ry Rx)^T e_z) = 0."""
+    rows, known = closure.bound(closure.rows), ca.SX.sym("inclination", 2 if held else 0)
+    if held:
+        tilted = quaternion_from_euler([known[0], known[1], 0.0], "xyz")
+        wanted = Pose(ca.SX.zeros(3), multiply(tilted, ca.SX(ca.DM(home.quaternion))))
+        quaternion = closure.bound(closure.pose.quaternion)
+        up = ca.SX(ca.DM([0.0, 0.0, 1.0]))
+        rows = ca.vertcat(rows, closure.size * (Pose(up, quaternion).inverse().turn(up) - wanted.inverse().turn(up)))
+    return System(closure.coordinates, closure.variables, known, rows, rows, closure.size)

@@ -1,6 +1,6 @@
 """Descend from where the solver ended to a minimum over all directions that the readings determine there.
 
-The solver holds what no reading tells where it begins. Some of it is told later: the offset between axes
+The solver holds what no reading determines where it begins. Some of it is determined later: the offset between axes
 that are parallel at nominal and not at the fit, of which a hundred metres may be needed. From where the solver ends the descent
 goes on with the directions that are null where it stands, judged anew at every step: Levenberg-Marquardt with geodesic
 acceleration (Transtrum and Sethna 2012), damped in the metric of the columns' lengths, along valleys as curved as these.
@@ -44,8 +44,8 @@ _MIN_COLUMN_LENGTH = 1e-3
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.1875
 """Share of a step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-8, 20
-"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that
-readings tell to second order only lets the linear model promise more for ever."""
+"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that readings determine to second order only lets the linear model
+promise more at every step."""
 
 
 def undetermined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
@@ -92,7 +92,7 @@ class Descent:
     covariance: np.ndarray | None
     state: State
     damping: float = _FIRST_DAMPING
-    slow: int = 0
+    slow_steps: int = 0
     null_space: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -101,7 +101,7 @@ class Descent:
     def run(self, limit: int) -> tuple[str, int]:
         """Iterate; return status and number of steps."""
         for count in range(limit):
-            if self.slow >= _MAX_SLOW_STEPS or self.is_minimum:
+            if self.slow_steps >= _MAX_SLOW_STEPS or self.is_minimum:
                 return "ok", count
             if not self._advance():
                 return "ok" if self._promises_nothing else "stalled", count
@@ -127,10 +127,10 @@ class Descent:
         """Take one step that lowers the cost, with as much damping as it needs; tell whether there is one."""
         failed = 0
         while self.damping < _MAX_DAMPING:
-            trial = self._tried()
+            trial = self._trial_state()
             if trial is not None and merit(trial) < merit(self.state):
                 gained = merit(self.state) - merit(trial)
-                self.slow = self.slow + 1 if gained < _NEGLIGIBLE_DECREASE * merit(trial) else 0
+                self.slow_steps = self.slow_steps + 1 if gained < _NEGLIGIBLE_DECREASE * merit(trial) else 0
                 self.damping = max(self.damping / _DAMPING_DECREASE, _MIN_DAMPING) if failed == 0 else self.damping
                 self.state = trial
                 self.null_space = undetermined_directions(self.problem, trial)
@@ -139,14 +139,14 @@ class Descent:
             self.damping *= _DAMPING_INCREASE ** max(1, failed - _FAILURES_BEFORE_DOUBLING)
         return False
 
-    def _tried(self) -> State | None:
+    def _trial_state(self) -> State | None:
         """Evaluate the state after an accelerated step; None where it bends too much, a configuration has no solution, or one
         passes a singularity."""
-        step = self._bent()
+        step = self._accelerated()
         trial = None if step is None else restored_after(self._moved, self.state, step, self.null_space)
         return trial if trial is not None and np.array_equal(trial.determinant_signs, self.state.determinant_signs) else None
 
-    def _bent(self) -> np.ndarray | None:
+    def _accelerated(self) -> np.ndarray | None:
         """Return a damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J
         d) / h."""
         fit, solver = self.state.linearised, _DampedSteps(self.state, self.null_space, self.damping)

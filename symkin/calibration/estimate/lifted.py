@@ -1,7 +1,7 @@
 """Solve the lifted form by IPOPT: poses are unknowns and the closure of every configuration a constraint.
 
 min sum |W (h(z_i, p) - m_i - G_i g)|^2 over p, z_1 ... z_n and the inclinations g of the groups, subject to F(z_i, p) = 0,
-unit quaternions and N^T (p - nominal) = 0 for the directions N that no reading tells; exact derivatives by CasADi.
+unit quaternions and N^T (p - nominal) = 0 for the directions N that no reading determines; exact derivatives by CasADi.
 """
 
 from __future__ import annotations

@@ -56,11 +56,17 @@ class Evaluation:
         derivative dh/dp (n, K, P) with the configurations following, and what an overconstrained closure leaves of F and
         dF/dp."""
         if self.rows_z.shape[1] == self.rows_z.shape[2]:
+            # A = h_z F_z^-1 from the transposed system: K right sides in place of P
             weights = solve_systems(self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
             return self.readings - (weights @ self.rows[:, :, None])[:, :, 0], self.readings_p - weights @ self.rows_p, None
-        follow = solve_systems(self.rows_z, self.rows_p)
-        left = self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0], self.rows_p - self.rows_z @ follow
-        return self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0], self.readings_p - self.readings_z @ follow, left
+        follow = self.following
+        left = self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0], self.rows_p + self.rows_z @ follow
+        return self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0], self.readings_p + self.readings_z @ follow, left
+
+    @property
+    def following(self) -> np.ndarray:
+        """dz/dp (n, f, P), by which the unknown coordinates follow the parameters: -F_z^+ F_p."""
+        return -solve_systems(self.rows_z, self.rows_p)
 
     @property
     def slopes(self) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.caching import cached_property, lru_cache
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import bound_by_motion, written_freedoms
-from symkin.calibration.estimate.model import ConfigurationModel, build_model, solve_systems
+from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
@@ -118,19 +118,8 @@ def build_calibration(
     measurements.check(mechanism)
     if residual not in FORMS:
         raise InputError(f"residual = {residual!r} is unknown; allowed: {', '.join(FORMS)}")
-    bound = bound_by_motion(mechanism)
     names = default_parameters(mechanism) if parameters is None else tuple(parameters)
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"parameters: {name!r} is named twice")
-        if name in bound and name not in fixed:
-            raise InputError(
-                f"parameter {name!r} is bound by the platform's {mechanism.motion} motion: moved alone, its limb could not carry "
-                "the platform through that motion; leave it out of the parameters to identify, hold it, or declare the motion spatial"
-            )
-    for name in fixed:
-        if name not in names:
-            raise InputError(f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})")
+    _check_names(mechanism, names, fixed)
     free = [n for n in names if n not in fixed]
     if not free:
         raise InputError("no parameter is left to identify; name some, or fix fewer")
@@ -148,6 +137,22 @@ def build_calibration(
         mechanism=mechanism, measurements=measurements, model=model, readings=readings, fixed=tuple(fixed), form=residual,
         prior=prior,
     )  # fmt: skip
+
+
+def _check_names(mechanism: Mechanism, names: Sequence[str], fixed: Sequence[str]) -> None:
+    """Refuse parameters that are named twice or bound by the declared motion, and held ones that are not to be identified."""
+    bound = bound_by_motion(mechanism)
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"parameters: {name!r} is named twice")
+        if name in bound and name not in fixed:
+            raise InputError(
+                f"parameter {name!r} is bound by the platform's {mechanism.motion} motion: moved alone, its limb could not carry "
+                "the platform through that motion; leave it out of the parameters to identify, hold it, or declare the motion spatial"
+            )
+    for name in fixed:
+        if name not in names:
+            raise InputError(f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})")
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
@@ -197,8 +202,8 @@ def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
     model = build_model(mechanism, poses, names)
     z = np.ascontiguousarray(made.values[:, len(mechanism.actuated) :])
     e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
-    follow = solve_systems(e.rows_z, e.rows_p)
-    effect = np.concatenate([e.readings_p - e.readings_z @ follow, e.rows_p - e.rows_z @ follow], axis=1).reshape(-1, len(names))
+    follow = e.following
+    effect = np.concatenate([e.readings_p + e.readings_z @ follow, e.rows_p + e.rows_z @ follow], axis=1).reshape(-1, len(names))
     redundant, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
     for zero in zeros:
         column, basis = effect[:, names.index(zero)], effect[:, others]

@@ -3,7 +3,7 @@
 Steps solve the small problem of the parameters (see `state`) by QR of columns that count lengths alike (see `model`). "nested"
 solves the direct problem of every configuration before a step is judged; "lifted" treats the poses as unknowns and lets closure and
 readings converge together. Rows that the unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step
-keeps C dp = -c. Along directions that no reading tells, parameters are moved nearest to nominal afterwards.
+keeps C dp = -c. Along directions that no reading determines, parameters are moved nearest to nominal afterwards.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _STEPS_AFTER_REFUSAL = 3
 """Steps during which the damping stays after less of it was refused: trying again costs an evaluation each time."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-7, 4
 """The iteration ends, too, when so many damped steps in a row each lower the cost by less than this share, far below its chance
-fluctuation: a parameter that readings tell to second order only lets the linear model promise more for ever."""
+fluctuation: a parameter that readings determine to second order only lets the linear model promise more at every step."""
 _MAX_DESCENT_STEPS = 600
 """Most steps of the descent from where the iteration ended."""
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.4
@@ -133,9 +133,9 @@ def descend_from(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, resu
 
 @dataclass(eq=False)
 class _Search:
-    """The iteration: `state` is where it stands, `best` where the cost was least. `since` counts undamped steps without a lower
-    cost, of which `patience` are allowed; `last` is the length of the last undamped step, of the size; `slow` counts damped steps
-    that gain next to nothing; `refused` is the last iteration whose step was taken back."""
+    """The iteration: `state` is where it stands, `best` where the cost was least. `rising_steps` counts undamped steps without a lower
+    cost, of which `allowed_rising_steps` are allowed; `last_length` is the length of the last undamped step, of the size; `slow_steps` counts damped steps
+    that gain next to nothing; `last_refused` is the last iteration whose step was taken back."""
 
     problem: CalibrationProblem
     form: Form
@@ -145,11 +145,11 @@ class _Search:
     state: State
     best: State
     damping: float = 0.0
-    since: int = 0
-    patience: int = _MAX_RISING_STEPS
-    last: float = np.inf
-    slow: int = 0
-    refused: int | None = None
+    rising_steps: int = 0
+    allowed_rising_steps: int = _MAX_RISING_STEPS
+    last_length: float = np.inf
+    slow_steps: int = 0
+    last_refused: int | None = None
 
     def run(self, limit: int) -> tuple[str, int]:
         """Iterate; return status and number of iterations."""
@@ -164,17 +164,23 @@ class _Search:
         step, length = self._step()
         if not np.isfinite(length):
             return "stalled"
+        # near the minimum the cost is flat to rounding: steps are then judged by their length alone
         tail = length < _TAIL_STEP and self.damping == 0.0
-        if tail and (length < _CONVERGED_STEP or length > 0.5 * self.last):
+        if tail and (length < _CONVERGED_STEP or length > 0.5 * self.last_length):
             self.best = self.state
             return "ok"
-        trial = self._tried(step, length)
+        trial = self._trial_state(step, length)
         better = trial is not None and (tail or merit(trial) < merit(self.best))
         lifted = self.method == "lifted"
+        # det F_z changes its sign only across a singularity, beyond which lies another assembly mode
         on_branch = trial is not None and (lifted or np.array_equal(trial.determinant_signs, self.best.determinant_signs))
-        if trial is not None and on_branch and (better or lifted or (self.damping == 0.0 and self.since < self.patience)):
-            self._take(trial, step, length, iteration, better=better)
-            return "ok" if self.slow >= _MAX_SLOW_STEPS else None
+        if (
+            trial is not None
+            and on_branch
+            and (better or lifted or (self.damping == 0.0 and self.rising_steps < self.allowed_rising_steps))
+        ):
+            self._accept(trial, step, length, iteration, better=better)
+            return "ok" if self.slow_steps >= _MAX_SLOW_STEPS else None
         if lifted or self.damping > 1e8 or tail:
             return "stalled"
         self._refuse(iteration)
@@ -184,16 +190,16 @@ class _Search:
         """Return the next step and its length, of the size, before its acceleration."""
         step = damped_step(self.state, self.null_space, self.damping)
         length = float(np.max(np.abs(step), initial=0.0)) / self.problem.model.closure.size
-        return (self._bent(step) if self.damping > 0.0 and length < _MAX_PARAMETER_STEP else step), length
+        return (self._accelerated(step) if self.damping > 0.0 and length < _MAX_PARAMETER_STEP else step), length
 
-    def _bent(self, step: np.ndarray) -> np.ndarray:
+    def _accelerated(self, step: np.ndarray) -> np.ndarray:
         """Add half of its geodesic acceleration to a damped step (Transtrum and Sethna 2012), which follows a curved valley:
         the second derivative of the residuals along the step d is 2 ((r(d h) - r) / h - J d) / h. The step alone where that
         is no small correction, and where residuals are condensed."""
         fit = self.state.linearised
         if isinstance(fit, Condensed):
             return step
-        probe = self._stepped(self.state, _PROBE_SHARE * step)
+        probe = self._moved(self.state, _PROBE_SHARE * step)
         if probe is None:
             return step
         curved = 2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE
@@ -203,24 +209,24 @@ class _Search:
         lengths = np.linalg.norm(fit.matrix, axis=0)
         return step + half if np.linalg.norm(lengths * half) < _MAX_ACCELERATION * np.linalg.norm(lengths * step) else step
 
-    def _tried(self, step: np.ndarray, length: float) -> State | None:
+    def _trial_state(self, step: np.ndarray, length: float) -> State | None:
         """Evaluate the state after a step, configurations moved along and rows left over met again; None where the step is
         too long, or a direct problem has no solution."""
         if self.method == "nested" and length > _MAX_PARAMETER_STEP:
             return None
-        return restored_after(lambda state, more: self._stepped(state, more), self.state, step, self.null_space)
+        return restored_after(lambda state, more: self._moved(state, more), self.state, step, self.null_space)
 
-    def _stepped(self, state: State, step: np.ndarray) -> State | None:
+    def _moved(self, state: State, step: np.ndarray) -> State | None:
         return state_after(self.problem, state, step, self.form, self.covariance, nested=self.method == "nested")
 
-    def _take(self, trial: State, step: np.ndarray, length: float, iteration: int, *, better: bool) -> None:
-        self.last = length if self.damping == 0.0 else np.inf
-        self.since = 0 if better else self.since + 1
+    def _accept(self, trial: State, step: np.ndarray, length: float, iteration: int, *, better: bool) -> None:
+        self.last_length = length if self.damping == 0.0 else np.inf
+        self.rising_steps = 0 if better else self.rising_steps + 1
         if better:
             gained = merit(self.best) - merit(trial)
             is_slow = 0.0 < self.damping <= _FIRST_DAMPING and gained < _NEGLIGIBLE_DECREASE * merit(trial)
-            self.slow = self.slow + 1 if is_slow else 0
-            since_refused = None if self.refused is None else iteration - self.refused
+            self.slow_steps = self.slow_steps + 1 if is_slow else 0
+            since_refused = None if self.last_refused is None else iteration - self.last_refused
             self.damping = _damping_after(self.damping, gained / _predicted_decrease(self.state, step), since_refused)
         self.state = trial
         if better or self.method == "lifted":
@@ -228,8 +234,8 @@ class _Search:
 
     def _refuse(self, iteration: int) -> None:
         """Go back to the best state, with more damping."""
-        self.patience, self.refused = (0 if self.since else self.patience), iteration
-        self.state, self.since = self.best, 0
+        self.allowed_rising_steps, self.last_refused = (0 if self.rising_steps else self.allowed_rising_steps), iteration
+        self.state, self.rising_steps = self.best, 0
         self.damping = max(10.0 * self.damping, _FIRST_DAMPING if self.damping == 0.0 else 0.0)
 
 

@@ -17,7 +17,7 @@ from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.configurations import (
-    ROUGH_CLOSURE_TOLERANCE,
+    ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
     known_poses,
     newton_configurations,
@@ -116,7 +116,7 @@ def start_configurations(problem: CalibrationProblem, p: np.ndarray, *, seed: in
     """Solve the direct problem of every configuration at the parameters p, each in the mode that fits what was read of it."""
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        configurations = solve_configurations(model, m, p, seed=seed, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        configurations = solve_configurations(model, m, p, seed=seed, tolerance=ROUGHLY_SOLVED_TOLERANCE)
         if problem.mechanism.serial or model.observes_through_frames:
             return configurations
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
@@ -211,7 +211,7 @@ def _take_better_points(
     if not len(owner):
         return configurations, gaps
     found = SolvedConfigurations(
-        *newton_configurations(problem.model, points, problem.measurements.joints[owner], p, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        *newton_configurations(problem.model, points, problem.measurements.joints[owner], p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
     )
     trial = reading_gaps(problem, p, found, owner)
     z, solved, before, gaps = configurations.z.copy(), configurations.solved.copy(), gaps, gaps.copy()
@@ -285,7 +285,7 @@ def _branch(problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarra
         order = np.argsort(np.linalg.norm((joints[open_] - joints[near]) / np.maximum(np.std(joints, axis=0), 1e-300), axis=1))
         order = order[: max(1, len(open_) // 2)]
         found, closed = newton_configurations(
-            model, points[near[order]], joints[open_[order]], p, tolerance=ROUGH_CLOSURE_TOLERANCE
+            model, points[near[order]], joints[open_[order]], p, tolerance=ROUGHLY_SOLVED_TOLERANCE
         )
         if not closed.any():
             break

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, determinant_signs, newton_configurations
+from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, determinant_signs, newton_configurations
 from symkin.calibration.estimate.model import Evaluation, solve_systems
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise, wrapped
@@ -26,6 +26,8 @@ PREDICTION_TOLERANCE = 1e-4
 """A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
 CONSTRAINT_WEIGHT = 1e6
 """Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
+CONSTRAINT_ROUNDING = 1e-9
+"""Singular values of the rows left over (per length unit of scaled parameters) up to this are rounding: such rows bind nothing."""
 _RESTORATION_STEPS = 2
 """Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
 
@@ -138,7 +140,7 @@ def state_after(
     if not np.all(np.isfinite(trial.pending)):
         return None
     if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTION_TOLERANCE * model.closure.size:
-        z, solved = newton_configurations(model, z, problem.measurements.joints, p, tolerance=1e2 * CLOSURE_TOLERANCE)
+        z, solved = newton_configurations(model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE)
         if not solved.all():
             return None
         trial = evaluate(problem, p, z, form, covariance)
@@ -230,7 +232,7 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
         gap, grouped = np.zeros((len(z), 2)), size * h_z[:, columns]
         gap[inside] = h[inside][:, columns] - h[first][:, columns]
         gap, grouped[apart] = size * wrapped(gap), 0.0
-        if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < CLOSURE_TOLERANCE * size:
+        if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < SOLVED_TOLERANCE * size:
             break
         free = rows_z.shape[2]
         matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
@@ -258,6 +260,7 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
     if basis is not None:
         matrix, right = matrix @ basis, right - matrix @ particular
     width = matrix.shape[1]
+    # R of [J, b] = Q R holds all that least squares need of J and b, whatever the number of readings
     triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
     r, b = triangle[:width, :width], triangle[:width, width]
     if not np.all(np.isfinite(triangle)):
@@ -285,7 +288,7 @@ def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray |
         rows = np.vstack([rows, state.leftover[1].reshape(-1, count)])
         right = np.concatenate([right, -state.leftover[0].reshape(-1)])
     left, singular, across = np.linalg.svd(rows, full_matrices=True)
-    kept = int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), 1e-9))) if len(singular) else 0
+    kept = int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING))) if len(singular) else 0
     particular = across[:kept].T @ ((left[:, :kept].T @ right) / singular[:kept])
     return across[kept:].T, particular
 
@@ -302,7 +305,9 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
     """Return orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
     _, singular, right = np.linalg.svd(rows, full_matrices=False)
     kept = (
-        right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)] if len(singular) and singular[0] > 1e-9 else right[:0]
+        right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)]
+        if len(singular) and singular[0] > CONSTRAINT_ROUNDING
+        else right[:0]
     )
     return np.asarray(np.max(np.linalg.norm(state.linearised.matrix, axis=0), initial=0.0) * kept)
 

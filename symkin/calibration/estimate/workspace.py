@@ -19,9 +19,10 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configurations import (
-    AllCoordinates,
     ClosedConfigurations,
     JointsOfPose,
+    all_coordinates,
+    closed_points,
     determinant_signs,
     with_pose,
 )
@@ -197,8 +198,8 @@ class ClosureSolver:
         self.mechanism, self.closure, self.home, self.margin = mechanism, build_closure(mechanism), home, margin
         self._model = build_model(mechanism, Measurements(np.zeros((1, len(mechanism.actuated)))), ())
         self._joints = JointsOfPose(self.closure)
-        self._whole = AllCoordinates(self.closure, home, held=False)
-        self._held = AllCoordinates(self.closure, home, held=True)
+        self._whole = all_coordinates(self.closure, home, held=False)
+        self._held = all_coordinates(self.closure, home, held=True)
 
     def close(
         self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
@@ -209,7 +210,7 @@ class ClosureSolver:
         with np.errstate(all="ignore"):
             values = self._joints.solve(starts)
             known = nothing if inclinations is None else inclinations
-            values, closed = (self._whole if inclinations is None else self._held).newton(values, known)
+            values, closed = closed_points(self._whole if inclinations is None else self._held, values, known)
             z, joints = self.split(values)
             _, rows_z = self._model.rows(z, joints, np.zeros(0))
             made = ClosedConfigurations(values, joints, self._model.poses(z, np.zeros(0)))

@@ -1,40 +1,52 @@
-"""Build the result of a calibration from its fit: standard deviations, residuals, chi-square, and notes that its reader must know."""
+"""Build the result of a calibration from its fit: standard deviations, residuals, chi-square and notes.
+
+The figures are those of the corrected mechanism file as its users will read it: it is written, read back, and its direct problems are
+solved at the rows measured. `read_back` gives the state at the values that the file holds, and a sentence where the file is not what was
+fitted: it cannot be read, a row does not close, a rod is inside out, a limit is passed, or a reading comes out otherwise than in the fit
+by more than rounding.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import is_writable, nominal_parameters
+from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
+from symkin.calibration.estimate.configurations import newton_configurations
+from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import only_rounding
+from symkin.calibration.estimate.residuals import wrapped
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.solver import Estimate
-from symkin.calibration.estimate.state import State, evaluate
+from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
+from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
-from symkin.calibration.judge.named_directions import all_values, nearly_parallel
 from symkin.calibration.judge.outliers import Screening
-from symkin.calibration.judge.plausibility import LARGE_CHANGE, beyond_tolerances, large_changes
-from symkin.calibration.judge.read_back import read_back
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import (
     DOUBTFUL_CURVATURE,
-    SIGNIFICANCE,
     LinearModel,
     chi_square_tail,
     covariance,
     curvature,
     linear_model,
 )
+from symkin.errors import SymkinError
+from symkin.model.file import parse
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
 from symkin.text import first_of
 
-_MAX_NAMED_TOLERANCES = 5
-"""Parameters beyond their tolerances that are named at most."""
-_MAX_CONDITION = 1e6
-"""Condition of the identification Jacobian above which digits of the parameters are lost."""
+_READING_AGREEMENT = (1e-3, 1e-9)
+"""Readings of file and fit agree within this share of their standard deviations, or of the size (angles: radians)."""
+_UNIT_VECTORS = (".axis", ".axis2", ".quaternion")
+"""Vectors that a mechanism file holds at unit length."""
+_LIMIT_SLACK = 1e-9
+"""Limits may be passed by this share of the size (angles: radians), which is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,91 +164,136 @@ def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
     return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
 
 
-def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
-    """Yield doubts and facts about a fit that its reader must know, each a sentence with its figure."""
-    yield from _configuration_notes(fit)
-    yield from _residual_notes(fit)
-    yield from _rank_notes(fit)
-    for o in fit.outliers:
-        yield ("left out: " if removed else "outlier: ") + o.reason
-    if fit.given_up:
-        yield (
-            f"so many readings do not belong, {len(fit.given_up)} and more, that none was left out: the readings or the model are "
-            f"wrong as a whole; the first was {fit.given_up[0].reason}"
-        )
-    if fit.unchecked:
-        yield f"nothing else checks {first_of([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
+# --- the file read back -----------------------------------------------------------------------------------------------
 
 
-def _configuration_notes(fit: Calibration) -> Iterator[str]:
-    labels = fit.measurements.labels
-    if fit.unsolved:
-        yield (
-            f"not used: the direct problem of posture {first_of([labels[k] for k in fit.unsolved])} was not solved, neither at "
-            "the nominal nor at the identified geometry; check the joint readings or give starts"
-        )
-    judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
-    silent = [labels[k] for k in fit.silent if k not in judged]
-    if silent:
-        yield f"not used: posture {first_of(silent)} holds no reading beside the joints (a group of two postures or more, or a sensor's)"
-    if fit.changed_mode:
-        yield f"posture {first_of([labels[k] for k in fit.changed_mode])} crossed a singularity and changed its assembly mode"
-    groups = fit.measurements.groups
-    if groups is not None:
-        numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
-        if np.any(counts == 1):
-            yield f"group {first_of([str(g) for g in numbers[counts == 1]])} has one posture and says nothing"
+@dataclass(frozen=True, eq=False)
+class WrittenGeometry:
+    """The state at the values of the file that would be written, and why it must not be, None where nothing speaks against it."""
+
+    state: State
+    reason: str | None
 
 
-def _residual_notes(fit: Calibration) -> Iterator[str]:
-    if fit.status != "ok":
-        yield f"the iteration ended with {fit.status} after {fit.iterations} steps; the values are not a minimum"
-    if fit.degrees <= 0:
-        yield "there are no degrees of freedom left: the residuals are zero for any noise and nothing is checked; add postures"
-    elif fit.p_value is None:
-        yield "standard deviations are missing: those of the parameters are scaled by the residuals, and chi-square tests nothing"
-    elif fit.p_value < SIGNIFICANCE:
-        ratio = fit.chi_square / fit.degrees
-        yield (
-            f"not believable with the stated noise: chi-square per degree of freedom is {ratio:.3g}, probability {fit.p_value:.1g}; "
-            "the noise is larger than stated or the model lacks something"
-        )
-    elif 1.0 - fit.p_value < SIGNIFICANCE:
-        yield (
-            f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}: the stated noise is too large, and the "
-            "standard deviations with it"
-        )
-    if is_exact(fit):
-        yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
-    yield from (
-        f"{name} moved by {times:.3g} times its tolerance" for name, times in beyond_tolerances(fit)[:_MAX_NAMED_TOLERANCES]
+def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
+    """Write the mechanism at a state, read it, and compare its direct problems at the measured rows with the state's."""
+    values = dict(zip(problem.names, map(float, state.p), strict=True))
+    try:
+        found = parse(with_parameters(problem.mechanism, values).to_toml())
+        table = nominal_parameters(found)
+    except SymkinError as error:
+        return WrittenGeometry(state, f"the file with the identified geometry cannot be read ({error})")
+    nominal = {name: float(value) for name, (value, *_) in nominal_parameters(problem.mechanism).items()}
+    read = {name: float(value) for name, (value, *_) in table.items()}
+    factors = _vector_lengths(nominal | values, read)
+    p = np.array(
+        [read[n] * factors.get(_vector(n), 1.0) if is_writable(problem.mechanism, n) else values[n] for n in problem.names]
     )
-    far = [p.name for p in large_changes(fit)]
-    if far:
-        yield f"{first_of(far)} moved by more than {100 * LARGE_CHANGE:.0f} % of the size (angles: {LARGE_CHANGE} rad); check units and nominal values"
+    with np.errstate(all="ignore"):
+        noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
+        here = closed_state(problem, p, state.z, problem.form, noise)
+        return WrittenGeometry(here, _difference(problem, state, found, values))
 
 
-def is_exact(fit: Calibration) -> bool:
-    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
-    size = fit.mechanism.size
-    return fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.kind, r.value, size) for r in fit.residuals)
+def _vector(name: str) -> str:
+    """Name the vector of which a parameter is a component."""
+    return name.rpartition(".")[0]
 
 
-def _rank_notes(fit: Calibration) -> Iterator[str]:
-    found = fit.identifiability
-    if not found.is_clear:
-        yield f"the rank {found.rank} is not clear: singular values fall by a factor of only {found.gap:.3g} there{_parallel_axes_note(fit)}"
-    if found.condition > _MAX_CONDITION:
-        yield f"the identification Jacobian has condition {found.condition:.2g}; {_parallel_axes_note(fit)[2:] or 'choose postures that differ more'}"
-    if found.unobservable:
-        yield f"not observable, held by the least change from nominal: {'; '.join(found.unobservable)}"
-    yield from found.advice
+def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[str, float]:
+    """Return by how much the fit's directions and quaternions are longer than those of the file, which are of unit length: a
+    set of parameters may hold one of their components."""
+    vectors = {_vector(name) for name in read if _vector(name).endswith(_UNIT_VECTORS)}
+    factors = {}
+    for vector in vectors:
+        names = [name for name in read if _vector(name) == vector]
+        ours, theirs = (np.array([numbers[name] for name in names]) for numbers in (fitted, read))
+        factors[vector] = float(ours @ theirs) / float(theirs @ theirs)
+    return factors
 
 
-def _parallel_axes_note(fit: Calibration) -> str:
-    """Say what nearly parallel axes have to do with a rank that is not clear."""
-    pairs = nearly_parallel(fit.mechanism, all_values(fit.problem.model, fit.state.p))
-    free = {n for n in fit.problem.names if n.endswith(".d")}
-    if not pairs or len(free) < 2:
-        return ""
-    return f"; {', '.join(pairs)} are parallel axes or nearly so, and their offsets d are told by how little they are not: hold one of each pair"
+def _difference(problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]) -> str | None:
+    """Say the first thing in which the file is not what was fitted, None where there is none."""
+    m = problem.measurements
+    beside = {n: v for n, v in values.items() if not is_writable(problem.mechanism, n)}
+    model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
+    inside_out = next(_negative_rods(found, m, _actuated_values(found, m, beside)), None)
+    if inside_out is not None:
+        return inside_out
+    z, solved = newton_configurations(model, state.z, m.joints, p)
+    if not solved.all():
+        return f"{_row_names(m, ~solved)} {_has_or_have(~solved)} no solution at the geometry that would be written"
+    outside = next(_outside_limits(model, m, z), None)
+    return outside or _disagreement(problem, state, model.evaluate(z, m.joints, p, problem.quaternions).readings)
+
+
+def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> str | None:
+    """Say which row comes out otherwise from the file than in the fit, None where none does."""
+    readings, size = problem.readings, problem.model.closure.size
+    ours = problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions).readings
+    units = np.where(problem.model.angular, 1.0, size)
+    gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
+    gap = np.where(readings.turning, np.abs(wrapped(gap)), gap)
+    known = _READING_AGREEMENT[0] * readings.sigma if readings.known else np.zeros_like(gap)
+    off = np.any(~(gap <= np.maximum(known, _READING_AGREEMENT[1] * units)), axis=1)
+    if not off.any():
+        return None
+    return (
+        f"the file that would be written does not give the readings that the fit does at {_row_names(problem.measurements, off)}: "
+        f"they differ by up to {np.nanmax(gap / units):.2g} of the size"
+    )
+
+
+# --- physical ------------------------------------------------------------------------------------------------------
+
+
+def _actuated_values(found: Mechanism, m: Measurements, beside: dict[str, float]) -> np.ndarray:
+    """Return the values (n, a) of the actuated joints: readings times their factors."""
+    return np.asarray(m.joints * [beside.get(f"{c.name}.scale", 1.0) for c in found.actuated])
+
+
+def _negative_rods(found: Mechanism, m: Measurements, joints: np.ndarray) -> Iterator[str]:
+    """Yield a sentence for each rod of negative length."""
+    for k, c in enumerate(found.actuated):
+        short = joints[:, k] < _least(c)
+        if short.any():
+            least = float(np.min(joints[:, k] - _least(c)))
+            yield f"the rod of {c.name} would have a negative length at {_row_names(m, short)}, down to {least:.4g} {found.length_unit}"
+
+
+def _outside_limits(model: ConfigurationModel, m: Measurements, z: np.ndarray) -> Iterator[str]:
+    """Yield a sentence for each passive joint outside its limits; limits of actuated joints speak of the rows, not of the
+    geometry."""
+    places = {c.name: place.start for c, place in zip(model.system.unknowns, model.system.slices, strict=True)}
+    for c in model.closure.role("passive"):
+        if c.width == 1:
+            values = z[:, places[c.name]]
+            off = _beyond_limits(c, values, model.closure.size) | (values < _least(c))
+            if off.any():
+                yield f"the passive joint {c.name} would be outside its limits at {_row_names(m, off)}"
+
+
+def _least(c: Coordinate) -> float:
+    return -math.inf if c.least is None else c.least
+
+
+def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray:
+    """Tell which values, angles by whole turns as near as may be, are outside the limits by more than rounding."""
+    if c.limits is None:
+        return np.zeros(len(values), dtype=bool)
+    low, high = c.limits
+    slack = _LIMIT_SLACK * (1.0 if c.is_angular else size)
+    if c.kind == "angle":
+        values = values + 2 * np.pi * np.ceil((low - slack - values) / (2 * np.pi))
+    return np.asarray((values < low - slack) | (values > high + slack))
+
+
+def _row_names(m: Measurements, which: np.ndarray) -> str:
+    """Name rows: 'posture line 3, line 9 and 12 more'."""
+    labels = [label for label, is_one in zip(m.labels, which, strict=True) if is_one]
+    more = f" and {len(labels) - 3} more" if len(labels) > 3 else ""
+    return f"posture {', '.join(labels[:3])}{more}"
+
+
+def _has_or_have(which: np.ndarray) -> str:
+    return "has" if int(np.sum(which)) == 1 else "have"

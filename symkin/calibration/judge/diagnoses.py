@@ -1,4 +1,4 @@
-"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels, another Euler sequence.
+"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels (another Euler sequence: see `euler_sequence`).
 
 `RULES` is the table of the mistakes that are looked for. The readings alone show some; for the others the readings are put right and the
 direct problems solved again at the nominal geometry, and a mistake is named when the readings then agree with it many times better.
@@ -20,8 +20,7 @@ from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import has_home, with_starts
-from symkin.calibration.judge.column_order import best_column_order, is_possible, like_pairs, sign_change, swapped
-from symkin.calibration.judge.group_labels import diagnose_groups
+from symkin.calibration.judge.assignments import best_column_order, diagnose_groups, is_possible, like_pairs, sign_change, swapped
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism

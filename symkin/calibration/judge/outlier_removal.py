@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configurations import CLOSURE_TOLERANCE, newton_configurations, start_points
+from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, newton_configurations, start_points
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import deviations
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
@@ -81,8 +81,8 @@ def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fi
 def _one_by_one(
     fit: FitFunction, measurements: Measurements, first: Fit, level: float, before: Sequence[Outlier] = ()
 ) -> ScreenedFit:
-    """A gross error bends the fit beyond its linear range and makes others of the good: in each round only those go that are within
-    _GROSS of the largest statistic, and the rest is judged at a new fit."""
+    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that good readings look bad: in each round
+    only those go whose statistic is `_GROSS_SHARE` of the largest or more, and the rest is judged at a new fit."""
     found, taken_out, allowed = first, list(before), None
     unchecked: tuple[ReadingKey, ...] = ()
     while True:
@@ -213,7 +213,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     begin = start_points(problem.model, measurements)
     begin[found.used] = state.z
     with np.errstate(all="ignore"):
-        z, closed = newton_configurations(problem.model, begin, measurements.joints, state.p, tolerance=1e2 * CLOSURE_TOLERANCE)
+        z, closed = newton_configurations(problem.model, begin, measurements.joints, state.p, tolerance=1e2 * SOLVED_TOLERANCE)
         there = evaluate(problem, state.p, z, "means")
         noise = joint_covariance(problem, there)
     gap = _less_means(problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers)

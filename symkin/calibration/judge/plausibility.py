@@ -27,7 +27,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.configurations import ROUGH_CLOSURE_TOLERANCE, newton_configurations
+from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, newton_configurations
 from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
@@ -50,7 +50,7 @@ LARGE_CHANGE = 0.2
 """A change of a parameter by more than this share of the size (angles: radians) is no correction of a nominal geometry."""
 OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
 """A departure (see `departure`) by more than the first share is no correction of the machine that the file describes, but another
-machine; one by more than the second is, where a slip of the columns would make it. Tolerances of some per mille of the size leave some
+machine; one by more than the second is, where a mistake in the columns would explain it. Tolerances of some per mille of the size leave some
 per mille, a nominal geometry measured with a ruler two or three per cent."""
 _NEGLIGIBLE_CHANGE = 0.03
 """Changes of all parameters below this share of the size (angles: radians) are the same machine, although near singularities
@@ -220,7 +220,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
         return Departure(share=1.0, position=0.0, angle=0.0, unclosed=0, configurations=0)
     joints = problem.measurements.joints[rows]
     with np.errstate(all="ignore"):
-        z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGH_CLOSURE_TOLERANCE)
+        z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE)
     length, centre = lever(problem.mechanism), np.mean(platform_points(problem.mechanism), axis=0)
     here = _PoseSet.at(fitted, centre, length)
     spread = here.spread

@@ -171,7 +171,8 @@ def pose_slopes(mechanism: Mechanism, made: ClosedConfigurations, names: Sequenc
     poses = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
     model = build_model(mechanism, poses, tuple(dict.fromkeys((*names, *MEASURING_FRAMES))))
     e = model.evaluate(unknown_coordinates(mechanism, made), made.joints, model.nominal, made.poses[:, 3:])
-    return e.slopes[:, :, : len(names)], e.slopes[:, :, [model.names.index(name) for name in MEASURING_FRAMES]]
+    slopes = e.readings_p + e.readings_z @ e.following
+    return slopes[:, :, : len(names)], slopes[:, :, [model.names.index(name) for name in MEASURING_FRAMES]]
 
 
 def less_frames(slopes: np.ndarray, frames: np.ndarray, length: float) -> np.ndarray:

@@ -66,7 +66,7 @@ class Calibration(Result):
     whose direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped
     without being named. `given_up` are the first outliers of a fit where so many readings do not belong that none was left
     out, `silent` configurations without any reading beside the joints, which are not used. All figures are those of the file
-    with the `corrected` geometry, written and read back (see `read_back`); `refused` says why it must not be written, None
+    with the `corrected` geometry, written and read back (see `assessment`); `refused` says why it must not be written, None
     where nothing speaks against it. `plot()` draws the changes of the parameters, `plot(what="residuals")` the residuals.
 
     >>> import numpy as np, symkin

@@ -7,7 +7,7 @@ are parameters. In the linear range |e|^2 has the chi-square distribution with a
 left, whichever form of the residuals was minimised.
 
 Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
-combination of parameters that the readings tell least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
+combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
 the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure of its error
 (curvature by the parameters, Bates and Watts 1980).
 """
@@ -25,6 +25,7 @@ from symkin.caching import cached_property
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Readings, deviations, group_basis, group_sum, neighbours, whitening
 from symkin.calibration.estimate.state import (
+    CONSTRAINT_ROUNDING,
     State,
     closed_state,
     error_free_design,
@@ -35,6 +36,7 @@ from symkin.calibration.estimate.state import (
     joint_covariance_at,
     spectrum,
 )
+from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 if TYPE_CHECKING:
@@ -128,6 +130,7 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         for _ in range(2):  # the second time takes away what rounding left
             made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
         columns[rows], residuals[rows] = made, r
+    # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
     flat_columns = columns.reshape(count, -1)
     if len(known):
@@ -164,7 +167,7 @@ def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarr
     if state.leftover is None:
         return found.determined
     null = found.null_space
-    return _null_basis(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]))
+    return null_space(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]), CONSTRAINT_ROUNDING).T
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
@@ -181,12 +184,6 @@ def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -
     if not readings.groups:
         return values
     return np.asarray(values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group])
-
-
-def _null_basis(rows: np.ndarray) -> np.ndarray:
-    """Orthonormal columns that the rows map to zero."""
-    _, singular, right = np.linalg.svd(rows, full_matrices=True)
-    return np.asarray(right[int(np.sum(singular > 1e-9)) :].T)
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:

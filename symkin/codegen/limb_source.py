@@ -1,0 +1,57 @@
+"""Write the C of one limb once the pose is given: its Newton iteration and the right-hand sides of its joint rates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import fill
+from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.newton_kernel import Kernel, curvature
+from symkin.codegen.newton_source import NewtonCode, line_target
+
+
+def limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
+    """Write the functions that solve one limb for a pose and give its right-hand sides; a rod needs none. `common` are the values
+    of names that templates of limbs need."""
+    if block.kernel is None:
+        return ""
+    code = _newton_code(made, block, block.kernel)
+    reference = made.closure.reference
+    parts = (("w->x", block.system.unknowns), ("w->at", made.inverse.known_coordinates))
+    begin = [
+        f"{array}[{i}] = {made.real.literal(float(v))};"
+        for array, coordinates in parts
+        for i, v in enumerate(made.inverse.select_values(reference, coordinates))
+    ]
+    return code.text + fill("limb.c", {**common, "k": code.k, "begin": indent(begin),
+                                       "sides": indent(_side_lines(block, block.kernel, made.geometry.names, made.real)),
+                                       "count": block.kernel.m * int(block.sides.shape[1])})  # fmt: skip
+
+
+def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> NewtonCode:
+    """The Newton iteration of a limb, tuned at the sampled configurations."""
+    states = [made.inverse.select_values(s.values, block.system.unknowns) for s in made.samples]
+    poses = [made.inverse.select_values(s.values, made.inverse.known_coordinates) for s in made.samples]
+    return NewtonCode(
+        kernel=kernel,
+        name=made.name,
+        real=made.real,
+        geometry=made.geometry.names,
+        matrices=np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)]),
+        kappa=curvature(kernel, states, poses, made.geometry.values),
+        target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
+    )
+
+
+def _side_lines(block: LimbBlock, kernel: Kernel, geometry: list[str], real: Real) -> list[str]:
+    """Statements of the right-hand sides of the joint rates, row by row."""
+    function = ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True})
+    names = [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), geometry]
+    emitter, freedom = Emitter(function, names, real), int(block.sides.shape[1])
+    entries = [f"sides[{freedom * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(freedom)]
+    unread = not any("w->" in line for line in [*emitter.lines, *entries])
+    return [*emitter.lines, *(["(void)w;"] if unread else []), *entries]

@@ -1,0 +1,85 @@
+"""What a sweep passes as arrays is what the same points give one by one, and its files are those that Zarr writes."""
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.folders import same_files
+from helpers.samples import three_rrr
+from symkin import InputError
+from symkin.position.given import given_from
+from symkin.sweeps.chunk_files import COMPRESSION_LEVEL, write_chunk
+from symkin.sweeps.run import sweep
+from symkin.sweeps.space import make_space
+
+zarr = pytest.importorskip("zarr")
+pytestmark = pytest.mark.usefixtures("kept_starts")
+
+
+@pytest.mark.parametrize("name", ["zhang2009", "zhao2000", "yao2020", "gluon_6l3"])
+def test_known_values_are_those_of_single_inputs(name):
+    """Values and units of joints, angles of more than a turn included."""
+    mechanism = symkin.load(name)
+    ranges = {c.name: (100.0, 1000.0) for c in mechanism.actuated}
+    space = make_space(mechanism, ranges, sample=30, seed=1)
+    points = space.points((slice(0, 30),))
+    known, off = space.known_values(points)
+    one_by_one = [given_from(mechanism, space.given(point)["joints"], None).values for point in points]
+    np.testing.assert_allclose(known, one_by_one, rtol=1e-13)
+    assert not off.any()
+
+
+@pytest.mark.parametrize(
+    ("name", "ranges", "at"),
+    [
+        ("zhang2009", {"x": (-20, 20), "z": (80, 120), "rx": (-9, 9), "rz": (-200, 200)}, None),
+        ("zhao2000", {"x": (-20, 20), "gamma": (-200, 200)}, None),
+        ("zhao2000", {"y": (-20, 20), "rz": (-200, 200)}, None),
+        ("yao2020", {"x": (300, 301), "ry": (-5, 5)}, None),
+    ],
+)
+def test_known_values_of_poses_are_those_of_single_poses(name, ranges, at):
+    """Coordinates of the motion and how far a pose lies off what the mechanism can take."""
+    mechanism = symkin.load(name)
+    space = make_space(mechanism, ranges, poses=True, at=at, sample=20, seed=2)
+    points = space.points((slice(0, 20),))
+    known, off = space.known_values(points)
+    givens = [given_from(mechanism, None, space.given(point)["pose"]) for point in points]
+    np.testing.assert_allclose(known, [given.values for given in givens], rtol=1e-12, atol=1e-12 * mechanism.size)
+    np.testing.assert_allclose(off, [given.off_motion for given in givens], atol=1e-12 * mechanism.size)
+
+
+def test_poses_are_one_of_two_things_swept_over(tmp_path):
+    """`over` names what `poses` says yes or no to; the folders are the same."""
+    mechanism = three_rrr("planar")
+    size = mechanism.size
+    grid = {"x": np.linspace(-0.1, 0.1, 3) * size, "y": [0.0, 0.1 * size]}
+    sweep(mechanism, grid, tmp_path / "over", over="poses", workers=0)
+    sweep(mechanism, grid, tmp_path / "poses", poses=True, workers=0)
+    assert same_files(tmp_path / "over", tmp_path / "poses")
+    with pytest.raises(InputError, match=r"over = 'joints' is unknown; allowed: inputs, poses"):
+        sweep(mechanism, grid, tmp_path / "none", over="joints", workers=0)
+
+
+@pytest.mark.parametrize(("dtype", "fill"), [("float64", np.nan), ("int32", -1), ("uint8", 0), ("int8", -1)])
+@pytest.mark.parametrize("shape", [(3, 5), (2, 4), (3, 1)])
+def test_a_chunk_is_written_as_zarr_writes_it(dtype, fill, shape, tmp_path):
+    """Values with edges that fill no whole file, files that hold nothing but the fill value, and files that were there before."""
+    rng = np.random.default_rng(0)
+    values = rng.integers(0, 100, (*shape, 11)).astype(dtype)
+    values[..., 4:8] = fill
+    codec = zarr.codecs.ZstdCodec(level=COMPRESSION_LEVEL)
+    for name in ("zarr", "own"):
+        array = zarr.create_array(
+            tmp_path / name, shape=(6, 10, 11), chunks=(3, 5, 4), dtype=dtype, fill_value=fill, compressors=codec
+        )
+        array[3 : 3 + shape[0], 5 : 5 + shape[1]] = rng.integers(1, 9, (*shape, 11)).astype(dtype)
+        if name == "zarr":
+            for i in range(3):
+                for path in (tmp_path / name / "c" / "1" / "1").glob(str(i)):
+                    path.unlink()
+            array[3 : 3 + shape[0], 5 : 5 + shape[1]] = values
+    files = write_chunk(tmp_path / "own", (1, 1), values, (3, 5, 4), fill)
+    assert same_files(tmp_path / "zarr", tmp_path / "own")
+    assert [path.name for path in files] == ["0", "2"]
+    np.testing.assert_array_equal(zarr.open_array(tmp_path / "own")[3 : 3 + shape[0], 5 : 5 + shape[1]], values)
