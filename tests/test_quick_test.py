@@ -247,3 +247,13 @@ def test_engines_agree():
         assert second.certified.all()
         assert np.all(np.max(np.abs(first.centre - second.centre), axis=0) <= 2 * (first.ball + second.ball))
         assert np.all(np.abs(np.log10(first.ball / second.ball)) < 0.5)
+
+
+def test_a_radius_without_discs_is_one_by_balls(monkeypatch):
+    """Where coordinates have no form over discs, the radius comes from balls: not nothing, and no larger than by discs."""
+    _, system, k, z = case("yao2020")
+    by_discs = certify(system, z, k).radius
+    monkeypatch.setattr("symkin.certificate.coordinates._disc_coordinates", lambda _: None)
+    by_balls = certify(system, z, k).radius
+    assert np.all(by_balls > 0)
+    assert np.all(by_balls <= by_discs * (1 + 1e-9))

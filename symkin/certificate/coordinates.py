@@ -21,13 +21,15 @@ _ROUNDING = 2.0**-49
 def spread(system: AlgebraicSystem, points: np.ndarray, distance: np.ndarray, knowns: Knowns, instance: np.ndarray) -> np.ndarray:
     """No coordinate at a real point within `distance` (n,) of its point (width, n) differs by more from the one there: lengths
     and position over the size, angles, unit quaternion."""
-    result = np.zeros(points.shape[1])
+    result = np.full(points.shape[1], np.inf)
     function = _disc_coordinates(system)
     if function is not None and knowns.discs.is_real:
         around = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
         values = function.evaluate(0, around, function.prepare(knowns.discs), instance)
-        size = np.abs(values.middle) + values.radius
-        result = np.max(2.0 * values.radius + _ROUNDING * (1.0 + size), axis=1, initial=0.0)
+        # 2 r + _ROUNDING (1 + |m| + r)
+        result = ((2.0 + _ROUNDING) * values.radius + _ROUNDING * np.abs(values.middle)).max(axis=1, initial=0.0) + _ROUNDING
+    if np.isfinite(result).all():
+        return result
     for i in np.flatnonzero(~np.isfinite(result)).tolist():
         result[i] = _ball_spread(system, points[:, i], float(distance[i]), knowns.numbers(int(instance[i])))
     return result

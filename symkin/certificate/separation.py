@@ -148,12 +148,14 @@ def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
     apart = np.zeros(count, dtype=bool)
     for which in range(_WEIGHTS):
         middle, radius = mixed.middle[:, which].real, mixed.radius[:, which]
-        order = np.lexsort((middle, instance))
-        middle, radius, owner = middle[order], radius[order], instance[order]
-        gap, reach = middle[1:] - middle[:-1], (radius[1:] + radius[:-1]) * UP
-        meeting = ~(gap > reach * UP) & (owner[1:] == owner[:-1])
+        order = np.lexsort((middle, instance)) if count > 1 else middle.argsort()
+        middle, radius = middle[order], radius[order]
+        # of neighbours alone: those that are disjoint one by one are disjoint from all others of their instance
+        meeting = ~(middle[1:] - middle[:-1] > (radius[1:] + radius[:-1]) * UP)
         here = np.ones(count, dtype=bool)
-        here[owner[1:][meeting]] = False
+        if meeting.any():
+            owner = instance[order]
+            here[owner[1:][meeting & (owner[1:] == owner[:-1])]] = False
         apart |= here
         if apart.all():
             break
