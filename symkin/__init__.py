@@ -15,24 +15,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from symkin._version import __version__
-from symkin.assembly.mode_list import Modes
-from symkin.assembly.modes import modes
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import load, shipped_names
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
-from symkin.position.mobility import Mobility, mobility
-from symkin.position.solution import Solution
-from symkin.position.solve import solve
-from symkin.position.solve_result import SolveError, SolveResult
 from symkin.result import Result, draw_with
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from symkin.assembly.mode_list import Modes
+    from symkin.assembly.modes import modes
     from symkin.calibration.calibrate import calibrate
     from symkin.calibration.data.measurements import Measurements
     from symkin.calibration.design.planning import plan_measurements
@@ -42,7 +38,11 @@ if TYPE_CHECKING:
     from symkin.following.track import track
     from symkin.following.track_result import Track
     from symkin.position.least_squares import LeastSquares as LeastSquares
+    from symkin.position.mobility import Mobility, mobility
     from symkin.position.newton import Newton as Newton
+    from symkin.position.solution import Solution
+    from symkin.position.solve import solve
+    from symkin.position.solve_result import SolveError, SolveResult
     from symkin.singularities.classification import singularity
     from symkin.singularities.loci import Loci
     from symkin.singularities.singular_loci import singular_loci
@@ -99,21 +99,29 @@ _LATER = {
     "LeastSquares": "symkin.position.least_squares",
     "Loci": "symkin.singularities.loci",
     "Measurements": "symkin.calibration.data.measurements",
+    "Mobility": "symkin.position.mobility",
     "ModeGraph": "symkin.following.mode_graph",
+    "Modes": "symkin.assembly.mode_list",
     "Newton": "symkin.position.newton",
     "Singularity": "symkin.singularities.singularity",
+    "Solution": "symkin.position.solution",
+    "SolveError": "symkin.position.solve_result",
+    "SolveResult": "symkin.position.solve_result",
     "Track": "symkin.following.track_result",
     "calibrate": "symkin.calibration.calibrate",
     "jacobian": "symkin.velocity.jacobian",
+    "mobility": "symkin.position.mobility",
     "mode_graph": "symkin.following.mode_graph",
+    "modes": "symkin.assembly.modes",
     "plan_measurements": "symkin.calibration.design.planning",
     "singular_loci": "symkin.singularities.singular_loci",
     "singularity": "symkin.singularities.classification",
+    "solve": "symkin.position.solve",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
     "write_firmware": "symkin.codegen.folder",
 }
-"""Modules that are imported at the first use of a name, since most runs do not need them. `Newton` and `LeastSquares` are
+"""Modules that are imported at the first use of a name, since no run needs them all. `Newton` and `LeastSquares` are
 values of `solver=` with settings of one's own; their names ("newton", "ipopt") suffice, so that they are not listed."""
 
 
