@@ -27,7 +27,7 @@ def folder(monkeypatch, tmp_path):
     return tmp_path / "cache"
 
 
-def _positions(title=None):
+def _positions(title="five-bar"):
     """Of a five-bar's modes; another title makes it another mechanism, whose start a process reads anew."""
     return sorted(tuple(np.round(mode.position, 6)) for mode in symkin.modes(replace(five_bar(), title=title)))
 
