@@ -27,6 +27,8 @@ from symkin.plots.style import COLOURS, drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from symkin.position.mobility import Mobility
+
 _DPI = 150
 _WIDTH, _HEIGHT = 1500.0, 1260.0
 """Pixels of the picture."""
@@ -49,6 +51,11 @@ def draw_sketch(mechanism: Mechanism, path: Path | str) -> None:
     """Write the sketch to a file whose suffix is its format. Raises InputError for one that cannot be written."""
     target = check_picture_path(path)
     write_picture(figure_of_sketch(mechanism), target)
+
+
+def figure_of_mobility(found: Mobility) -> Figure:
+    """The sketch of the mechanism whose mobility was found."""
+    return figure_of_sketch(found.closure.mechanism)
 
 
 def figure_of_sketch(mechanism: Mechanism) -> Figure:
