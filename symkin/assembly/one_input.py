@@ -13,7 +13,7 @@ from symkin.assembly.continuation import by_continuation
 from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.search import Search
-from symkin.errors import TooManyModesError
+from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
@@ -71,6 +71,8 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
     rows without unknowns."""
     method, seed = search.method, search.seed
     free = free_unknowns(problem)
+    if free is not None and problem.mechanism.serial:
+        raise InputError(free)
     if free is not None:
         search.refuse_unless_multistart(free)
         empty = _result(problem, given, [], method, seed, (f"positive-dimensional set: {free}",))

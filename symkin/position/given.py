@@ -74,7 +74,12 @@ def are_many(values: Any) -> bool:
         return any(np.ndim(column) > 0 for column in values.values())
     if isinstance(values, np.ndarray):
         return values.ndim == 2
-    return isinstance(values, Sequence) and len(values) > 0 and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
+    return (
+        isinstance(values, Sequence)
+        and len(values) > 0
+        and not isinstance(values[0], str)
+        and isinstance(values[0], (Pose, Sequence, Mapping, np.ndarray))
+    )
 
 
 def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
