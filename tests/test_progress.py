@@ -50,8 +50,8 @@ import sys, time
 from symkin.cli import progress
 from symkin.assembly import modes
 progress._FIRST = 0.05
-search = modes._result
-modes._result = lambda *a: (time.sleep(0.4), search(*a))[1]
+search = modes._modes
+modes._modes = lambda *a: (time.sleep(0.4), search(*a))[1]
 from symkin.cli.app import main
 main(["modes", "zhang2009", "--json"])
 """
