@@ -126,11 +126,14 @@ def time_grid(grid: Grid) -> None:
         )
         at = list(symkin.solve(mechanism, pose=raised).solution.actuated)
     ends = [(c.name, v - grid.half_range, v + grid.half_range) for c, v in zip(mechanism.actuated[:2], at[:2], strict=True)]
+    rest = at if len(mechanism.actuated) > len(ends) else None
     with tempfile.TemporaryDirectory() as folder:
-        sweep(mechanism, {name: np.linspace(low, high, 3) for name, low, high in ends}, Path(folder) / "first", at=at, workers=0)
+        sweep(
+            mechanism, {name: np.linspace(low, high, 3) for name, low, high in ends}, Path(folder) / "first", at=rest, workers=0
+        )
         before, wall, cpu = kernel.seconds(100), time.perf_counter(), time.process_time()
         values = {name: np.linspace(low, high, grid.values) for name, low, high in ends}
-        found = sweep(mechanism, values, Path(folder) / "s", at=at, workers=0)
+        found = sweep(mechanism, values, Path(folder) / "s", at=rest, workers=0)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     unit = 0.5 * (before + kernel.seconds(100)) * found.points
     print(

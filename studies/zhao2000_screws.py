@@ -12,7 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
-from symkin.spatial.screw import reciprocal_product, reciprocal_system, revolute_screw
+from symkin.position.mobility import reciprocal_system, revolute_screw
+from symkin.spatial.screw import reciprocal_product
 from zhao2000_model import BASE, LINK, SIZE, corners, inverse
 
 INDEPENDENT = 1e-9

@@ -130,20 +130,20 @@ def test_levelling_needs_few_moves_and_little_range(ren):
 
 def test_formulas_are_those_of_the_mechanism():
     """Rods, turns and roots against symkin's poses and quaternions, which share no code with the study's."""
-    X, _ = method.random_configurations(TRUTH, np.full((20, 2), np.nan), np.random.default_rng(3))
+    X, _ = method.random_postures(TRUTH, np.full((20, 2), np.nan), np.random.default_rng(3))
     poses = [symkin.Pose.from_euler(row[:3], row[3:], "xyz") for row in X]
     lengths = [[np.linalg.norm(p.apply(np.array(x.platform)) - x.base) - x.offset for x in TRUE.limbs] for p in poses]
     assert np.abs(model.inverse(X, TRUTH) - lengths).max() < 1e-14
     assert np.abs(model.turn(X[:, 3:]) - [p.rotation for p in poses]).max() < 1e-14
     assert np.abs(model.direct(np.array(lengths), TRUTH, np.tile(HOME, (20, 1))) - X).max() < 1e-12
-    assert np.abs(method.configuration_of(method.poses_of(X)) - X).max() < 1e-12
+    assert np.abs(method.posture_of(method.poses_of(X)) - X).max() < 1e-12
 
 
 def test_groups_have_one_inclination_and_tables_their_frames():
     """Without noise the extensions of a group belong to equal (alpha, beta), within the rods' range; held entries are 0."""
     measured = method.measure(TRUTH, 5, 4, method.EXACT, np.random.default_rng(0))
     solved = [symkin.solve(TRUE, joints=row, start=NOMINAL.reference_pose).solution.pose for row in measured.joints]
-    angles = method.configuration_of(solved)[:, 3:5].reshape(5, 4, 2)
+    angles = method.posture_of(solved)[:, 3:5].reshape(5, 4, 2)
     assert np.abs(angles - angles[:, :1]).max() < 1e-9
     assert (measured.joints >= 0).all()
     assert (measured.joints <= 0.55).all()
@@ -199,7 +199,7 @@ def test_80_postures_reach_the_claim_in_aligned_frames_only():
 def test_both_sides_of_8_agree_to_first_order():
     """The remainder of (8) falls with the square of the errors, so its share with the errors."""
     rng, groups = np.random.default_rng(1), np.repeat(np.arange(10), 4)
-    X = method.configurations_in_groups(TRUTH, method.inclinations(10, rng), rng)
+    X = method.postures_in_groups(TRUTH, method.inclinations(10, rng), rng)
     rods, tilts, apart = rng.uniform(-1, 1, (40, 6)) * 1e-6, rng.uniform(-1, 1, (40, 2)) * 1e-5, TRUTH - ETA
     shares = [identification.causes(X, groups, TRUTH - f * apart, f * apart, f * rods, f * tilts).remainder for f in (1, 0.1)]
     assert shares[0] < 0.05
@@ -210,7 +210,7 @@ def test_both_sides_of_8_agree_to_first_order():
 def test_one_inclination_does_not_tell_all(held):
     """With the vertical fixed in the platform, M_i along it and B_i along z rise together unseen: 32 - 5 = 27."""
     rng, groups = np.random.default_rng(2), np.repeat(np.arange(10), 4)
-    X = method.configurations_in_groups(ETA, np.tile(held, (10, 1)), rng)
+    X = method.postures_in_groups(ETA, np.tile(held, (10, 1)), rng)
     J = identification.jacobian(model.slopes(X, model.inverse(X, ETA), ETA).by_eta, groups)
     assert identification.spectrum(J[:, FREE]).rank == 27
     up = symkin.Pose.from_euler(np.zeros(3), [*held, 0.0], "xyz").rotation.T[:, 2]
@@ -227,6 +227,6 @@ def test_levelled_postures_have_one_inclination_however_the_wedge_is_turned():
     assert made.spread < np.radians(0.004)
     assert made.moves.min() >= 2
     wedge = levelling.level_turn(held[0])
-    posture = method.configurations_in_groups(TRUTH, held[:1], rng)[0]
+    posture = method.postures_in_groups(TRUTH, held[:1], rng)[0]
     known = levelling.Machine(TRUTH, TRUTH, 0.0).level(posture, wedge, wedge, rng)
     assert known.moves == 1
