@@ -12,8 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
-from symkin.position.mobility import reciprocal_system, revolute_screw
-from symkin.spatial.screw import reciprocal_product
+from symkin.position.mobility import reciprocal_system
+from symkin.spatial.screw import reciprocal_product, revolute_screw
 from zhao2000_model import BASE, LINK, SIZE, corners, inverse
 
 INDEPENDENT = 1e-9

@@ -69,6 +69,7 @@ def test_the_page_lists_every_package_once() -> None:
     assert listed == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", sorted(modules()))
 def test_imports_run_down_the_layers(module: str) -> None:
     """No module imports one of a layer above its own, deferred imports and those for type checkers included."""

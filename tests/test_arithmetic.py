@@ -50,6 +50,7 @@ def has_value_or_message(text, angle_unit):
         return "\n" not in str(error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sin", "cos", "tan"])
 @given(angle=st.floats(-80, 80))
 def test_trigonometry_is_in_the_angle_unit(name, angle):

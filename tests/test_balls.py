@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import casadi as ca
 import numpy as np
+import pytest
 from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
@@ -75,6 +76,7 @@ def holds(ball: arb, value: Fraction) -> bool:
         return bool(ball.contains(fmpq(value.numerator, value.denominator)))
 
 
+@pytest.mark.slow
 @given(seeds, st.booleans(), st.sampled_from([0.0, 1e-12, 0.1]))
 def test_balls_hold_the_exact_values_and_derivatives(rng, quadratic, radius):
     """Over a box, the enclosures of F and dF/dz hold the rational values at any point of the box, for real and complex

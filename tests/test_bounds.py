@@ -32,6 +32,7 @@ def arm(seed: int) -> Mechanism:
     return Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-1, 1, 3)))
 
 
+@pytest.mark.slow
 def test_forty_modes_are_proved():
     """Dietmaier's 40 certified poses are all that six distances allow."""
     problem, system, _, z = case("dietmaier")
@@ -70,6 +71,7 @@ def test_a_special_platform_stays_below_the_bound():
     assert not proves(certificates, bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 5])
 def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     """16 certified solutions of a general 6R arm are all that there are; 15 prove nothing."""

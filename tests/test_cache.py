@@ -71,6 +71,7 @@ def test_a_start_is_checked_against_the_closure(shipped, wrong):
     assert start_store._start_in(_rewritten(content, WRONG[wrong]), system) is None
 
 
+@pytest.mark.slow
 def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
     """A file whose digest is right and whose content is not: the modes are those of an empty cache, the file goes."""
     right = _positions()
@@ -93,6 +94,7 @@ def test_what_was_changed_or_cut_short_is_not_read(tmp_path):
         assert not place.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no FIFOs here")
 def test_a_fifo_or_a_device_does_not_block(folder):
     """In place of a file: it is taken for missing, and replaced, in a process that would otherwise never end."""
@@ -185,6 +187,7 @@ for k in range(200):
 """
 
 
+@pytest.mark.slow
 def test_processes_share_a_folder(tmp_path):
     """Three write, read and remove in a folder that is too small for all: none reads what is wrong, none fails."""
     environment = os.environ | {"SYMKIN_CACHE_SIZE": "0.4"}

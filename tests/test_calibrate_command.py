@@ -38,6 +38,7 @@ def changed(path, target, change):
     return target
 
 
+@pytest.mark.slow
 def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
     """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in poses than the nominal one."""
     out = tmp_path / "out"
@@ -74,6 +75,7 @@ def relative_error(mechanism, true):
     return worst
 
 
+@pytest.mark.slow
 def test_a_plan_is_simulated_and_fitted(capsys, tmp_path):
     """The plan's file has what it expects in comments and goes through simulate to a believable fit in joint frames."""
     plan, data = tmp_path / "plan.csv", tmp_path / "data.csv"
@@ -134,6 +136,7 @@ def level(rows):
     del rows[4:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -161,6 +164,7 @@ def test_what_cannot_be_used_is_reported_and_why(capsys, tmp_path, data, change,
     assert "poses in aligned frames" not in said + (out / "report.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_fit_that_can_be_used_has_a_pose_sigma(capsys, tmp_path, data):
     """Of a usable fit the same places hold figures."""
     out = tmp_path / "out"
@@ -183,6 +187,7 @@ def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
     assert "no reading beside" not in said + complaint
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [True, False], ids=["sigma known", "sigma unknown"])
 def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
     """Of a simulation without noise nothing is flagged, whether sigma is known or not, and a note asks what it is; one gross
@@ -202,12 +207,14 @@ def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
         assert any("is this a plan, or a simulation without noise?" in note for note in report["notes"])
 
 
+@pytest.mark.slow
 def test_noise_is_not_called_rounding(capsys, tmp_path, data):
     """With noise of 2e-6 of the size there is no such question."""
     run(capsys, "calibrate", "fit", "ren2008", data, "-o", tmp_path / "out")
     assert "without noise" not in (tmp_path / "out" / "report.md").read_text()
 
 
+@pytest.mark.slow
 def test_single_bad_rows_are_named(capsys, tmp_path, data):
     """A posture that does not close is named by its line; the fit of the others stands."""
 
@@ -277,6 +284,7 @@ def test_the_mechanism_that_was_given_is_not_overwritten(capsys, tmp_path, data)
     assert own.read_text() == before
 
 
+@pytest.mark.slow
 def test_other_content_of_the_folder_stays(capsys, tmp_path, data):
     """A folder with other files keeps them."""
     (tmp_path / "notes.txt").write_text("mine")

@@ -34,6 +34,7 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [SIMULATE, PLAN], ids=["simulate", "plan"])
 def test_a_file_of_the_users_is_kept(capsys, folder, command):
     """It is named before anything is computed, and kept; --force replaces it."""
@@ -75,6 +76,7 @@ def test_a_folder_with_a_file_of_the_users_is_kept(capsys, folder, name):
     assert contents(out) == {name: b"mine"}
 
 
+@pytest.mark.slow
 def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
     """Written again as it is, other files stay; an edited file is named and nothing changes, also where the new fit would not be
     usable; --force replaces it; another mechanism's folder is kept."""
@@ -97,6 +99,7 @@ def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
     assert "holds the calibration of 'ren2008'" in err
 
 
+@pytest.mark.slow
 def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     """Where the disk is full after some files, the same command writes the folder, the file, once there is room."""
     from symkin.cli import calibrate_folder
@@ -117,6 +120,7 @@ def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     assert run(capsys, *FIT)[0] == 0
 
 
+@pytest.mark.slow
 def test_what_an_unusable_fit_leaves_is_still_its_own(capsys, folder):
     """The mechanism of an earlier fit stays when a later one cannot be used, and is replaced by the next that can."""
     assert run(capsys, *FIT)[0] == 0

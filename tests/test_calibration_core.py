@@ -56,6 +56,7 @@ def poses_measured(mechanism, joints, truth, *, names=None, orientation=True, si
 # --- noise-free recovery -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spread", "seeds"), [(0.005, range(8)), (0.05, range(8))])
 def test_exact_data_give_the_exact_geometry(spread, seeds):
     """Without noise the identified parameters are the true ones to 1e-12 m, from 5 and from 50 mm away."""
@@ -67,6 +68,7 @@ def test_exact_data_give_the_exact_geometry(spread, seeds):
         assert largest_error(fit, truth) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_methods_agree(form):
     """Nested, lifted and IPOPT end at the same minimum of one form of residuals."""
@@ -166,6 +168,7 @@ def test_planar_five_bar_from_positions():
     np.testing.assert_allclose([fit.values[n] for n in names], truth, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["zhao2000", "three_rrr"])
 def test_limbs_of_joints_from_full_poses(name):
     """Mechanisms with passive joints and a declared motion: the corrected one closes at the poses that were measured."""

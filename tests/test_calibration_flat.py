@@ -57,6 +57,7 @@ def quiet(mechanism):
     return Noise(lengths=1e-6 * size, angles=np.radians(1e-3), position=1e-5 * size, orientation=np.radians(1e-3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", [None, "*.axis.*"])
 def test_rps_platforms_are_calibrated(tmp_path, hold):
     """Data of the nominal geometry with noise, three seeds: converged, chi-square as expected, not worse than the nominal geometry,
@@ -70,6 +71,7 @@ def test_rps_platforms_are_calibrated(tmp_path, hold):
         assert np.median(report.sigma.position) < 5e-5 * mechanism.size
 
 
+@pytest.mark.slow
 def test_an_overconstrained_five_bar_is_calibrated(tmp_path):
     """All parameters of a closure with rows left over, two seeds: converged, its rows met to rounding, chi-square as expected."""
     mechanism = five_bar()
@@ -93,6 +95,7 @@ def test_without_noise_the_iteration_goes_on_to_rounding(build, readings):
     assert max(abs(p.change) for p in fit.parameters) < 1e-8 * mechanism.size
 
 
+@pytest.mark.slow
 def test_what_a_motion_binds_is_left_out_and_said(tmp_path):
     """Planar motion: the default and patterns leave tilts of axes out with a note; one named in full is refused with the remedy."""
     mechanism = five_bar("planar")

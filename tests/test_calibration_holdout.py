@@ -29,6 +29,7 @@ def measured(count, seed, *, known=True):
     return Measurements(posed.joints, position=readings(posed, rng), position_sigma=NOISE if known else None)
 
 
+@pytest.mark.slow
 def test_predictions_scatter_as_they_say():
     """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within four standard deviations, noise
     known; that of the noise alone is clearly more, since the parameters are uncertain too."""
@@ -75,6 +76,7 @@ def fit(folder, data, *options):
     return ended.value.code or 0, json.loads((folder / "out" / "report.json").read_text())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
 def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):
     """A quarter is not fitted but predicted, by line and with the seed; the verdict, the summary and JSON say so."""
@@ -92,6 +94,7 @@ def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):
     assert "held out, at random with seed 7: 15 postures" in said
 
 
+@pytest.mark.slow
 def test_a_missed_prediction_is_not_believable(tmp_path):
     """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable, with the reason. Of one such row
     the line is named as an outlier, and the fit stands."""

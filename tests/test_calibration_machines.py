@@ -41,6 +41,7 @@ def built(base, platform, rng, spread=1.0):
     return tuple(t + rng.uniform(-spread, spread, t.shape) for t in (base, platform))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("columns", "words"),
     [
@@ -65,6 +66,7 @@ def test_exchanged_columns_are_another_machine_and_named(capsys, tmp_path, colum
     assert not json.loads((out / "report.json").read_text())["believable"]
 
 
+@pytest.mark.slow
 def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_path):
     """Readings of a machine with a platform half as large again: exit 3; with --any-machine exit 0 and the file of that machine, which
     solves its rows, and the first line still says what it is."""
@@ -84,6 +86,7 @@ def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_p
         assert np.max(np.abs(symkin.solve(made, joints=row, start=[*p, *o]).solution.position - p)) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spread", "far"), [(1.0, False), (6.0, False), (60.0, True)])
 def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
     """Joint centres off by up to 1 mm, 6 mm (1 % of the size) and 60 mm: believable, believable, another machine."""
@@ -96,6 +99,7 @@ def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
     assert (report.departure.share > 0.08) is far
 
 
+@pytest.mark.slow
 def test_another_base_frame_is_no_other_machine(tmp_path):
     """The same machine with base and platform frames turned by 25 degrees and moved: the poses that the fit gives are the file's but
     for constant frames."""
@@ -111,6 +115,7 @@ def test_another_base_frame_is_no_other_machine(tmp_path):
     assert report.usable
 
 
+@pytest.mark.slow
 def test_tolerances_are_prior_standard_deviations(tmp_path):
     """Geometries drawn from the tolerance and fewer readings than parameters: errors of the estimate have the covariance that is
     stated, chi-square (readings and tolerances) has as many degrees of freedom as there are readings, and pose sigma is finite."""
@@ -140,6 +145,7 @@ def test_tolerances_are_prior_standard_deviations(tmp_path):
     assert 0.7 < np.mean(values) < 1.35
 
 
+@pytest.mark.slow
 def test_a_tolerance_holds_a_machine_that_is_within_and_refuses_one_that_is_not(capsys, tmp_path):
     """Joint centres 60 mm away are another machine; with a tolerance of 40 mm they are expected, with one of 1 mm not."""
     rng = np.random.default_rng(5)

@@ -36,6 +36,7 @@ def projected_gradient(mechanism, data):
     return np.linalg.norm(left[:, singular > 1e-6].T @ gap)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
     """Every method: chi-square of the written file is not above that of the true table, is the one reported, and has no gradient."""
@@ -50,6 +51,7 @@ def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
     assert projected_gradient(found, data) < 0.02
 
 
+@pytest.mark.slow
 def test_scipy_finds_no_less():
     """Two random machines: within 1 % of the least that SciPy's methods find from the same start."""
     pytest.importorskip("scipy")
@@ -71,6 +73,7 @@ def test_what_the_model_lacks_is_in_the_figures(delivered):
     assert not fit.believable
 
 
+@pytest.mark.slow
 def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path):
     """A writer that loses digits: no mechanism file, the sentence says where it differs from the fit, exit status 3; without the loss
     the file is written."""
@@ -115,6 +118,7 @@ def hexapod():
     )
 
 
+@pytest.mark.slow
 def test_rods_inside_out_are_refused(hexapod):
     """All readings negated: the fit is perfect with rods inside out, and refused with the legs and rows named; right readings are not."""
     mechanism, data = hexapod

@@ -30,6 +30,7 @@ def misfit(mechanism):
     return max(float(np.linalg.norm(np.subtract(a.base, b.base))) for a, b in pairs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated", [True, False], ids=["noise stated", "noise unknown"])
 @pytest.mark.parametrize(("share", "size"), [(0.02, 1e-4), (0.3, 5e-3), (0.4, 1e-4)])
 def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
@@ -50,6 +51,7 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
         assert "e-4" not in o.reason.split("probability")[1]
 
 
+@pytest.mark.slow
 def test_no_removal_loses_the_fit():
     """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none of the clean rows called bad but by
     chance."""
@@ -82,6 +84,7 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
     np.testing.assert_array_equal(begun[0].p, result.state.p)
 
 
+@pytest.mark.slow
 def test_too_many_gross_errors_are_refused(logged):
     """A leg of two thirds of the rows off by millimetres, which spoils position and orientation: refused, for gross errors."""
     nominal, data, rng = logged
@@ -92,6 +95,7 @@ def test_too_many_gross_errors_are_refused(logged):
     assert not fit.believable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loss", ["huber", "cauchy"])
 def test_robust_losses_keep_to_the_majority(capsys, tmp_path, logged, loss):
     """A tenth of the rows off by 0.1 mm and none left out: joint centres many times nearer to the truth than by least squares; without bad

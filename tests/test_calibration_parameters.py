@@ -94,6 +94,7 @@ def file_of(folder, mechanism, readings, postures=40, **region):
     return folder / "data.csv"
 
 
+@pytest.mark.slow
 def test_all_is_minimal_and_whole():
     """Planar 3-RPR, by its loop equations in plain NumPy: each default parameter moves poses, no one more than the rank of all that the
     file has. Those that move the platform out of the plane count by themselves."""
@@ -145,6 +146,7 @@ def test_parallel_axes_are_named(tmp_path):
     assert "dh.2.d and dh.3.d" in named[0]
 
 
+@pytest.mark.slow
 def test_the_base_set_can_be_copied(capsys, tmp_path):
     """--parameters with the base set of the report: the same rank and chi-square, nothing unobservable."""
     mechanism = arm()

@@ -37,6 +37,7 @@ def hidden(path, measurements, sequence="XZX"):
     return read_measurements(path, NOMINAL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 9, 10, 12])
 def test_few_postures_choose_the_sequence_that_explains_them_all(tmp_path, pool, count):
     """8 to 12 postures, three draws of each: the true sequence, clear of the runner-up, and a fit that uses every posture."""
@@ -59,6 +60,7 @@ def test_as_many_parameters_as_readings_tell_no_sequence(tmp_path, pool, count):
         find_sequence(NOMINAL, hidden(tmp_path / "data.csv", pool.subset(np.arange(count))))
 
 
+@pytest.mark.slow
 def test_a_bad_row_does_not_change_the_sequence(tmp_path, pool):
     """A posture whose joints are off by 600 times their noise counts against every sequence alike."""
     joints = pool.joints.copy()
@@ -69,6 +71,7 @@ def test_a_bad_row_does_not_change_the_sequence(tmp_path, pool):
     assert choice.clear
 
 
+@pytest.mark.slow
 def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     """Exchanged columns: no sentence that the angles fit a sequence, in text and JSON."""
     report = fit_file(NOMINAL, hidden(tmp_path / "data.csv", replace(pool, position=pool.position[:, [1, 0, 2]])))

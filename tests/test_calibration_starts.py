@@ -47,6 +47,7 @@ def blank(column, rows):
     return change
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -71,6 +72,7 @@ def test_blank_readings_do_not_lose_the_fit(tmp_path, seed, change):
         assert np.all(turn > 1 - 1e-7)
 
 
+@pytest.mark.slow
 def test_six_blank_orientations_among_six_hundred(tmp_path):
     """As the log of a controller has them: believable, nothing left out."""
     rng = np.random.default_rng(4)
@@ -106,6 +108,7 @@ def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
     assert calibrate(mechanism, m).status == "ok"
 
 
+@pytest.mark.slow
 def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
     """Postures far from the reference pose: the poses at which standard deviations are stated lie within the box of those measured."""
     rng = np.random.default_rng(3)

@@ -97,6 +97,7 @@ def test_group_means_are_weighted_averages():
     assert readings.groups == 10
 
 
+@pytest.mark.slow
 def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
     """Eight times the groups take less than 24 times as long."""
     truth, took = geometry(TRUE), []
@@ -112,6 +113,7 @@ def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
 # --- gross errors --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_gross_error_makes_no_others():
     """A rod off by 5 mm, 2500 times its noise, bends the fit: this posture is left out, and in six sets no other but for one."""
     others = 0
@@ -149,6 +151,7 @@ def test_many_bad_readings_are_found_or_the_fit_is_refused():
 # --- distances -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_distances_go_from_file_to_geometry(capsys, tmp_path):
     """Distances of three points with groups: rank as of the Jacobian without null space but for what they leave; sigma from the
     file, none from the option beside it; the identified distances are those measured."""
@@ -189,6 +192,7 @@ def test_wrong_distances_are_refused(capsys, tmp_path, points, said):
     assert said in error
 
 
+@pytest.mark.slow
 def test_use_beyond_the_measured_postures_is_said(capsys, tmp_path):
     """Postures in half of the workspace: a note gives sigma beyond the measured joint values, larger than elsewhere; with
     postures over all of it there is none."""

@@ -70,6 +70,7 @@ def rows_changed(path, change):
 # --- fits that are none --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses):
     """A fit that converged with residuals hundreds of times the noise: exit 3, no mechanism file, no pose figures, the slip named."""
     path, out = tmp_path / "data.csv", tmp_path / "out"
@@ -88,6 +89,7 @@ def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses
     assert not (out / "zhang2009.toml").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "signs", "words"),
     [
@@ -102,6 +104,7 @@ def test_pose_columns_that_stand_wrong_are_named(tmp_path, poses, order, signs, 
     assert words in refused(tmp_path / "data.csv", NOMINAL, replace(poses, position=poses.position[:, order] * signs))
 
 
+@pytest.mark.slow
 def test_files_of_an_earlier_fit_are_told_from_this_one(capsys, tmp_path, grouped):
     """A folder with the mechanism of a fit that was usable: after one that is not it is still there, and a note says whose it is."""
     path, out, said = tmp_path / "data.csv", tmp_path / "out", []
@@ -114,6 +117,7 @@ def test_files_of_an_earlier_fit_are_told_from_this_one(capsys, tmp_path, groupe
     assert ["of an earlier fit" in text for text in said] == [False, True]
 
 
+@pytest.mark.slow
 def test_noise_stated_too_small_stays_usable(tmp_path, poses):
     """Noise ten times the stated one: usable, not believable, no suspicion."""
     report = fitted(tmp_path / "data.csv", NOMINAL, replace(poses, position_sigma=0.002, orientation_sigma=np.radians(2e-4)))
@@ -126,6 +130,7 @@ def test_noise_stated_too_small_stays_usable(tmp_path, poses):
 # --- headline, notes and figures agree -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
     """Standard deviations ten times too large: headline, JSON and the pose's figures say so, as the note does."""
     report = fitted(tmp_path / "data.csv", RODS, replace(grouped, group_sigma=np.radians(0.01)))
@@ -139,6 +144,7 @@ def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
     assert times < 0.2
 
 
+@pytest.mark.slow
 def test_copies_of_rows_are_left_out(tmp_path, grouped):
     """Every row twice, numbers written otherwise: the same degrees of freedom and standard deviations as once, and the lines named."""
     path = tmp_path / "data.csv"
@@ -165,6 +171,7 @@ def test_one_posture_again_and_again_is_refused(tmp_path, grouped):
         fit_file(RODS, read_measurements(rows_changed(path, same), RODS))
 
 
+@pytest.mark.slow
 def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
     """A row with joints only tells nothing: 39 of 40 postures, the line named, and the fit that of the other rows."""
     path = tmp_path / "data.csv"
@@ -185,6 +192,7 @@ def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
 # --- diagnoses -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_posture_that_never_changes_is_said(tmp_path, grouped):
     """One posture with noise is not taken for another unit."""
     rng = np.random.default_rng(0)
@@ -209,6 +217,7 @@ def strayed(groups):
     return groups
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -226,6 +235,7 @@ def test_wrong_labels_of_groups_are_named(tmp_path, grouped, change, words):
     assert not fitted(tmp_path / "data.csv", RODS, grouped).suspicions
 
 
+@pytest.mark.slow
 def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     """Angles of one sequence under the header of another: the sequence that fits is named."""
     path = tmp_path / "data.csv"
@@ -240,6 +250,7 @@ def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
 # --- picture -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [2e-6, 0.02])
 def test_the_legends_stand_beside_the_points_and_few_ticks_on_the_axis(tmp_path, poses, sigma):
     """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick labels do not overlap, and the normal

@@ -89,6 +89,7 @@ def patches(system: AlgebraicSystem, centre: np.ndarray) -> np.ndarray:
 # --- what is certified --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "count", "real"), [("dietmaier", 40, 40), ("zhang2009", 28, 4), ("gluon_6l3", 8, 2), ("yao2020", 8, 4)]
 )
@@ -105,6 +106,7 @@ def test_every_root_of_known_cases_is_certified(name, count, real):
     assert np.all(found.ball < 1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dietmaier", "zhang2009", "yao2020"])
 def test_a_ball_holds_the_root_at_300_bits(name):
     """The box about each centre holds the same root computed by many more digits, real and complex."""
@@ -119,6 +121,7 @@ def test_a_ball_holds_the_root_at_300_bits(name):
             assert (ball + c.imag).contains(x.imag)
 
 
+@pytest.mark.slow
 @given(
     st.sampled_from(["dietmaier", "zhang2009", "yao2020", "gluon_6l3"]), st.sampled_from([0.0, 1e-12, 1e-9]), st.integers(0, 99)
 )
@@ -245,6 +248,7 @@ def single(kind: str, row, least: float | None = None) -> AlgebraicSystem:
     return AlgebraicSystem(1.0, (Coordinate("x", kind, "passive", least=least),), z, ca.SX(0, 1), ca.SX(row(z)), ())
 
 
+@pytest.mark.slow
 @given(st.floats(-38, -2))
 def test_nearly_double_roots_are_told_apart(exponent):
     """z^2 = c has two real roots for c > 0 and none for c < 0: near zero more bits tell them apart, and none is called

@@ -211,6 +211,7 @@ def test_show_latex(capsys: pytest.CaptureFixture[str]) -> None:
     assert "mobility" in run(capsys, "show", "zhao2000")[1]
 
 
+@pytest.mark.slow
 def test_module_runs_and_imports_stay_light() -> None:
     """`python -m symkin` is the command; `import symkin` loads neither matplotlib nor typer."""
     done = subprocess.run([sys.executable, "-m", "symkin", "list"], capture_output=True, text=True, check=True)

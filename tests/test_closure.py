@@ -80,6 +80,7 @@ def test_the_reference_closes(name):
     assert np.max(np.abs(errors)) < 1e-12
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(seeds)
 def test_the_reference_of_any_mechanism_closes(rng):
@@ -129,6 +130,7 @@ def test_elsewhere_the_closure_does_not_vanish(kinds, rng):
         assert np.max(np.abs(errors)) > 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", "RP")
 @given(rng=seeds)
 def test_half_turns_are_no_spurious_roots(kind, rng):
@@ -149,6 +151,7 @@ def symkin_direction(rng):
     return v / np.linalg.norm(v)
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_rods_keep_their_length(rng):
     """A limb with rods: each row vanishes exactly where the rod's end distance is its length, given or as it stands."""
@@ -207,6 +210,7 @@ def test_rows_of_limbs_add(rng):
     assert len(closure.row_sources) == closure.rows.shape[0]
 
 
+@pytest.mark.slow
 @given(seeds)
 @settings(max_examples=10)
 def test_coordinates_stand_actuated_passive_pose(rng):
@@ -225,6 +229,7 @@ def test_coordinates_stand_actuated_passive_pose(rng):
 # --- symmetries ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds)
 def test_quaternion_signs_and_whole_turns_do_not_matter(rng):
@@ -254,6 +259,7 @@ def test_quaternion_signs_and_whole_turns_do_not_matter(rng):
 # --- derivatives ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["direct", "inverse"])
 @settings(max_examples=12)
 @given(rng=seeds)
@@ -423,6 +429,7 @@ def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
     assert np.all(np.max(np.abs(samples), axis=0) > 1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS)
 @settings(max_examples=40)
 @given(rng=seeds, kinds=st.lists(st.sampled_from("RPCU"), min_size=1, max_size=4), zeros=st.booleans())

@@ -86,6 +86,7 @@ def farthest(system, a, b):
 # --- agreement ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["real", "complex"])
 @pytest.mark.parametrize(("name", "kind"), [*MACHINES, ("five_bar", "direct")])
 def test_both_engines_reach_the_same_roots(name, kind, end):
@@ -313,6 +314,7 @@ print(complex(found.track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0 + 1j)).z[0
 """
 
 
+@pytest.mark.slow
 def test_two_processes_may_build_at_once(tmp_path):
     """Both work, and the cache holds nothing half-written."""
     environment = {**os.environ, "SYMKIN_CACHE": str(tmp_path)}

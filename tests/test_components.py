@@ -53,6 +53,7 @@ def heights(a: np.ndarray, b: np.ndarray, points: np.ndarray, t: float, r3: np.n
     return np.array([u + around @ (p3 - u + turn(X, q) @ (p4 - p3 + turn(X, t - q) @ (origin - p4))) for q in r3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_modes_on_both_circles_are_listed(seed):
     rng = np.random.default_rng(seed)

@@ -138,6 +138,7 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
         assert all(mode.certified and mode.radius < 1e-9 * mechanism.size for mode in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "complex_count"),
     [(five_bar(), 2), (three_rrr("planar"), 6), (delta(), 2), (replace(delta(), motion="spatial"), 40), (three_rps(), 16)],
@@ -159,6 +160,7 @@ def test_generic_counts_by_the_same_code(mechanism, complex_count, cache):
         assert any("2 operation modes of 8, 8" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_random_platforms_lose_nothing(cache):
     """Random 6-6 geometries: 40 complex roots, an even number of real ones, the pose that made the lengths among them."""
     rng = np.random.default_rng(4)
@@ -198,6 +200,7 @@ def test_complex_roots_come_in_conjugate_pairs():
 # --- what is not claimed ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_symmetric_joint_values_are_not_claimed(cache):
     """At the delta's symmetric reference with a free platform, roots run to infinity together: what is listed closes, and
     completeness is claimed only if no path is unresolved."""
@@ -216,6 +219,7 @@ def test_helical_joints_are_sampled_with_the_reason():
     assert any("helical" in note and "h" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_a_continuum_is_incomplete_and_named(cache):
     """Equal base and platform, parallel legs: a sphere of translations. No mode of it is counted, nothing is claimed."""
     ends = np.random.default_rng(0).uniform(-100, 100, (6, 3))
@@ -237,6 +241,7 @@ def test_a_double_root_is_one_and_flagged():
 # --- the store ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_starts_are_kept_and_damage_is_survived(cache):
     """A start is written once, read again, and computed anew where its file is damaged; the answer is the same."""
     mechanism = five_bar()
@@ -259,6 +264,7 @@ def test_every_shipped_start_is_read():
                     assert (start_store.SHIPPED / f"{start_store.start_key(problem, system)}.npz").exists(), (name, kind)
 
 
+@pytest.mark.slow
 def test_an_unwritable_cache_only_costs_time(monkeypatch):
     """A cache folder that cannot be made changes nothing in the answer."""
     monkeypatch.setenv("SYMKIN_CACHE", "/dev/null/cache")

@@ -32,6 +32,7 @@ def _printed(pose: symkin.Pose) -> list[float]:
     return [*(round(float(v), 3) for v in pose.position), *(round(float(v), 5) for v in pose.quaternion)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make", [lambda: tied_platform(False), lambda: tied_platform(True), exechon], ids=["3RPS", "3RRS", "Exechon"]
 )

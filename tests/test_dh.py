@@ -45,6 +45,7 @@ def forward(mechanism, values):
     return frame(result.solution.position, result.solution.quaternion)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @given(rng=seeds)
 def test_forward_kinematics_is_the_product_of_the_rows(convention, rng):
@@ -55,6 +56,7 @@ def test_forward_kinematics_is_the_product_of_the_rows(convention, rng):
     assert np.allclose(forward(arm, values), dh_product(table, values), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @given(rng=seeds)
 def test_the_same_arm_by_joints(convention, rng):
@@ -77,6 +79,7 @@ def test_the_same_arm_by_joints(convention, rng):
     assert math.isclose(arm.size, same.size, rel_tol=1e-9)
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_standard_is_modified_shifted_by_one_link(rng):
     """Rz Tz Tx Rx of rows 1..n is Craig's Rx Tx Rz Tz of the same rows with (a, alpha) one row down, and a last one."""

@@ -56,6 +56,7 @@ def test_a_public_name_is_documented(name: str) -> None:
         assert "Raises" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_example_of_a_public_name_runs(name: str) -> None:
     """Each example alone, as a reader would type it."""

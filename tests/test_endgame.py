@@ -268,6 +268,7 @@ CASES = {
 """Symmetric and singular joint values whose ends are isolated or at infinity."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_nearby_instances_have_as_many_roots_near_each_end_as_paths_end_there(name):
     """At known values 1e-6 away, by another road: one root near each regular end, m near one where m paths end, as many
@@ -287,6 +288,7 @@ def test_nearby_instances_have_as_many_roots_near_each_end_as_paths_end_there(na
     assert np.sum(~near) == ends.at_infinity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_ends_satisfy_the_rows(name):
     """Regular roots to 1e-12 of the size, singular ones to 1e-13."""
@@ -311,6 +313,7 @@ def test_singular_ends_do_not_depend_on_the_way():
 # --- sets that are not isolated -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "given", "isolated"),
     [

@@ -105,6 +105,7 @@ def run_casadi(tmp_path_factory):
     assert process.wait(timeout=60) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
     """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest entry."""
@@ -198,6 +199,7 @@ for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
 """
 
 
+@pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process():
     """Two processes with different hash seeds write the same bytes."""
     runs = [

@@ -124,6 +124,7 @@ def test_shipped_files_come_back_equal(name):
     assert parse(mechanism.to_toml()).to_toml() == mechanism.to_toml()
 
 
+@pytest.mark.slow
 @given(mechanisms())
 def test_any_mechanism_comes_back_equal(mechanism):
     """parse(m.to_toml()) == m for every joint type, limb form, unit and motion, to the last bit."""
@@ -448,6 +449,7 @@ def mutate(data, draw):
             node[draw(keys)] = copy.deepcopy(draw(junk))
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(st.data())
 def test_spoilt_data_is_refused_in_one_line_or_taken(data):

@@ -33,6 +33,7 @@ def _variants():
 VARIANTS = _variants()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("folder", "name", "options"), VARIANTS, ids=[v[0] for v in VARIANTS])
 def test_committed_folders_are_what_the_generator_writes(folder, name, options):
     """The same model gives the same bytes."""
@@ -43,6 +44,7 @@ def test_committed_folders_are_what_the_generator_writes(folder, name, options):
         assert (committed / file).read_text() == text, f"{folder}/{file} differs: run python codegen/generate.py"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
 @pytest.mark.parametrize("folder", [v[0] for v in VARIANTS])
 def test_committed_folders_compile_and_pass(folder, cc, tmp_path):
@@ -64,6 +66,7 @@ SAMPLES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("sample", list(SAMPLES))
 def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
@@ -73,6 +76,7 @@ def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     tools.passed(tools.built("gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", ["fixed", "struct"])
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_home_relative_form(real, geometry, tmp_path):

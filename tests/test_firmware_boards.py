@@ -86,6 +86,7 @@ def _digest_source(name: str, tmp_path: Path) -> Path:
     return tmp_path / "digest.c"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
 def test_the_same_bits_everywhere(name, real, tmp_path):

@@ -27,6 +27,7 @@ def test_foreign_files_are_kept(name, tmp_path):
     assert _contents(tmp_path) == {name: b"mine"}
 
 
+@pytest.mark.slow
 def test_edited_files_are_kept(tmp_path):
     """What was written is written again, with other options too; a file edited since is named, and nothing is lost."""
     write_folder(PLATFORM, tmp_path, Options())

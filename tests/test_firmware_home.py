@@ -120,6 +120,7 @@ def test_cases_are_distinct_and_within_limits(limits):
         assert np.all((joints >= limits[0]) & (joints <= limits[1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ren2008", "zhao2000", "gluon_6l3"])
 def test_shipped_cases_are_distinct(name):
     """With limits, without, and of an arm."""
@@ -136,6 +137,7 @@ def _example(folder, *edit: tuple[str, str]):
     return tools.built("gcc", folder, ["flat.c", "example_main.c"], "example", "-O1")
 
 
+@pytest.mark.slow
 def test_code_about_the_example_pose_passes_and_the_example_moves(tmp_path):
     write_folder(flat(Example(pose=ABOVE)), tmp_path, Options())
     tools.passed(tools.built("gcc", tmp_path, ["flat.c", "flat_test.c"], "test", "-O1"))

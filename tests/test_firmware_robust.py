@@ -62,6 +62,7 @@ SERIAL = """status = (int)NAME_inverse(NULL, &guess, joints, out, &info);
         (void)NAME_direct(joints, &pose); (void)NAME_jacobian(joints, matrix);"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize(
     ("name", "count", "scale"),
@@ -94,6 +95,7 @@ WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("z
 """Mechanism, goals, type, and how many of the regular lines must succeed (%)."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "count", "real", "least"), WIDE)
 def test_not_one_ok_on_another_branch(name, count, real, least):
     """Goals far from home: what is OK is what fine continuation reaches; most regular lines succeed."""
@@ -104,6 +106,7 @@ def test_not_one_ok_on_another_branch(name, count, real, least):
     assert found.ok_of_regular > least
 
 
+@pytest.mark.slow
 def test_all_near_goals_are_ok():
     """Within 60 mm and 0.25 rad of home every answer is OK and right."""
     tools.compiler("gcc")

@@ -60,6 +60,7 @@ def _moved_system(problem, values):
     return System(bound.unknowns, bound.unknown, bound.known, rows, errors, bound.size)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gluon_6l3", "yao2020"])
 def test_arms_take_another_geometry(name, tmp_path):
     """The pose is that of the moved parameters, not the nominal one; the inverse leads back to the joints."""
@@ -93,6 +94,7 @@ PLATFORMS = {
 """Mechanisms, and which parameters may move without contradicting the others."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(PLATFORMS))
 def test_platforms_take_another_geometry(name, tmp_path):
     """Direct and inverse problem agree with Newton's method on the closure with the moved parameters."""
@@ -118,6 +120,7 @@ def test_platforms_take_another_geometry(name, tmp_path):
         assert np.allclose(joints, case.known, rtol=0, atol=1e-8 * size)
 
 
+@pytest.mark.slow
 def test_loops_that_do_not_close_are_not_ok(tmp_path):
     """An overconstrained machine whose parameters contradict one another: no pose is called OK."""
     mechanism = load("zhao2000_links")
@@ -140,6 +143,7 @@ def test_members_are_key_paths_in_letters_of_c():
     assert Geometry(closure, False).members == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_struct_folders_of_all_kinds_pass_with_nominal_numbers(real, tmp_path):
     """The folder's own test, with the nominal initialiser."""

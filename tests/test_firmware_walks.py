@@ -25,6 +25,7 @@ MECHANISMS = {
 """Mechanism, how far joints go from home (rad), and how many of the regular lines must succeed (%)."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", ["double", "float"])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_walks_keep_their_branch(name, real):
@@ -49,6 +50,7 @@ def _numbers(values):
     return (ctypes.c_double * len(values))(*values)
 
 
+@pytest.mark.slow
 def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path):
     """A line on which det of the matrix at the guess changes its sign between the guess's joint values and the given ones: the
     tip that the circles of the couplers reach continuously is (0.0338, 238.4711), the other one (2.207, -47.385)."""
@@ -59,6 +61,7 @@ def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path)
     assert status != 0 or np.allclose(pose[:2], [0.0338, 238.4711], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
     """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would not give the joint values
     back; every OK answer gives them back, and the next call can begin there."""
@@ -90,6 +93,7 @@ def _short_coupler():
     return Mechanism("short", [left, right], platform_position=(slider, 0.0, 0.0), motion="planar")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [3.9, 4.0, 4.1, 4.2, 4.3, 6.0])
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own angle back."""
@@ -101,6 +105,7 @@ def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
         assert abs(back[0] - given) < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)])
 def test_limited_cranks_that_turn_over_half_a_turn(limits, tmp_path):
     """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten degrees, and the inverse gives it

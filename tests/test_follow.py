@@ -34,6 +34,7 @@ def zhang() -> Mechanism:
     return symkin.load("zhang2009")
 
 
+@pytest.mark.slow
 def test_random_smooth_paths_keep_their_mode(zhang):
     """Along random smooth curves of leg lengths the tracked end is the one of independent small Newton steps, stands in the
     complete enumeration, and every stop is a fold."""
@@ -87,6 +88,7 @@ def test_whole_turns_are_kept():
     assert same_pose(found.end.pose, found.samples[0].pose, mechanism.size)
 
 
+@pytest.mark.slow
 def test_inverse_path_of_an_arm_keeps_its_working_mode():
     """The end of an inverse path of a 6R arm is one of the complete list, and direct kinematics gives its pose."""
     arm = pieper()
@@ -110,6 +112,7 @@ def test_joints_of_an_arm_need_no_steps():
         assert same_pose(sample.solution.pose, symkin.solve(arm, joints=begin + share * (end - begin)).solution.pose, arm.size)
 
 
+@pytest.mark.slow
 def test_wrist_that_is_nearly_straight_is_passed():
     """A tool that turns past the fourth axis at 1e-4 rad is followed with a proof; joints 4 and 6 turn by half a turn less
     twice the angle whose tangent is distance over way, and joint 5 is back at its value."""

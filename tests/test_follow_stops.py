@@ -33,6 +33,7 @@ def zhang() -> Mechanism:
     return symkin.load("zhang2009")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_four_bar_stops_at_its_toggle(motion):
     """The crank stops within 1e-9 of the angle at which coupler and rocker are in line, and the two modes merge there."""
@@ -139,6 +140,7 @@ def _rocker_at_reference(coupler: float) -> float:
     return math.atan2(c[1], c[0] - 100.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_flat_parallelogram_is_a_bifurcation(motion):
     """A parallelogram four-bar is stopped at its flat position, to 1e-9, and both its modes meet there."""
@@ -212,6 +214,7 @@ def test_delta_stops_where_its_elbows_coincide():
     assert abs(found.end.actuated[0] - math.acos(-0.8)) < 1e-9
 
 
+@pytest.mark.slow
 def test_limbs_that_turn_together_end_the_workspace():
     """A delta that goes straight away stretches all three arms at once, where arm and rod are in line: the end of the workspace,
     at which the followed one of its eight working modes meets all others."""

@@ -186,6 +186,7 @@ def test_identifiers_are_valid_and_different(names):
 # --- generated C ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=["words", "spaces", "marks", "arm"])
 @pytest.mark.parametrize("geometry", ["fixed", "struct"])
 def test_firmware_of_hostile_files_compiles_and_passes(mechanism, geometry, tmp_path):
@@ -204,6 +205,7 @@ def test_firmware_of_hostile_files_compiles_and_passes(mechanism, geometry, tmp_
     subprocess.run(command, input=source, text=True, cwd=tmp_path, check=True)
 
 
+@pytest.mark.slow
 def test_the_readme_of_firmware_is_text():
     """Title and source stand in it as they are: no HTML, image or link of theirs."""
     text = folder_files(MECHANISMS[3], Options())["README.md"]
@@ -213,6 +215,7 @@ def test_the_readme_of_firmware_is_text():
     assert TITLE in "".join(child.content for child in tokens[1].children or [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["m", "test", "example", "int"])
 def test_reserved_words_as_names_build(name, tmp_path):
     """Words of C, C++ and CMake make no name of their own in C, and another target in CMake."""
@@ -473,6 +476,7 @@ LABELS = ["<script>injected()</script>", "![i](http://x)", "a|b `c` **d**", "=1+
 """Labels of groups that attack a report's Markdown."""
 
 
+@pytest.mark.slow
 def test_reports_of_calibrations_are_text(tmp_path, capsys):
     """Labels, paths and titles from users stand in report.md as they are, and the mechanism file written is read again."""
     folder = tmp_path / "a`b <b>"

@@ -44,6 +44,7 @@ def test_the_motion_is_the_one_that_leaves_every_coordinate_free(mechanism, moti
     assert implied_motion(mechanism) == motion
 
 
+@pytest.mark.slow
 def test_declared_the_named_motion_gives_the_complete_list() -> None:
     """Where the inverse problem is sampled, a note names the motion, with which the same pose's list is complete."""
     mechanism, pose = three_rrr(), [5.0, 3.0, 0.0, 1, 0, 0, 0]

@@ -9,6 +9,7 @@ import symkin
 from helpers.samples import tied_platform
 
 
+@pytest.mark.slow
 def test_modes_of_redundant_rows_say_what_is_proved_of_them():
     """No certificate, but an exact root of rows as many as their rank, and a bound of the others that holds of the residual."""
     found = symkin.modes(symkin.load("zhao2000_links"))
@@ -21,6 +22,7 @@ def test_modes_of_redundant_rows_say_what_is_proved_of_them():
     assert any("independent rows" in note for note in found.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(seed):
     """A pose moved by d along a limb's first axis leaves a gap of d there, whatever that limb's joints do: rows that two joints
@@ -54,6 +56,7 @@ def test_a_count_below_the_generic_one_says_where_the_others_are():
         assert bool(told) == (found.complex_count < 28)
 
 
+@pytest.mark.slow
 def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
     """Not certified, and the bound that it states holds of every sample's residual within what the residual adds."""
     machine = symkin.load("zhao2000_links")

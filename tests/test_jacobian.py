@@ -20,6 +20,7 @@ def _kinds(case):
     return [kind for kind in KINDS if kind != "passive" or case.closure.role("passive")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases.NAMES)
 def test_symbolic_equals_numeric(name):
     """Direct, inverse and passive Jacobians are those of the velocity equations, to 1e-12 of the largest entry; where the condition
@@ -63,6 +64,7 @@ SECOND_ORDER = ["zhang2009", "gluon_6l3", "zhao2000", "delta", "3 RPS", "planar 
                 "spherical HUS", "arm RPRHRR"]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SECOND_ORDER)
 def test_second_order_equals_differences(name):
     """dJ/dq_k along the closure by differences of J at solved configurations, to 1e-7 of the largest entry of J and its

@@ -15,6 +15,7 @@ X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 NAMES = {"R": [""], "P": [""], "H": [""], "C": [".angle", ".slide"], "U": [".1", ".2"], "S": [""]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", JOINT_TYPES)
 @given(rng=seeds)
 def test_coordinates_carry_the_freedom(kind, rng):

@@ -7,6 +7,7 @@ import math
 
 import casadi as ca
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ def holds(box: Box, root: complex) -> bool:
     return max(abs((root - centre).real), abs((root - centre).imag)) <= box.radius + box.rounding
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(
     st.floats(-5, -4), st.sampled_from([-1.0, 1.0]), st.floats(-2, 2), st.floats(0.05, 1.5), st.booleans(), st.booleans()
@@ -77,6 +79,7 @@ def test_a_root_that_only_a_part_of_the_rows_makes_regular_is_not_proved():
         assert box is None or is_pose(balls.system, box)
 
 
+@pytest.mark.slow
 @given(seeds, st.complex_numbers(min_magnitude=0.1, max_magnitude=10))
 def test_multiples_of_a_ray_in_different_patches_are_one(rng, factor):
     """Two linear rows on rays in C^3 have one root: boxes about it and about a multiple of it, each in its own patch, are never

@@ -192,6 +192,7 @@ def test_what_a_reader_would_leave_out_is_left_out(untidy: ca.SX, tidy: str) -> 
     assert str(tidied(untidy, [_X])) == tidy
 
 
+@pytest.mark.slow
 def test_equations_stay_the_same_when_many_closures_were_built_since():
     """No cache keeps rows over the symbols of a closure that another one has thrown out."""
     mechanism = symkin.load("zhao2000")

@@ -59,6 +59,7 @@ def us_limbs(centre: list[Joint], motion: str = "spatial") -> Mechanism:
     return Mechanism("us_limbs", limbs, platform_position=(0, 0, 100), motion=motion)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("centre", "motion"),
     [

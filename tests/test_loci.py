@@ -60,6 +60,7 @@ def elbows_apart(points: np.ndarray) -> np.ndarray:
     return np.hypot(100 + 60 * np.cos(two) - 60 * np.cos(one), 60 * np.sin(two) - 60 * np.sin(one))
 
 
+@pytest.mark.slow
 def test_five_bar_loci_are_its_closed_form(bars: Loci) -> None:
     """Type 2 (a closure that is not square): couplers of 80 in one line, elbows 160 apart; or elbows in one place, where the
     tip turns freely: 120 cos q = 100."""
@@ -85,6 +86,7 @@ def test_the_whole_closed_form_is_found(bars: Loci) -> None:
             assert np.linalg.norm(points - [one, grid[k]], axis=1).min() < 4.0
 
 
+@pytest.mark.slow
 def test_type_1_of_a_3_rrr_is_four_circles_a_limb(rrr_poses: Loci) -> None:
     """A limb of two links is stretched or folded: its platform joint is 125 or 5 from its base joint."""
     for k, limb in enumerate(("limb1", "limb2", "limb3")):
@@ -156,6 +158,7 @@ def test_the_number_of_modes_changes_at_the_locus_and_nowhere_else(rrr_inputs: L
         assert abs(counts[0] - counts[1]) == 2
 
 
+@pytest.mark.slow
 def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
     """On a small circle about a cusp three modes are near its pose in the wedge, and one elsewhere."""
     cusps = np.vstack([c.cusps for c in rrr_inputs.curves])
@@ -186,6 +189,7 @@ def test_wrist_of_an_arm_over_two_joints() -> None:
     assert all(c.kind == "type 1" for c in loci.curves)
 
 
+@pytest.mark.slow
 def test_turns_of_a_hexapod_about_two_axes() -> None:
     """rx, ry turn about base axes through the platform origin: a locus over x, rz has the closed form gamma = +-90 at x = 0."""
     base, platform = np.radians([10, 110, 130, 230, 250, 350]), np.radians([30, 90, 150, 210, 270, 330])
@@ -200,6 +204,7 @@ def test_turns_of_a_hexapod_about_two_axes() -> None:
         assert np.abs(np.abs(middle[np.argmin(np.abs(middle[:, 0])), 1]) - math.pi / 2) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limbs", [("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("rPS", "rHS", "pSR")], ids="-".join)
 def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
     """P, H, U and S joints: a point of a locus over two inputs is classified as the locus says (type 2, or passive joints alone)."""

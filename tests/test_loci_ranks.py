@@ -75,6 +75,7 @@ def assert_whole_lines(loci: Loci, name: str, multiples: set[int]) -> None:
 # --- redundant arms --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("upper", "fore"), [(400.0, 300.0), (400.0, 400.0)], ids=["one rank", "folded loses two"])
 @pytest.mark.parametrize("plane", [("q2", "q4"), ("q4", "q6")], ids="-".join)
 def test_an_arm_of_seven_joints_is_singular_where_its_elbow_is_stretched_or_folded(
@@ -96,6 +97,7 @@ def test_an_arm_of_seven_joints_is_singular_where_its_elbow_is_stretched_or_fold
         assert np.linalg.matrix_rank(joint_screws(mechanism, values), tol=1e-8) == expected
 
 
+@pytest.mark.slow
 def test_a_redundant_wrist_of_fewer_freedoms_than_its_tool() -> None:
     """Four axes through one point, the last two in line (rank 3 of 4 joints and 6 rows): rank 2 where the second is 0 or a half
     turn."""
@@ -117,6 +119,7 @@ def test_a_plane_that_is_singular_everywhere_is_called_so() -> None:
 # --- several small singular values -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last", ["H", "P"])
 @pytest.mark.parametrize(
     ("plane", "window"), [(("j2", "j3"), ((-2.1, 4.1), (-3, 3))), (("j1", "j2"), ((0, 6.28), (-1, 5)))], ids=["j2-j3", "j1-j2"]
@@ -135,6 +138,7 @@ def test_starts_are_counted_once() -> None:
     assert all(1 <= curve.hits <= 30 for curve in loci.curves)
 
 
+@pytest.mark.slow
 def test_limbs_of_one_joint_lose_their_only_rank() -> None:
     """Type 1 of a delta's limb: its rods in one plane with arm and axis, rod . (axis x arm) = 0, every limb with curves."""
     d, mechanism = DELTA, delta()
@@ -184,6 +188,7 @@ def test_no_curve_says_that_some_may_be_missing(tmp_path: Path) -> None:
     loci.plot(tmp_path / "none.png")
 
 
+@pytest.mark.slow
 def test_the_picture_writes_over_no_curve() -> None:
     """Where curves may be missing this stands below the axes, and nothing is written inside them."""
     loci = loci_at(delta(), [0.0, 0.0, 0.0], ("q1", "q2"), starts=6)

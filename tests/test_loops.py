@@ -53,6 +53,7 @@ def test_loops_end_where_they_begin():
     np.testing.assert_allclose(kept.z, roots_of(degree, 1.0), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [1, 2, 7, 12])
 def test_all_roots_are_found_from_one(degree):
     """The roots of z^n = k, none twice, all connected."""

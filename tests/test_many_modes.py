@@ -53,6 +53,7 @@ def check_same(together, alone):
         assert a.condition == pytest.approx(b.condition, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "spread"),
     [
@@ -75,6 +76,7 @@ def test_many_joints_are_each_alone(mechanism, spread):
         check_same(found, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mechanism", [symkin.load("yao2020"), three_rrr("planar")], ids=lambda m: m.name)
 def test_many_poses_are_each_alone(mechanism):
     """Inverse problems of one block and of several, poses as rows and as objects."""
@@ -98,6 +100,7 @@ def test_inputs_in_doubt_stand_beside_plain_ones():
         assert (found.smallest_residual is None) == (alone.smallest_residual is None)
 
 
+@pytest.mark.slow
 def test_a_pose_off_the_motion_stands_beside_others():
     """A pose that the platform cannot take has no modes and its note; the others have theirs."""
     mechanism = delta()

@@ -68,6 +68,7 @@ def test_size_is_the_largest_distance_between_joint_points(rng):
     assert math.isclose(mechanism.size, max(np.linalg.norm(a - b) for a, b in combinations(points, 2)), rel_tol=1e-12)
 
 
+@pytest.mark.slow
 @given(seeds)
 def test_size_scales_and_does_not_turn(rng):
     """Twice the lengths: twice the size."""

@@ -55,6 +55,7 @@ def places(sampled: Modes, complete: Modes) -> list[int]:
     return [place(mode) for mode in sampled]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind", "starts"), CASES)
 def test_varied_guesses_reach_every_mode_that_continuation_lists(name, kind, starts) -> None:
     """Enough starts: each listed mode once, no other, each reached by some start."""

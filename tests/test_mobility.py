@@ -65,6 +65,7 @@ def test_mobility_of_known_mechanisms(mechanism: Mechanism, mobility: int, redun
     assert (found.mobility, found.redundant, found.gruebler) == (mobility, redundant, gruebler)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "expected"),
     [

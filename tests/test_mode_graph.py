@@ -42,6 +42,7 @@ def five_bar_in_its_plane() -> Mechanism:
     )
 
 
+@pytest.mark.slow
 def test_the_two_modes_of_a_five_bar_do_not_connect(planar: Mechanism, graph: ModeGraph) -> None:
     """The two points at which the couplers' circles meet lie on either side of the line of elbows; they are one only on the
     singularity, which parts them: two sheets, mirror images point by point."""
@@ -86,6 +87,7 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     assert graph.to_dict()["groups"] == [[0], [1]]
 
 
+@pytest.mark.slow
 def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
     """Six modes at one input, three of each sign of the determinant; two of one sign are joined by a path without singularity
     that comes back to the same input (Innocenti and Parenti-Castelli 1998), and no edge changes the sign."""

@@ -59,6 +59,7 @@ def moved(notes: tuple[str, ...]) -> tuple[str, np.ndarray]:
     return note, np.array([float(v) for v in note.split()[-2].split(",")])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_example_of_the_gluon_page_from_zero_joints(solver):
     """The page's numeric inverse begins from zeros, where elbow, wrist and shoulder are singular at once."""
@@ -151,6 +152,7 @@ def test_a_regular_start_stays():
     assert found.history[0].values[:6] == pytest.approx(np.radians([10, 10, 20, 10, 20, 10]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["newton", "ipopt"])
 def test_a_pose_out_of_reach_says_that_moves_led_nowhere(solver):
     """Ten arms away: infeasible whatever the start, and the note says what was tried and what to do."""

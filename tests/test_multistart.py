@@ -309,6 +309,7 @@ ISOLATED = [["rRS", "rRS", "rRS"], ["rUS"] * 6, ["hRS", "pRS", "rPS"], ["SPS", "
             ["prhU", "rPS"], ["rrC", "ppU"], ["rhpR", "prC"], ["rHS", "rRS", "pRS"], ["rprrhr"]]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limbs", ISOLATED, ids="+".join)
 @pytest.mark.parametrize("seed", range(2))
 def test_the_reference_is_among_the_modes(limbs, seed):
@@ -339,6 +340,7 @@ def at_reference(mode, reference, size):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000", "yao2020"])
 def test_a_seed_decides_the_result(name):
     """The same seed, the same JSON but for the time; another seed, the same modes."""
@@ -501,6 +503,7 @@ def test_a_hexapod_of_equal_parallel_legs_moves_freely(shape, length):
     assert not any(np.allclose(mode.rotation, np.eye(3), atol=1e-4) for mode in result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given_", [{"joints": [150.0] * 6}, {"seed": 1}, {"seed": 2}, {"seed": 5}])
 def test_degenerate_roots_end_in_a_result(given_):
     """On such a sphere the Jacobian loses three ranks: every count of starts and seed ends in a result, not an error."""
@@ -567,6 +570,7 @@ def test_estimates_of_the_unseen(hits):
     assert roots.next_new == (once / sum(hits) if hits else 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tiny", [0.0, 1e-41, 1e-20])
 def test_a_joint_that_only_rounding_makes_matter_is_not_listed_value_by_value(tiny):
     """Two revolutes on one line: only the sum of their angles is determined. Parts of the pose's quaternion that are rounding

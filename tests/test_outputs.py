@@ -37,6 +37,7 @@ def read_pipe(path: Path) -> tuple[threading.Thread, list[bytes]]:
     return thread, content
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_links_stay_links_and_pipes_stay_pipes(name, tmp_path):
     """Through a link to a file of another folder, through a link to nothing yet, and into a pipe the same bytes go as into a file."""
@@ -73,6 +74,7 @@ def test_devices_stay_devices():
     assert stat.S_ISCHR(Path("/dev/null").stat().st_mode)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/stdout").exists(), reason="no /dev/stdout here")
 @pytest.mark.parametrize("how", ["file", "append", "pipe"])
 def test_the_standard_output_can_be_named(how, tmp_path):
@@ -113,6 +115,7 @@ def test_undecodable_names_are_written_as_escapes(tmp_path):
     assert (tmp_path / "t").read_text(encoding="utf-8") == "a\\udcffb"
 
 
+@pytest.mark.slow
 def test_firmware_goes_through_links(tmp_path):
     """A folder by a link, and in it a file that is a link: both stay links."""
     (tmp_path / "real").mkdir()

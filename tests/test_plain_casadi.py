@@ -27,6 +27,7 @@ def both(request):
     return answers.Both(plain.PlainCasadi(request.param))
 
 
+@pytest.mark.slow
 def test_both_meet_the_vectors(both):
     """Near the start both give the answer that the vectors have."""
     cases = tools.bench_module("bench_cases").cases_of(both.plain.program.kind)
@@ -97,6 +98,7 @@ def test_readme_has_the_five_systems():
     assert all(row[2] != "OK" and row[3] == "0" for row in inputs)
 
 
+@pytest.mark.slow
 def test_counts_are_those_of_the_readme():
     """Counting anew on the host gives the committed counts, but for the compiler's version."""
     for program in ("gcc", "valgrind", "make"):

@@ -100,6 +100,7 @@ def test_drawn_postures_close_within_limits_at_their_inclination(mechanism, held
         assert np.abs(ups - ups[:, :1]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_inclinations_that_a_platform_cannot_take_are_refused():
     """A platform that stays level has no posture at a tilt."""
     rng = np.random.default_rng(0)
@@ -159,6 +160,7 @@ def plan_24():
     return plan_measurements(workspace, 24, NOISE, groups=3, seed=1)
 
 
+@pytest.mark.slow
 def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
     """24 postures in at most 3 groups at the wedges offered, within box, turn and stroke."""
     workspace = Workspace.about(NOMINAL, [0.25, 0.25, 0.15], margin=0.02)
@@ -176,6 +178,7 @@ def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
         assert abs(angles[2]) <= math.radians(20) + 1e-9
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_plan():
     """A plan is a function of its seed."""
     workspace, wedges = Workspace.about(NOMINAL), np.radians([[0.0, 0.0], [15.0, -15.0]])
@@ -192,6 +195,7 @@ def test_24_planned_postures_are_predicted_to_reach_the_accuracy(plan_24):
     assert plan_24.random.worst_position > 1e-4
 
 
+@pytest.mark.slow
 def test_plans_without_groups_use_readings():
     """With poses read, every parameter of an arm by DH that poses tell is observable, and a plan beats random postures."""
     arm = symkin.load("gluon_6l3")

@@ -87,6 +87,7 @@ def skeletons(modes: Modes) -> list[MechanismLines]:
 # --- links -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_both_sides_of_every_joint_agree(name):
     """Law: the links before and behind a joint differ by what the joint allows, at the cut joint too."""
@@ -252,6 +253,7 @@ def test_outline_is_convex_and_in_order():
 # --- figures -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_mode_has_a_panel_with_equal_axes(name):
     """Law: one panel per mode, the same limits everywhere, the same scale along x, y and z, everything inside."""
@@ -268,6 +270,7 @@ def test_every_mode_has_a_panel_with_equal_axes(name):
     assert np.all(points <= limits[0][:, 1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_titles_and_labels_lie_in_the_figure_and_apart(name):
     """No text reaches over the figure's edge, and no two titles overlap, with 16 panels too."""
@@ -286,6 +289,7 @@ def test_titles_and_labels_lie_in_the_figure_and_apart(name):
     assert all(any(t.get_text() == f"x ({unit})" for t in ax.texts) for ax in figure.axes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "PNG", "pdf", "svg"])
 def test_pictures_are_written(tmp_path, suffix):
     target = tmp_path / f"modes.{suffix}"
@@ -356,6 +360,7 @@ def test_a_write_that_fails_is_an_input_error(tmp_path, monkeypatch):
         modes_of("zhang2009").plot(tmp_path / "modes.png")
 
 
+@pytest.mark.slow
 def test_symkin_does_not_import_matplotlib():
     """Nor does the plotting module before it draws; pyplot is never imported."""
     code = (

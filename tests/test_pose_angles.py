@@ -39,6 +39,7 @@ def loci_of(at: Sequence[float], plane: tuple[str, str], half: Sequence[float], 
     return singular_loci(solution, plane, ranges=ranges, kinds=("type 2",), starts=starts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("plane", "half"),
     [(("rx", "ry"), (100, 100)), (("rz", "ry"), (100, 100)), (("y", "rx"), (150, 100)), (("rz", "x"), (120, 80))],
@@ -60,6 +61,7 @@ def test_points_of_loci_are_singular_for_solve_and_in_sweeps(plane, half, tmp_pa
         assert symkin.singularity(HEXAPOD, **loci.given((u, v))).distances["type 2"] < 1e-9
 
 
+@pytest.mark.slow
 def test_components_of_a_rotation_vector_have_no_period() -> None:
     """Over the whole turn of two components every point is a zero; a curve of one point would be none."""
     loci = loci_of([20.0, 10.0, 150.0, 1, 0, 0, 0], ("rx", "ry"), (180, 180), 6)
@@ -68,6 +70,7 @@ def test_components_of_a_rotation_vector_have_no_period() -> None:
     assert max(curve.largest_row for curve in loci.curves) < 1e-9
 
 
+@pytest.mark.slow
 def test_gamma_and_rz_of_a_planar_platform_differ_by_the_orientation_held() -> None:
     """gamma counts from the reference and rz from the configuration: the same poses, singular in one working mode."""
     mechanism = three_rrr("planar")

@@ -205,6 +205,7 @@ def test_a_path_back_ends_where_it_began(rng):
     np.testing.assert_allclose(system.features(back.z[:, back.arrived]), system.features(z[:, same]), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_random_platforms_lose_no_root():
     """Random real geometries: 40 distinct roots at complex lengths, and 40 at the lengths of random real poses."""
     system, start = universal_system(), universal_start()

@@ -74,6 +74,7 @@ def test_boxes_of_nearly_double_roots_are_true_by_balls(engine, name):
     assert counts[2] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWN_CASES)
 def test_boxes_of_mechanisms_are_true_by_balls(engine, name):
     """The same on roots of mechanisms; a point off by less than 1e-10 is certified."""

@@ -19,6 +19,7 @@ SEED, QUICK = 4, (5, 7, 10, 12, 14, 17, 22, 23, 25, 26, 27, 31, 33, 36, 42, 44, 
 """Mechanisms that take less than three seconds each, all families among them."""
 
 
+@pytest.mark.slow
 def test_random_mechanisms_pass_through_every_verb(tmp_path):
     """No traceback, no mode lost, nothing that does not close, in a process for each mechanism."""
     only = [str(i) for i in QUICK]

@@ -12,6 +12,7 @@ README = Path(__file__).resolve().parent.parent / "README.md"
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", [text for kind, text in BLOCKS if kind == "python"])
 def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Each Python block runs alone and prints something."""
@@ -19,6 +20,7 @@ def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str]) -> Non
     assert capsys.readouterr().out.strip()
 
 
+@pytest.mark.slow
 def test_toml_block_has_two_modes() -> None:
     """The five-bar of the README has the two modes of a dyad (Hunt 1978: two circles meet in two points)."""
     (text,) = [text for kind, text in BLOCKS if kind == "toml"]

@@ -67,6 +67,7 @@ def test_a_flat_machine_has_the_mirror_image_too():
     np.testing.assert_allclose(heights, [-230.0, 230.0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_lengths_that_contradict_each_other_have_no_pose():
     """One of eight rods is 1 mm too long: the six that agree do not decide."""
     base, platform = _points(8, 2)
@@ -106,6 +107,7 @@ def test_a_planar_machine_of_four_legs_is_sampled_with_the_reason():
 # --- large numbers ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["all", "one point", "position"])
 def test_coordinates_of_1e150_make_no_warnings(which):
     """Warnings are errors here: whatever the verbs answer or refuse, they say it themselves."""

@@ -88,6 +88,7 @@ def checked(html: str) -> Checker:
     return checker
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_repr_is_a_short_table(name: str) -> None:
     """Law: below 3,000 characters whatever the result holds, beginning as what print writes, and not Python's own of a dataclass."""
@@ -109,6 +110,7 @@ def test_the_dictionary_is_json(name: str) -> None:
     assert json.loads(json.dumps(made, allow_nan=False)) == made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in NAMES if n not in ("failed", "plan")])
 def test_the_picture_is_drawn_and_written(name: str, tmp_path) -> None:
     figure = results()[name].plot(tmp_path / "picture.png")
@@ -157,6 +159,7 @@ def _less_time(value: dict[str, Any]) -> dict[str, Any]:
     return {key: part for key, part in value.items() if key != "elapsed_s"}
 
 
+@pytest.mark.slow
 def test_dictionaries_are_the_json_of_commands(capsys) -> None:
     """Law: what Python returns and what a command prints are one object."""
     joints = ["--joints", ",".join(map(str, GIVEN))]
@@ -192,6 +195,7 @@ def test_show_as_json_counts_links_and_loops(capsys) -> None:
 # --- joints by name ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_joints_by_name_are_joints_in_order() -> None:
     """Law: in every verb that takes joints, values by name, in any order, give what values in file order give."""
     pose = symkin.solve(PLATFORM, joints=GIVEN).solution.pose
@@ -216,6 +220,7 @@ def test_joints_by_name_are_joints_in_order() -> None:
     assert [m.given for m in many] == [{"joints": GIVEN}, {"joints": further}]
 
 
+@pytest.mark.slow
 def test_sweeps_hold_joints_by_name(tmp_path) -> None:
     arrays = []
     for k, at in enumerate((NAMED, GIVEN)):

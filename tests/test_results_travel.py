@@ -147,10 +147,12 @@ def pool() -> Iterator[ProcessPoolExecutor]:
         yield executor
 
 
+@pytest.mark.slow
 def test_the_list_of_results_is_whole() -> None:
     assert tuple(results()) == NAMES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_result_comes_back_from_a_process_pool(name: str, pool: ProcessPoolExecutor) -> None:
     """Equal numbers to the bit, and the same text there and here."""
@@ -170,6 +172,7 @@ def test_a_result_is_copied(name: str, way: Any) -> None:
     assert list(numbers(way(value))) == list(numbers(value))
 
 
+@pytest.mark.slow
 def test_results_made_in_a_process_pool_are_those_made_here(pool: ProcessPoolExecutor) -> None:
     """Modes of a worker are the parent's; they work on, and an error arrives with its result."""
     joints = [80.0, 100.0]
@@ -192,6 +195,7 @@ def test_a_jacobian_that_came_back_has_the_same_values(pool: ProcessPoolExecutor
         assert [v.name for v in back.parameters] == [v.name for v in value.parameters]
 
 
+@pytest.mark.slow
 def test_a_calibration_report_comes_back(pool: ProcessPoolExecutor, tmp_path) -> None:
     """What `calibrate fit` writes is made from a report that has travelled."""
     m = measured()

@@ -213,6 +213,7 @@ def test_a_stack_is_element_by_element(name, rng):
         assert np.allclose(whole[..., k], f(*(s[:, k] for s in stacks)), rtol=1e-14, atol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FORMULAS)
 @given(rng=seeds)
 def test_symbols_evaluate_to_the_same_numbers(name, rng):

@@ -5,6 +5,7 @@ from functools import reduce
 
 import casadi as ca
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -147,6 +148,7 @@ def test_tidy_rows_keep_the_row_space(rng, count):
     assert np.allclose(np.linalg.norm(tidy, axis=1), 1)
 
 
+@pytest.mark.slow
 @given(seeds, values)
 def test_symbols_evaluate_to_the_same_numbers(rng, value):
     """The CasADi exponential gives NumPy's, at small angles too, and its derivative there is the screw."""

@@ -146,6 +146,7 @@ def test_similar_hexagons_are_singular_everywhere() -> None:
     assert any("not actuated" in note or "independent" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_delta_type_1() -> None:
     """Arm and rods in one plane normal to the arm's motion: r . (axis x arm) = 0; here arm 1 stretched level."""
     d = DELTA
@@ -206,6 +207,7 @@ def three_upu(inclined: float = 40.0) -> Mechanism:
     return Mechanism("three_upu", limbs, platform_position=(0, 0, 200.0))
 
 
+@pytest.mark.slow
 def test_three_upu_at_home() -> None:
     """Each limb bears one couple, normal to its universal joints' axes: all three are vertical at home, so that the platform
     has five freedoms, two of them with the actuators held; elsewhere three (Zlatanov, Bonev and Gosselin 2002)."""
@@ -262,6 +264,7 @@ def test_gluon_wrist_and_elbow(joints: list[float], moving: set[str]) -> None:
         assert abs(reciprocal_product(screw, wrench.vector)) < 1e-9 * arm.size
 
 
+@pytest.mark.slow
 def test_gluon_shoulder() -> None:
     """The wrist's centre on axis 1 (a root of a cos-sum in q2 for the other joints given): type 1."""
     arm = symkin.load("gluon_6l3")

@@ -42,6 +42,7 @@ def test_wrenches_of_a_random_singular_arm_do_no_work(seed: int) -> None:
 MECHANISMS = [four_bar()[0], five_bar(), three_rrr(), three_rrr("planar"), delta(), three_rps(), pieper(), hexagons()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: f"{m.name}-{m.motion}")
 def test_distances_do_not_depend_on_the_length_unit(mechanism: Mechanism) -> None:
     """The same machine in metres has the same distances, condition and (angles times the size) manipulability."""
@@ -53,6 +54,7 @@ def test_distances_do_not_depend_on_the_length_unit(mechanism: Mechanism) -> Non
     assert b.singular_values == pytest.approx(a.singular_values, rel=1e-8, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mechanism", [m for m in MECHANISMS if m.motion == "spatial"], ids=lambda m: m.name)
 def test_distances_do_not_depend_on_the_base_frame(mechanism: Mechanism) -> None:
     """A machine moved as a whole in its base frame has the same distances and the same direct map (a declared motion is along
@@ -74,6 +76,7 @@ RANDOM = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limbs", RANDOM, ids="-".join)
 def test_random_mechanisms_in_other_units_and_frames(limbs: tuple[str, ...]) -> None:
     """Every joint type: distances and kinds of a random mechanism are those of the same one in metres and placed elsewhere."""

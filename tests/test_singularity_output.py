@@ -86,6 +86,7 @@ def test_a_stretched_arm_loses_a_direction_of_its_position() -> None:
         assert found.manipulability == pytest.approx(per_size, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_point_decides() -> None:
     """The same point of the platform, named from two platform origins, has one verdict; another point has another."""
     ring = [(100 * math.cos(a), 100 * math.sin(a)) for a in (0.1, 2.0, 2.2, 4.1, 4.3, 6.2)]

@@ -71,6 +71,7 @@ def artists(name: str, gid: str) -> list[Any]:
     return [artist for artist in ax.get_children() if artist.get_gid() == gid]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_every_joint_is_drawn_with_its_symbol(name: str) -> None:
     """Each joint of the mechanism, and the three of each rod limb, has artists that say type and name; actuated ones alone have the

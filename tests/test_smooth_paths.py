@@ -26,6 +26,7 @@ def benchmark() -> ModuleType:
     return module
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("kept_starts")
 def test_no_random_path_changes_its_mode_unnoticed() -> None:
     """Each path is certified and reaches its end or stops at a singular configuration; at both ends the complete enumeration

@@ -91,6 +91,7 @@ def test_forward_kinematics_is_the_product_of_exponentials(rng):
     assert result.iterations == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 4, 5, 7, 8])
 @settings(max_examples=5)
 @given(rng=seeds)
@@ -200,6 +201,7 @@ def test_a_start_at_a_mode_stays_there(name):
         assert same_pose(again.solution, mode, mechanism.size, 1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mechanism", "joints"), [(three_rps(), 1.02), (three_rrr("planar"), 1.0)], ids=["3-RPS", "3-RRR"])
 def test_the_pose_of_every_mode_leads_back_to_it(mechanism, joints):
     """Limbs on other branches than the reference's too: a leg that has turned over, an elbow on the other side. A start at

@@ -76,6 +76,7 @@ def trials(count, form, seed=100):
     return np.mean(ratios), np.mean(predicted), np.mean(chi)
 
 
+@pytest.mark.slow
 def test_means_attain_the_cramer_rao_bound():
     """Over 60 seeds the error's chi-square per parameter is 1 to within four of its deviations, sqrt(2 / (32 * 60)), and
     so is that of the residuals (28 degrees of freedom each)."""
@@ -85,6 +86,7 @@ def test_means_attain_the_cramer_rao_bound():
     assert abs(chi - 1) < 4 * math.sqrt(2 / (28 * 60))
 
 
+@pytest.mark.slow
 def test_differences_lose_what_their_covariance_says():
     """Neighbour differences are worse than the bound, by as much as the covariance of the form predicts."""
     ratio, predicted, _ = trials(60, "differences")
@@ -92,6 +94,7 @@ def test_differences_lose_what_their_covariance_says():
     assert abs(ratio / predicted - 1) < 0.15
 
 
+@pytest.mark.slow
 def test_covariance_is_that_of_the_estimates():
     """Standard deviations of parameters against the scatter of estimates at one set of postures, over 150 draws of noise."""
     truth, rng = geometry(TRUE), np.random.default_rng(3)
@@ -162,6 +165,7 @@ def with_outlier(seed):
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture, data
 
 
+@pytest.mark.slow
 def test_outliers_are_found_and_clean_sets_left_alone():
     """One reading off by 0.01 deg is found in at least 19 of 20 sets; of the clean sets at most one has any flagged."""
     hits, flagged = 0, 0

@@ -60,6 +60,7 @@ def run(arguments, folder, *, shell="", environment=None, **options):
     return subprocess.run(command, cwd=folder, env=os.environ | (environment or {}), check=False, timeout=300, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_closed_streams_are_as_the_null_device(name, folder):
     """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0; what it opens is not taken for its
@@ -70,6 +71,7 @@ def test_closed_streams_are_as_the_null_device(name, folder):
         assert path.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["list", "help", "show", "modes", "solve", "jacobian", "track", "simulate"])
 def test_a_reader_that_has_enough_is_no_fault(name, folder):
     """A closed pipe at the other end: quiet, status 0."""
@@ -80,6 +82,7 @@ def test_a_reader_that_has_enough_is_no_fault(name, folder):
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["list", "show", "latex", "modes", "jacobian", "sweep", "fit"])
 def test_other_encodings_get_escapes(name, folder):
     """With streams in ASCII and a wrong MPLBACKEND the command ends with 0, and what ASCII cannot hold is escaped."""
@@ -90,6 +93,7 @@ def test_other_encodings_get_escapes(name, folder):
         assert TITLE.encode("ascii", "backslashreplace") in done.stdout
 
 
+@pytest.mark.slow
 def test_closed_stderr_keeps_stdout_clean(folder):
     """A message that nobody can read does not get into the output; the status tells."""
     done = run(["solve", "arm.toml", "--json", "--joints", "1"], folder, shell="2>&-")
@@ -98,6 +102,7 @@ def test_closed_stderr_keeps_stdout_clean(folder):
     assert json.loads(done.stdout)["status"] == "ok"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize("name", ["list", "help", "solve"])
 def test_a_full_device_is_one_line(name, folder):
@@ -109,6 +114,7 @@ def test_a_full_device_is_one_line(name, folder):
         assert run(COMMANDS[name], folder, capture_output=False, stdout=full, stderr=full).returncode == 2
 
 
+@pytest.mark.slow
 def test_file_names_of_other_encodings_are_escaped(folder):
     """A name that is no UTF-8 is refused, found and printed without a traceback."""
     path = os.fsencode(folder) + b"/\xff.toml"

@@ -70,6 +70,7 @@ def test_the_study_has_the_published_numbers():
         np.testing.assert_array_equal(ours, DATA[published])
 
 
+@pytest.mark.slow
 def test_all_forty_modes_are_real(dietmaier):
     """As many real modes as the bound for six distances has complex ones, each at the legs' lengths, no two alike."""
     assert dietmaier["complex solutions"] == dietmaier["real modes"] == 40
@@ -101,6 +102,7 @@ def classes(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return Study("hexapod_classes", tmp_path_factory.mktemp("hexapod_classes"), "--named")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(hexapods.NAMED))
 def test_named_classes_have_their_known_counts(classes, kind):
     """40 for 6-6, 6-5 and 5-5, 32 for 6-4, 24 for 4-4, 16 for 6-3 and 3-3, with the lists that the study writes out."""
@@ -162,6 +164,7 @@ def arms(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return Study("general_6r", tmp_path_factory.mktemp("general_6r"), "--poses", "4")
 
 
+@pytest.mark.slow
 def test_sixteen_real_solutions(arms):
     """The arm of Manseur and Doty: 16 of 16 real, each brought back to the pose by forward kinematics."""
     assert arms["Manseur and Doty's arm: complex"] == arms["Manseur and Doty's arm: real"] == 16
@@ -187,6 +190,7 @@ def coverage(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return Study("coverage", tmp_path_factory.mktemp("coverage"), "--scale", "0.1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "total"), [("zhang2009", 4), ("dietmaier1998", 40), ("yao2020", 4)])
 def test_multistart_finds_nothing_more(coverage, name, total):
     """Every mode that any solver reaches from random starts is one of the complete set."""
@@ -224,6 +228,7 @@ def singular(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return Study("near_singular", tmp_path_factory.mktemp("near_singular"))
 
 
+@pytest.mark.slow
 def test_the_walk_ends_at_a_type_2_singularity(singular):
     """det J = 0 with one vanishing singular value."""
     largest, fifth, sixth = singular["singular values of J"]

@@ -61,6 +61,7 @@ def cusp(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
     return study("cusp_3rrr", tmp_path_factory.mktemp("cusp"))
 
 
+@pytest.mark.slow
 def test_zhao_determinant_and_its_factors(zhao: list[dict]) -> None:
     """det A = its three factors; the circle and gamma = 60 are type 2 with the pole that statics gives."""
     assert_equal_to_paper(zhao, "det A over its factors", 1e-9)
@@ -89,6 +90,7 @@ def test_zhao_mode_map(zhao: list[dict]) -> None:
     assert_equal_to_paper(zhao, "where the closed-form number changes")
 
 
+@pytest.mark.slow
 def test_zhang_boundaries_are_the_loci(zhang: list[dict]) -> None:
     """The number of modes changes where the independent locus is, to the bisection's 1e-5 mm; the polyline of the
     picture to the height of its chords."""
@@ -104,6 +106,7 @@ def test_zhang_right_angle(zhang: list[dict]) -> None:
     assert_equal_to_paper(zhang, "pitch of the screw", 1e-6)
 
 
+@pytest.mark.slow
 def test_gluon_determinant_factorises(gluon: list[dict]) -> None:
     """det J = its factors to 1e-12, the conditions are numeric singularities, and only they."""
     assert_equal_to_paper(gluon, "det J less the product", 1e-12)
@@ -115,6 +118,7 @@ def test_gluon_determinant_factorises(gluon: list[dict]) -> None:
     assert_equal_to_paper(gluon, "farther than 0.2 deg")
 
 
+@pytest.mark.slow
 def test_cusp_to_1e_9_and_a_path_around_it(cusp: list[dict]) -> None:
     """Cusps by two routes to 1e-9; the path closes in the inputs, keeps the sign of det A, and ends on another mode."""
     assert_equal_to_paper(cusp, "on the traced locus less by Newton", 1e-9)

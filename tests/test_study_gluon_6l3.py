@@ -35,6 +35,7 @@ def gluon(tmp_path_factory) -> Outcome:
     return Outcome("gluon_6l3", tmp_path_factory.mktemp("gluon"), "--poses", "20", "--points", "5")
 
 
+@pytest.mark.slow
 def test_rows_quote_what_was_run(gluon):
     assert_rows_quote_runs(gluon)
 
@@ -246,6 +247,7 @@ def test_gluon_random_poses(gluon):
     assert shares.sum() == pytest.approx(100)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["continuation", "multistart"])
 def test_gluon_inverse_is_that_of_eaik(method):
     """Oracle: EAIK (subproblem decomposition) finds the same solutions on 25 random poses."""

@@ -36,6 +36,7 @@ def ren(tmp_path_factory) -> Outcome:
 # --- rows --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_rows_quote_what_was_run(ren):
     assert_rows_quote_runs(ren)
 
@@ -172,6 +173,7 @@ def test_best_frames_bring_joints_to_nominal():
     assert np.abs(back.R @ moved.position + back.t).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spread", "count"), [(0.005, 6), (0.05, 3)])
 def test_exact_readings_recover_random_truths(spread, count):
     """Below 1e-12 m, a hundredth of the paper's figure, from truths within +-5 and +-50 mm, by symkin and by (6)."""

@@ -14,6 +14,7 @@ def solvers(tmp_path_factory) -> Outcome:
     return Outcome("solvers", tmp_path_factory.mktemp("solvers"))
 
 
+@pytest.mark.slow
 def test_no_error_of_a_paper_is_claimed(solvers):
     assert_complete(solvers, [])
 

@@ -34,6 +34,7 @@ def studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(STUDIES))
 
 
+@pytest.mark.slow
 def test_rows_quote_what_was_run(yao):
     assert_rows_quote_runs(yao)
 

@@ -25,6 +25,7 @@ def zhang(tmp_path_factory) -> Outcome:
     return Outcome("zhang2009", tmp_path_factory.mktemp("zhang2009"), "--points", "5")
 
 
+@pytest.mark.slow
 def test_rows_quote_what_was_run(zhang):
     assert_rows_quote_runs(zhang)
 

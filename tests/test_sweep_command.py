@@ -70,6 +70,7 @@ def test_wrong_input_is_one_line(capsys, tmp_path, monkeypatch, arguments, said)
     assert not (tmp_path / "s").exists()
 
 
+@pytest.mark.slow
 def test_reach_of_an_arm_is_a_ring(tmp_path):
     """An arm of links 2 and 1 reaches 1 <= r <= 3, with two working modes inside."""
     values = np.linspace(-3.1, 3.1, 9)
@@ -82,6 +83,7 @@ def test_reach_of_an_arm_is_a_ring(tmp_path):
     assert set(data["count"].values[(r > 1) & (r < 3)]) == {2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["modes", "conditioning", "reach"])
 def test_maps_show_the_arrays(tmp_path, quantity):
     """The cells of a map are the array, cut at the middle of a third axis or where the slice says; one axis is a curve."""
@@ -95,6 +97,7 @@ def test_maps_show_the_arrays(tmp_path, quantity):
     assert np.array_equal(line.get_ydata(), data[name].values[:, 0, 0].astype(float))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["modes", "conditioning", "reach"])
 def test_random_points_without_a_mode_are_marked(tmp_path, quantity):
     """Each random point outside of the ring that the arm reaches, and no other, has a mark of its own, in maps and curves."""
@@ -124,6 +127,7 @@ def test_captions_name_the_angle_about_z(tmp_path):
         assert said in caption if said else "gamma" not in caption
 
 
+@pytest.mark.slow
 def test_maps_of_samples_and_of_nothing(tmp_path):
     """A sample is drawn as points; where no point has a mode there is a picture too; a folder without a sweep is refused."""
     sweep(PLATFORM, {"leg1": (120, 140), "leg2": (340, 350)}, tmp_path / "s", random=7, workers=0)
@@ -135,6 +139,7 @@ def test_maps_of_samples_and_of_nothing(tmp_path):
         draw_sweep(tmp_path / "missing", tmp_path / "a.png")
 
 
+@pytest.mark.slow
 def test_module_runs_with_worker_processes(tmp_path):
     """`python -m symkin sweep` with two local processes prints no traceback, and to a pipe only what takes longer than 5 s."""
     command = [

@@ -72,6 +72,7 @@ def test_direct_problem_as_modes(name, spread):
     assert found.residual.max() < 1e-9 * mechanism.size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "length", "turn"), [("zhang2009", 30.0, 0.3), ("zhao2000", 20.0, 0.0), ("gluon_6l3", 200.0, 1.5)]
 )
@@ -86,6 +87,7 @@ def test_planar_mechanism_as_modes():
     check_same(five_bar(), "direct", joints_about(five_bar(), 4, 40.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limbs", [["SPS"] * 6, ["rUS", "rUS", "rUS", "pUS", "SPS", "SPS"]])
 def test_random_platforms_as_modes(limbs):
     """Random spatial platforms on limbs of mixed types."""

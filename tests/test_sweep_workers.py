@@ -79,6 +79,7 @@ def children(pid):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.isdir("/proc"), reason="needs /proc")
 @pytest.mark.usefixtures("heard_interrupts")
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
@@ -105,6 +106,7 @@ def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
     assert same_files(whole, tmp_path / "cut")
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_replaced(whole, tmp_path):
     """kill -9 of a worker process while others work: the pool is built anew and the files are the same."""
     killed = []
@@ -125,6 +127,7 @@ def dies(job, index):
     os._exit(1)
 
 
+@pytest.mark.slow
 def test_work_that_kills_its_workers_is_given_up(monkeypatch):
     """Chunks that end every worker stop the sweep with a sentence, and leave no process."""
     monkeypatch.setattr("symkin.sweeps.executors._MOST_LOSSES", 1)
@@ -159,6 +162,7 @@ def cluster():
         yield made
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cluster):
     """Two worker processes of a scheduler on loopback, one of them killed on the way: the same files."""
@@ -175,6 +179,7 @@ def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cl
     assert same_files(whole, tmp_path / "s")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_dask_addresses_that_do_not_answer(tmp_path, monkeypatch):
     """A port that nobody serves, and text that is no address, are sentences."""
@@ -209,6 +214,7 @@ def processes(tmp_path):
         process.wait()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, monkeypatch, capfd):
     """What Dask's threads say of it is not shown, and the same sweep goes on elsewhere, to the same files."""

@@ -165,6 +165,7 @@ def test_the_reflection_keeps_the_distances(rng):
     np.testing.assert_allclose(inner, np.diag(np.diag(inner)), atol=1e-10)
 
 
+@pytest.mark.slow
 @given(rng=seeds)
 def test_the_reflection_is_found_among_others(rng):
     """Given as a matrix, it is taken where it holds, and refused at the points of another platform."""

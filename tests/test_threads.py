@@ -29,6 +29,7 @@ def _run(folder, *arguments, code=None):
     return folder / "found.json"
 
 
+@pytest.mark.slow
 def test_eight_threads_find_what_one_finds(tmp_path):
     """All verbs on a shared mechanism and on others, from a first call that all threads make together."""
     many = json.loads(_run(tmp_path / "many", "8").read_text())
@@ -54,6 +55,7 @@ sys.exit(any(found[number] != found["alone"] for number in range(8)))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["newton", "fast_newton", "ipopt"])
 def test_solvers_are_not_called_by_two_threads_at_once(tmp_path, solver):
     """Eight threads solve twenty problems of one platform each, from the first call on."""

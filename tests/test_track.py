@@ -195,6 +195,7 @@ def test_no_start_has_status_3(capsys):
     assert (status, found["samples"], found["stop"]["kind"]) == (3, [], "no start")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
     """The picture of a track has a panel for each quantity and one for the smallest singular value; a stop is marked in all."""
