@@ -2,7 +2,7 @@
 
 Frames stand on the axes, z along them. Joint i turns by q_i about z, and the link behind it moves the frame by
 Trans(t) Rx(a) Ry(b), which has no large numbers where axes are parallel or nearly so. The loop is cut at the third joint, as
-`closure_rows` cuts it. With links and tool pose complex and random there are 16 roots, the most that any such arm has (Lee and
+`closure.rows` cuts it. With links and tool pose complex and random there are 16 roots, the most that any such arm has (Lee and
 Liang 1988); they are tracked to any arm. Of special arms some run to infinity: 8 where three axes are parallel.
 """
 

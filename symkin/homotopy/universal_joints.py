@@ -1,4 +1,4 @@
-"""Angles of the universal joints that distances have replaced (see `closure_rows.ReplacedUniversalJoint`), at a real pose.
+"""Angles of the universal joints that distances have replaced (see `closure.rows.ReplacedUniversalJoint`), at a real pose.
 
 Turn(a, alpha) Turn(b, beta) v = w is the second subproblem of Paden and Kahan (Murray, Li, Sastry, A Mathematical
 Introduction to Robotic Manipulation, 1994, section 3.2): c = Turn(b, beta) v has a.c = a.w, b.c = b.v, |c| = |v|, which
