@@ -127,8 +127,8 @@ def report_noise(lines: Lines, seed: int, trials: int) -> None:
 
 
 def report_designs(lines: Lines, seed: int) -> None:
-    """Neighbour differences over group means, by the covariances at the truth, means over designs: in the metric of the Cramer-Rao
-    bound (chi^2 / 32), and by the trace over the 32 parameters."""
+    """Neighbour differences over group means, by the covariances at the truth, means over designs: in the metric of the
+    Cramer-Rao bound (chi^2 / 32), and by the trace over the 32 parameters."""
     truth = geometry(TRUE)
     for groups, each in ((10, 4), (15, 4), (20, 4), (8, 5)):
         found = []
@@ -199,8 +199,8 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
 
 
 def report_parallel(lines: Lines, seed: int) -> None:
-    """Twelve machines with random DH tables and two of the factory kind, whose tables hold lengths that cancel: chi-square of the file
-    that is written, by NumPy, over the least that scipy finds from nominal."""
+    """Twelve machines with random DH tables and two of the factory kind, whose tables hold lengths that cancel: chi-square of the
+    file that is written, by NumPy, over the least that scipy finds from nominal."""
     for k in range(14):
         rng = np.random.default_rng([seed, 4, k])
         truth = parallel_arm.random_table(rng) if k < 12 else parallel_arm.moved_lines(1e-4, 0.3, rng)

@@ -2,10 +2,10 @@
 
     python benchmarks/certificates.py [--points 1000000] [--seed 0] [--cases 6-6,delta] [--engine compiled]
 
-Points are roots of the mechanisms that `enumeration.py` measures, at random inputs, and of small systems with nearly double roots;
-each is taken many times, moved by 1e-17 to 1e-7, rays also turned and scaled. A certificate fails if balls find no root near the
-point, or one that is not proved to lie in the box, or cannot show that the box holds no other. The exit status is the number of
-failures, 1 at most.
+Points are roots of the mechanisms that `enumeration.py` measures, at random inputs, and of small systems with nearly double
+roots; each is taken many times, moved by 1e-17 to 1e-7, rays also turned and scaled. A certificate fails if balls find no root
+near the point, or one that is not proved to lie in the box, or cannot show that the box holds no other. The exit status is the
+number of failures, 1 at most.
 """
 
 from __future__ import annotations

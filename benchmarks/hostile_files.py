@@ -2,10 +2,11 @@
 
     python benchmarks/hostile_files.py [--trials 100] [--seed 0] [--rows 48] [--kind NAME] [--verbose]
 
-Each trial draws a platform on six rods (some files have a reference pose, some an example, some neither), a true machine within 0.2 % of
-its size, and a file of joints and poses, and spoils the file in one way. The file goes the way of `symkin calibrate fit`; the mechanism
-that would be written is read back, and its direct problem at exact joints of held-out poses is compared with these poses, over the
-standard deviation that the fit states there. The data, the files and the held-out poses are made here in plain NumPy.
+Each trial draws a platform on six rods (some files have a reference pose, some an example, some neither), a true machine within
+0.2 % of its size, and a file of joints and poses, and spoils the file in one way. The file goes the way of `symkin calibrate
+fit`; the mechanism that would be written is read back, and its direct problem at exact joints of held-out poses is compared with
+these poses, over the standard deviation that the fit states there. The data, the files and the held-out poses are made here in
+plain NumPy.
 
 The exit status is 1 where a believable fit misses a held-out row by more than `MOST` standard deviations, where a file of another
 machine or with a wrong column is believable, or where fewer than `LEAST_GOOD` of the files without a slip (clean, blanks) are.

@@ -1,8 +1,9 @@
 """Every verb on one mechanism file through the command line, each answer judged by the plain closure.
 
-A finding has a kind: "traceback" (anything on stderr but the one line of a refusal and those of progress, a status that is not of the contract,
-output that is no JSON), "lost mode" (the plain search finds a regular mode that a proved list, or one of probability one,
-has not), "wrong answer" (what does not close, is listed twice, ends on no mode, or differs from differences of the closure).
+A finding has a kind: "traceback" (anything on stderr but the one line of a refusal and those of progress, a status that is not of
+the contract, output that is no JSON), "lost mode" (the plain search finds a regular mode that a proved list, or one of
+probability one, has not), "wrong answer" (what does not close, is listed twice, ends on no mode, or differs from differences of
+the closure).
 """
 
 from __future__ import annotations

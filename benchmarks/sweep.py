@@ -9,8 +9,8 @@ all processes, which a busy machine changes less. `symkin.modes`, with certifica
 points on two processors must take at most 1.3 times the reference's, and all processes together 1 GB.
 
 Grids over two joints of a five-bar, a planar 3-RRR and two hexapods (28 and 40 paths), in this process, storing included: time a
-point in T, `numpy.linalg.solve` on 40 complex 8 x 8 systems, measured before and after each; `--grids` scales their sizes, 0 leaves
-them out. On a busy machine the processor's time in T says more.
+point in T, `numpy.linalg.solve` on 40 complex 8 x 8 systems, measured before and after each; `--grids` scales their sizes, 0
+leaves them out. On a busy machine the processor's time in T says more.
 """
 
 from __future__ import annotations

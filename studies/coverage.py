@@ -5,10 +5,10 @@ replacement, is (Hurlbert 1971)
 
     E(n) = sum_i 1 - C(N - h_i, n) / C(N, n).
 
-Four inner solvers from the same kind of random starts: plain Newton (CasADi's rootfinder fast_newton), Newton with line
-search (its newton), damped batched Levenberg-Marquardt on all rows, and least squares by IPOPT. Beside the true number of unseen modes stands what multistart
-itself estimates of it, Chao's f1^2 / (2 f2) from the modes hit once and twice (Chao 1984), for growing numbers of batched
-starts. Every mode that multistart finds must be one of the complete set: none more is a check of the latter.
+Four inner solvers from the same kind of random starts: plain Newton (CasADi's rootfinder fast_newton), Newton with line search
+(its newton), damped batched Levenberg-Marquardt on all rows, and least squares by IPOPT. Beside the true number of unseen modes
+stands what multistart itself estimates of it, Chao's f1^2 / (2 f2) from the modes hit once and twice (Chao 1984), for growing
+numbers of batched starts. Every mode that multistart finds must be one of the complete set: none more is a check of the latter.
 
 Examples: the direct problems of zhang2009 and of dietmaier1998 (40 real modes), the inverse problem of yao2020. There is no
 paper to compare with.

@@ -6,11 +6,12 @@ q_i, the directions of the first links; pose X = (x, y, phi); elbows e_i = b_i +
     f_i(X, q) = |(x, y) + R(phi) c_i - e_i|^2 - 65^2 = 0,   i = 1, 2, 3.
 
 In a slice q_3 = constant the type 2 singularities, det A = 0 with A = dF/dX, are a curve of (q_1, q_2) with cusps, where three
-assembly modes meet. With A v = 0, n A = 0, |v| = 1 a cusp satisfies n d2F(v, v) = 0 (a triple root): F = 0, A v = 0, v.v = 1 and this
-are eight equations in (X, v, q_1, q_2), solved here by Newton's method beside the cusp that symkin finds on its traced locus.
-As adj(A) is v n times a number, sum over k of v_k det(A with column k replaced by d2F(v, v)) is n d2F(v, v) times it. A path around the cusp leaves the wedge through one of its
-sides, on which two other modes merge, and comes back through the other one: it begins and ends at the same inputs, on two
-assembly modes, without det A = 0 on the way (Innocenti and Parenti-Castelli 1998, McAree and Daniel 1999 for the 3-RPR).
+assembly modes meet. With A v = 0, n A = 0, |v| = 1 a cusp satisfies n d2F(v, v) = 0 (a triple root): F = 0, A v = 0, v.v = 1 and
+this are eight equations in (X, v, q_1, q_2), solved here by Newton's method beside the cusp that symkin finds on its traced
+locus. As adj(A) is v n times a number, sum over k of v_k det(A with column k replaced by d2F(v, v)) is n d2F(v, v) times it. A
+path around the cusp leaves the wedge through one of its sides, on which two other modes merge, and comes back through the other
+one: it begins and ends at the same inputs, on two assembly modes, without det A = 0 on the way (Innocenti and Parenti-Castelli
+1998, McAree and Daniel 1999 for the 3-RPR).
 
 Angles in radians inside, degrees where printed; lengths have no unit. The column `paper` holds what the law demands.
 """

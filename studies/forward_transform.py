@@ -35,8 +35,8 @@ def snapped(numbers: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Kinds ("R", "P") and axes (n x 3) of the joints, the n + 1 link vectors, and the tool's rotation, all at t = 0; `first` is the
-    number of the first joint."""
+    """Kinds ("R", "P") and axes (n x 3) of the joints, the n + 1 link vectors, and the tool's rotation, all at t = 0; `first` is
+    the number of the first joint."""
 
     kinds: Sequence[str]
     axes: np.ndarray

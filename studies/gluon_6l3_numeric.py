@@ -1,10 +1,10 @@
 """The Gluon-6L3's inverse problem by iteration: CasADi's solvers on T(q) = T, the Jacobian's iteration, and symkin's enumeration.
 
 The page's closure is T(q) = T: twelve equations of six unknowns, those of the rotation times the size L. IPOPT minimises the
-squares of all twelve. The rootfinder wants six: the position's three, and the rotation's error e = (n x n* + o x o* + a x a*) / 2 =
-sin(w) k, as numeric inverse kinematics has it (columns of R and of the given R*, w the angle and k the axis from one to the other).
-It vanishes at half a turn too; divided by (1 + cos w) / 2, 1 + 2 cos w = tr(R^T R*), it is 2 tan(w / 2) k, which does not. An end
-counts only if all twelve vanish. Guesses are uniform in a turn. Units: mm, radians. Source: `gluon_6l3`.
+squares of all twelve. The rootfinder wants six: the position's three, and the rotation's error e = (n x n* + o x o* + a x a*) / 2
+= sin(w) k, as numeric inverse kinematics has it (columns of R and of the given R*, w the angle and k the axis from one to the
+other). It vanishes at half a turn too; divided by (1 + cos w) / 2, 1 + 2 cos w = tr(R^T R*), it is 2 tan(w / 2) k, which does
+not. An end counts only if all twelve vanish. Guesses are uniform in a turn. Units: mm, radians. Source: `gluon_6l3`.
 """
 
 from __future__ import annotations

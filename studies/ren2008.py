@@ -9,7 +9,8 @@ told in named frames (`ren2008_errors`): the paper does not say which are its ow
 
 Parts: `ren2008_tables` (data), `ren2008_model` (closure, direct and inverse problem), `ren2008_identification` ((4) to (6), (8)),
 `ren2008_levelling` (1.5), `ren2008_method` (experiments), `ren2008_errors` (frames); rows: `ren2008_equations`, `ren2008_direct`,
-`ren2008_procedure`, `ren2008_before`, `ren2008_noise`; `ren2008_pictures`; `ren2008_planning` (chosen postures, a study of its own too).
+`ren2008_procedure`, `ren2008_before`, `ren2008_noise`; `ren2008_pictures`; `ren2008_planning` (chosen postures, a study of its
+own too).
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Rows on equations (1) and (2): the inverse problem by formula, the direct problem by every solver, its modes from varied guesses.
+"""Rows on equations (1) and (2): the inverse problem by formula, the direct problem by every solver, its modes from varied
+guesses.
 
 The paper only writes x = F(l, eta); its closure is that of the "usual simplified model" of a platform on six rods. Source: Ren,
 Feng, Su 2008, 1.3 (see `ren2008`).

@@ -1,4 +1,5 @@
-"""The measuring procedure of 1.5 on a simulated machine: wedge, biaxial inclinometer, and a loop that brings its readings to zero.
+"""The measuring procedure of 1.5 on a simulated machine: wedge, biaxial inclinometer, and a loop that brings its readings to
+zero.
 
 The machine has the true geometry, its controller the nominal one. A wedge W turns the inclinometer on the platform; with
 n = W^T R^T e_z the vertical as the inclinometer sees it, its readings are (alpha, beta) of n = (-sin beta, cos beta sin alpha,

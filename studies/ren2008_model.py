@@ -5,7 +5,8 @@
     (1) X = F(q, eta) is the root, near a start, by Newton's method on all postures at once
     dX/dl = F_X^-1,   dX/deta = -F_X^-1 F_eta          (the derivatives that (8) wants; the paper takes them numerically)
 
-The extensions, l in the paper, are q here. Units: m, rad. Arrays have one row a posture: X (n, 6), q (n, 6). Source: Ren, Feng, Su 2008 (see `ren2008`).
+The extensions, l in the paper, are q here. Units: m, rad. Arrays have one row a posture: X (n, 6), q (n, 6). Source: Ren, Feng,
+Su 2008 (see `ren2008`).
 """
 
 from __future__ import annotations

@@ -38,7 +38,8 @@ COUNTS = tuple(EACH * g for g in GROUPS)
 PRECISIONS = tuple(Precision(rod, tilt) for tilt in (0.01, 0.001) for rod in (2e-6, 20e-6))
 FIGURE_3 = Precision(20e-6, 0.001)
 ACCURACIES = {"accuracy = repeatability = 0.001 deg": 0.001, "accuracy 0.01 deg, repeatability 0.001 deg": 0.01}
-"""The two premises of figure 3; ten times the repeatability stands for "better than the accuracy", which the paper does not number."""
+"""The two premises of figure 3; ten times the repeatability stands for "better than the accuracy", which the paper does not
+number."""
 CLAIM = (0.1, 0.01)
 NEAR = 1.25
 """Factor within which two curves of figure 3 are called close."""

@@ -1,4 +1,5 @@
-"""Pictures of XJ-HEXAS: figure 1, errors before calibration, guesses and modes, figures 2 and 3, the procedure. Source: `ren2008`."""
+"""Pictures of XJ-HEXAS: figure 1, errors before calibration, guesses and modes, figures 2 and 3, the procedure. Source:
+`ren2008`."""
 
 from __future__ import annotations
 

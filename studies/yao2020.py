@@ -7,8 +7,8 @@
     yao2020_frame, yao2020_search, yao2020_example      rows of the other sections
     yao2020_parts, yao2020_sketches, yao2020_pictures   drawings
 
-Units: mm, deg. Source: Yao Haifeng et al., Journal of Mining Science and Technology 5(6), 2020. Its displayed formulas but (11) are
-missing in the copy at hand; (1) to (10) and (12) are written from the text around them, and none of its lengths is printed.
+Units: mm, deg. Source: Yao Haifeng et al., Journal of Mining Science and Technology 5(6), 2020. Its displayed formulas but (11)
+are missing in the copy at hand; (1) to (10) and (12) are written from the text around them, and none of its lengths is printed.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@ The reach of the wrist: a pose has a real inverse (F between axis 5 and O) where
 
     margin = a2 + sqrt(a1^2 - e_z^2) - |e_y| >= 0,   |e_z| <= a1,
 
-and L6 = e_x +- sqrt((a2 + sqrt(a1^2 - e_z^2))^2 - e_y^2) lies in the stroke. With the drill square to the face, R = 1 and e differs
-from A by a constant: the reach on the face is a stadium of 2 (a1 + a2) by 2 a1, whatever the depth.
+and L6 = e_x +- sqrt((a2 + sqrt(a1^2 - e_z^2))^2 - e_y^2) lies in the stroke. With the drill square to the face, R = 1 and e
+differs from A by a constant: the reach on the face is a stadium of 2 (a1 + a2) by 2 a1, whatever the depth.
 
 The paper prints no hole, no size of the product, no stroke: the pattern, the face's distance and the feed are ours, the lengths
 those of the worked example. Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see `yao2020`).

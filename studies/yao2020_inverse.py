@@ -175,7 +175,8 @@ def returned(A: np.ndarray, R: np.ndarray, slide: float, s: int, side: int = 1) 
 
 
 def third_angles(joints: np.ndarray) -> dict[str, float]:
-    """(11) from the points of the state before joint 3 is returned: as printed, its arguments exchanged, signs mended, by C - A."""
+    """(11) from the points of the state before joint 3 is returned: as printed, its arguments exchanged, signs mended, by C -
+    A."""
     A, R = pose_of(joints)
     points = undone(undone(wrist_returned(A, R, joints[5], joints[4]), 1, joints[0]), 2, joints[1])
     (_, y, z), (_, cy, cz) = points["D"], points["C"] - points["A"]

@@ -156,7 +156,8 @@ def scaled(pose: Numbers) -> np.ndarray:
 
 
 def same_pose(X: np.ndarray) -> np.ndarray:
-    """The angles of the same pose with |beta| <= 90 degrees: (alpha, beta, gamma) is also (alpha + 180, 180 - beta, gamma + 180)."""
+    """The angles of the same pose with |beta| <= 90 degrees: (alpha, beta, gamma) is also (alpha + 180, 180 - beta, gamma +
+    180)."""
     turned = X if math.cos(X[4]) >= 0 else np.array([*X[:3], X[3] + math.pi, math.pi - X[4], X[5] + math.pi])
     return np.concatenate([turned[:3], np.arctan2(np.sin(turned[3:]), np.cos(turned[3:]))])
 

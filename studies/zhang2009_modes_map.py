@@ -5,8 +5,8 @@ by continuation. The loci of type 2 singularities in the slice are found indepen
 crossing one, two modes merge, and by the mirror z -> -z two more; so the number of real modes changes by 4 at every crossing,
 and nowhere else. Along grid lines where the number changes, the place is bisected by complete enumeration and compared.
 
-The design is singular at gamma = +-90 degrees about the axis (Fichter 1986): all legs have the same rate by gamma there,
-L_i L_i' = z z' + r_a r_b cos(30) sin(gamma) gamma', so that the screw about z of pitch z' / gamma' = -r_a r_b cos(30) sin(gamma) / z
+The design is singular at gamma = +-90 degrees about the axis (Fichter 1986): all legs have the same rate by gamma there, L_i L_i'
+= z z' + r_a r_b cos(30) sin(gamma) gamma', so that the screw about z of pitch z' / gamma' = -r_a r_b cos(30) sin(gamma) / z
 (length per radian) keeps all lengths. Units: mm, degrees. The column `paper` holds closed forms; the paper has no singularity.
 Source: Zhang Zhaoyin, Practical solution of 6-DOF parallel robot position forward solution, 2009 (table 1).
 """

@@ -52,7 +52,8 @@ def newton(system: Equations, start: Numbers, *, as_printed: bool = False, most:
 
 
 class PaperNewton:
-    """The paper's iteration on a closure, as a solver of `guesses`: `path` holds the largest |F| at each step of its last call."""
+    """The paper's iteration on a closure, as a solver of `guesses`: `path` holds the largest |F| at each step of its last
+    call."""
 
     def __init__(self, closure: Closure) -> None:
         self.evaluate = ca.Function(

@@ -6,7 +6,8 @@ platform's first two axes n, o, with m = (C_1 + ... + C_6) / 6, the platform's o
 
     |B_i - C_i|^2 = L_i^2,  i = 1..6      C_i - m = a_ix n + a_iy o,  i = 1..5      n.n = o.o = 1,  n.o = 0
 
-6 + 15 + 3 = 24 equations of degree 2 at most. In the three angles alone: f_i - f_1 = 0 are linear in p. Lengths in radii of the base.
+6 + 15 + 3 = 24 equations of degree 2 at most. In the three angles alone: f_i - f_1 = 0 are linear in p. Lengths in radii of the
+base.
 """
 
 from __future__ import annotations

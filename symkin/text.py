@@ -1,7 +1,7 @@
 """Text that others wrote (files, arguments) on its way into messages and outputs: what is refused, shortened and escaped.
 
-Each output has its own escapes here, so that text stays text in it: no end of a comment, no markup, no mathematics, no command of a
-terminal.
+Each output has its own escapes here, so that text stays text in it: no end of a comment, no markup, no mathematics, no command of
+a terminal.
 """
 
 from __future__ import annotations

@@ -60,8 +60,8 @@ def quiet(mechanism):
 @pytest.mark.slow
 @pytest.mark.parametrize("hold", [None, "*.axis.*"])
 def test_rps_platforms_are_calibrated(tmp_path, hold):
-    """Data of the nominal geometry with noise, three seeds: converged, chi-square as expected, not worse than the nominal geometry,
-    and the poses known to a few times the noise."""
+    """Data of the nominal geometry with noise, three seeds: converged, chi-square as expected, not worse than the nominal
+    geometry, and the poses known to a few times the noise."""
     mechanism = three_rps()
     for seed in range(3):
         write_measurements(tmp_path / "d.csv", mechanism, measured(mechanism, ("pose",), quiet(mechanism), seed))
@@ -97,7 +97,8 @@ def test_without_noise_the_iteration_goes_on_to_rounding(build, readings):
 
 @pytest.mark.slow
 def test_what_a_motion_binds_is_left_out_and_said(tmp_path):
-    """Planar motion: the default and patterns leave tilts of axes out with a note; one named in full is refused with the remedy."""
+    """Planar motion: the default and patterns leave tilts of axes out with a note; one named in full is refused with the
+    remedy."""
     mechanism = five_bar("planar")
     path = tmp_path / "d.csv"
     write_measurements(path, mechanism, measured(mechanism, ("position",), quiet(mechanism)))

@@ -31,8 +31,8 @@ def measured(count, seed, *, known=True):
 
 @pytest.mark.slow
 def test_predictions_scatter_as_they_say():
-    """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within four standard deviations, noise
-    known; that of the noise alone is clearly more, since the parameters are uncertain too."""
+    """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within four standard deviations,
+    noise known; that of the noise alone is clearly more, since the parameters are uncertain too."""
     chi_square, degrees, alone = 0.0, 0, 0.0
     for seed in range(8):
         data = measured(36, seed)
@@ -96,8 +96,8 @@ def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):
 
 @pytest.mark.slow
 def test_a_missed_prediction_is_not_believable(tmp_path):
-    """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable, with the reason. Of one such row
-    the line is named as an outlier, and the fit stands."""
+    """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable, with the reason. Of one such
+    row the line is named as an outlier, and the fit stands."""
     data = measured(60, 4)
     held = np.flatnonzero(draw_held_out(data, 15, 0))
     for spoilt, believable in ((held, False), (held[:1], True)):

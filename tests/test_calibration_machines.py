@@ -52,8 +52,8 @@ def built(base, platform, rng, spread=1.0):
     ids=["two", "three", "all"],
 )
 def test_exchanged_columns_are_another_machine_and_named(capsys, tmp_path, columns, words):
-    """Whole poses and leg columns in another order fit perfectly: exit 3 all the same, no mechanism file, and the first line says so
-    and in which order they stand."""
+    """Whole poses and leg columns in another order fit perfectly: exit 3 all the same, no mechanism file, and the first line says
+    so and in which order they stand."""
     rng = np.random.default_rng(1)
     nominal = hexapods.rings(rng)
     machine, out = described(tmp_path, *nominal), tmp_path / "out"
@@ -68,8 +68,8 @@ def test_exchanged_columns_are_another_machine_and_named(capsys, tmp_path, colum
 
 @pytest.mark.slow
 def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_path):
-    """Readings of a machine with a platform half as large again: exit 3; with --any-machine exit 0 and the file of that machine, which
-    solves its rows, and the first line still says what it is."""
+    """Readings of a machine with a platform half as large again: exit 3; with --any-machine exit 0 and the file of that machine,
+    which solves its rows, and the first line still says what it is."""
     rng = np.random.default_rng(2)
     nominal = hexapods.rings(rng)
     true = built(nominal[0], 1.5 * nominal[1], rng)
@@ -101,8 +101,8 @@ def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
 
 @pytest.mark.slow
 def test_another_base_frame_is_no_other_machine(tmp_path):
-    """The same machine with base and platform frames turned by 25 degrees and moved: the poses that the fit gives are the file's but
-    for constant frames."""
+    """The same machine with base and platform frames turned by 25 degrees and moved: the poses that the fit gives are the file's
+    but for constant frames."""
     rng = np.random.default_rng(6)
     base, platform = hexapods.rings(rng)
     true = built(base, platform, rng, 0.5)
@@ -118,7 +118,8 @@ def test_another_base_frame_is_no_other_machine(tmp_path):
 @pytest.mark.slow
 def test_tolerances_are_prior_standard_deviations(tmp_path):
     """Geometries drawn from the tolerance and fewer readings than parameters: errors of the estimate have the covariance that is
-    stated, chi-square (readings and tolerances) has as many degrees of freedom as there are readings, and pose sigma is finite."""
+    stated, chi-square (readings and tolerances) has as many degrees of freedom as there are readings, and pose sigma is
+    finite."""
     squares, values = [], []
     for seed in range(6):
         rng = np.random.default_rng(100 + seed)

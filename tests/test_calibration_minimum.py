@@ -1,5 +1,5 @@
-"""Fits end at a minimum of what is written: parameters that nothing tells at nominal and something tells on the way, and the file read
-back. The machines, their readings and their chi-square are NumPy's (see `parallel_arm`)."""
+"""Fits end at a minimum of what is written: parameters that nothing tells at nominal and something tells on the way, and the file
+read back. The machines, their readings and their chi-square are NumPy's (see `parallel_arm`)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ def projected_gradient(mechanism, data):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
-    """Every method: chi-square of the written file is not above that of the true table, is the one reported, and has no gradient."""
+    """Every method: chi-square of the written file is not above that of the true table, is the one reported, and has no
+    gradient."""
     table, data = delivered
     fit = calibrate(parallel_arm.arm(), data, method=method, outliers="ignore")
     found = parse(fit.corrected.to_toml())
@@ -75,8 +76,8 @@ def test_what_the_model_lacks_is_in_the_figures(delivered):
 
 @pytest.mark.slow
 def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path):
-    """A writer that loses digits: no mechanism file, the sentence says where it differs from the fit, exit status 3; without the loss
-    the file is written."""
+    """A writer that loses digits: no mechanism file, the sentence says where it differs from the fit, exit status 3; without the
+    loss the file is written."""
     rng = np.random.default_rng([1, 5])
     data = parallel_arm.measured(parallel_arm.random_table(rng), rng)
     arm, corrected = parallel_arm.arm(), assessment.with_parameters
@@ -120,7 +121,8 @@ def hexapod():
 
 @pytest.mark.slow
 def test_rods_inside_out_are_refused(hexapod):
-    """All readings negated: the fit is perfect with rods inside out, and refused with the legs and rows named; right readings are not."""
+    """All readings negated: the fit is perfect with rods inside out, and refused with the legs and rows named; right readings are
+    not."""
     mechanism, data = hexapod
     assert calibrate(mechanism, data).refused is None
     fit = calibrate(mechanism, replace(data, joints=-data.joints))

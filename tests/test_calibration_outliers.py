@@ -25,7 +25,8 @@ def logged():
 
 
 def misfit(mechanism):
-    """Largest distance of joint centres from the true ones, after the best rigid motions: none is needed where poses are read whole."""
+    """Largest distance of joint centres from the true ones, after the best rigid motions: none is needed where poses are read
+    whole."""
     pairs = zip(mechanism.limbs, hexapod_log.TRUTH.limbs, strict=True)
     return max(float(np.linalg.norm(np.subtract(a.base, b.base))) for a, b in pairs)
 
@@ -53,8 +54,8 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
 
 @pytest.mark.slow
 def test_no_removal_loses_the_fit():
-    """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none of the clean rows called bad but by
-    chance."""
+    """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none of the clean rows called bad
+    but by chance."""
     rng = np.random.default_rng(7)
     data = hexapod_log.log(rng, 150)
     for _ in range(6):
@@ -98,8 +99,9 @@ def test_too_many_gross_errors_are_refused(logged):
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["huber", "cauchy"])
 def test_robust_losses_keep_to_the_majority(capsys, tmp_path, logged, loss):
-    """A tenth of the rows off by 0.1 mm and none left out: joint centres many times nearer to the truth than by least squares; without bad
-    rows the same within the standard deviations, which are larger by 1 / sqrt(0.95); the report says what the loss does."""
+    """A tenth of the rows off by 0.1 mm and none left out: joint centres many times nearer to the truth than by least squares;
+    without bad rows the same within the standard deviations, which are larger by 1 / sqrt(0.95); the report says what the loss
+    does."""
     nominal, data, rng = logged
     bad, _ = hexapod_log.spoilt(data, 0.1, 1e-4, rng)
     robust, squares = (calibrate(nominal, bad, loss=k, outliers="ignore") for k in (loss, "squared"))

@@ -41,8 +41,8 @@ def planar_3rpr():
 
 
 def gaps(values, pose, joints):
-    """What each limb of the planar 3-RPR leaves open (3,), from the numbers of its file alone: its tip is as far from its base joint at
-    the pose (x, y, turn) as the slide puts it."""
+    """What each limb of the planar 3-RPR leaves open (3,), from the numbers of its file alone: its tip is as far from its base
+    joint at the pose (x, y, turn) as the slide puts it."""
 
     def turned(angle, v):
         return np.array([np.cos(angle) * v[0] - np.sin(angle) * v[1], np.sin(angle) * v[0] + np.cos(angle) * v[1]])
@@ -96,8 +96,8 @@ def file_of(folder, mechanism, readings, postures=40, **region):
 
 @pytest.mark.slow
 def test_all_is_minimal_and_whole():
-    """Planar 3-RPR, by its loop equations in plain NumPy: each default parameter moves poses, no one more than the rank of all that the
-    file has. Those that move the platform out of the plane count by themselves."""
+    """Planar 3-RPR, by its loop equations in plain NumPy: each default parameter moves poses, no one more than the rank of all
+    that the file has. Those that move the platform out of the plane count by themselves."""
     mechanism = planar_3rpr()
     rng, names = np.random.default_rng(0), default_parameters(mechanism)
     made = random_configurations(Workspace.about(mechanism, tilt=0.0), group_numbers(20, 0), Noise(), rng)
@@ -168,8 +168,8 @@ def test_the_base_set_can_be_copied(capsys, tmp_path):
 
 
 def test_order_and_signs_of_columns_are_found_together(tmp_path):
-    """Slides read in another order and one with its sign turned: the columns are assigned to the limbs by the inverse problem, and put
-    right they are the true ones."""
+    """Slides read in another order and one with its sign turned: the columns are assigned to the limbs by the inverse problem,
+    and put right they are the true ones."""
     mechanism = planar_3rpr()
     data = read_measurements(file_of(tmp_path, mechanism, ("pose",), tilt=0.0), mechanism).measurements
     joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])

@@ -29,8 +29,8 @@ def bars(axes):
 
 
 def test_changes_stand_beside_changes_over_sigma(case):
-    """One bar a parameter in both panels, the second the first over its standard deviation; measuring frames, which have no nominal
-    place, are not among them."""
+    """One bar a parameter in both panels, the second the first over its standard deviation; measuring frames, which have no
+    nominal place, are not among them."""
     _, fit = case
     left, right = parameter_figure(fit).axes
     own = [p for p in fit.parameters if p.name not in MEASURING_FRAMES]

@@ -60,7 +60,8 @@ def blank(column, rows):
 )
 @pytest.mark.parametrize("seed", [0, 1])
 def test_blank_readings_do_not_lose_the_fit(tmp_path, seed, change):
-    """Rods without a reference pose, so that home is the origin: the fit is believable, and every posture stands at its true pose."""
+    """Rods without a reference pose, so that home is the origin: the fit is believable, and every posture stands at its true
+    pose."""
     rng = np.random.default_rng(seed)
     mechanism, base, platform = machine(tmp_path, rng, home=False)
     file, position, q = data(tmp_path, mechanism, base, platform, rng, 60, change)
@@ -110,7 +111,8 @@ def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
 
 @pytest.mark.slow
 def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
-    """Postures far from the reference pose: the poses at which standard deviations are stated lie within the box of those measured."""
+    """Postures far from the reference pose: the poses at which standard deviations are stated lie within the box of those
+    measured."""
     rng = np.random.default_rng(3)
     mechanism, base, platform = machine(tmp_path, rng, home=True)
     moved = replace(mechanism, platform_position=(0.0, 0.0, 600.0))
@@ -128,7 +130,8 @@ def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
 
 
 def test_home_is_the_example_where_the_file_says_no_reference(tmp_path):
-    """Rods without [platform] and an [example]: direct problems begin there, not at the origin; with a reference they begin at it."""
+    """Rods without [platform] and an [example]: direct problems begin there, not at the origin; with a reference they begin at
+    it."""
     base, platform = hexapods.rings(np.random.default_rng(8))
     example = symkin.Example(joints=tuple([500.0] * 6), start=(10.0, 0.0, hexapods.HEIGHT, 1.0, 0.0, 0.0, 0.0))
     for home, height in ((False, hexapods.HEIGHT), (True, hexapods.HEIGHT)):

@@ -51,7 +51,8 @@ def mixed_measurements():
 
 
 def dense_model(problem, state, model):
-    """The whitened deviations, and the same linear model with one orthonormal basis of all columns, groups and parameters together, by SVD."""
+    """The whitened deviations, and the same linear model with one orthonormal basis of all columns, groups and parameters
+    together, by SVD."""
     readings = problem.readings
     count = readings.values.size
     e = evaluate_readings(problem, state)

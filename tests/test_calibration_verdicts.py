@@ -72,7 +72,8 @@ def rows_changed(path, change):
 
 @pytest.mark.slow
 def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses):
-    """A fit that converged with residuals hundreds of times the noise: exit 3, no mechanism file, no pose figures, the slip named."""
+    """A fit that converged with residuals hundreds of times the noise: exit 3, no mechanism file, no pose figures, the slip
+    named."""
     path, out = tmp_path / "data.csv", tmp_path / "out"
     write_measurements(path, NOMINAL, replace(poses, orientation=poses.orientation * (1, -1, -1, -1)))
     with pytest.raises(SystemExit) as ended:
@@ -106,7 +107,8 @@ def test_pose_columns_that_stand_wrong_are_named(tmp_path, poses, order, signs, 
 
 @pytest.mark.slow
 def test_files_of_an_earlier_fit_are_told_from_this_one(capsys, tmp_path, grouped):
-    """A folder with the mechanism of a fit that was usable: after one that is not it is still there, and a note says whose it is."""
+    """A folder with the mechanism of a fit that was usable: after one that is not it is still there, and a note says whose it
+    is."""
     path, out, said = tmp_path / "data.csv", tmp_path / "out", []
     for measurements in (grouped, replace(grouped, joints=1e3 * grouped.joints)):
         write_measurements(path, RODS, measurements)
@@ -146,7 +148,8 @@ def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
 
 @pytest.mark.slow
 def test_copies_of_rows_are_left_out(tmp_path, grouped):
-    """Every row twice, numbers written otherwise: the same degrees of freedom and standard deviations as once, and the lines named."""
+    """Every row twice, numbers written otherwise: the same degrees of freedom and standard deviations as once, and the lines
+    named."""
     path = tmp_path / "data.csv"
     once = fitted(path, RODS, grouped)
 
@@ -253,8 +256,8 @@ def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
 @pytest.mark.slow
 @pytest.mark.parametrize("sigma", [2e-6, 0.02])
 def test_the_legends_stand_beside_the_points_and_few_ticks_on_the_axis(tmp_path, poses, sigma):
-    """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick labels do not overlap, and the normal
-    distribution is drawn within the panel."""
+    """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick labels do not overlap, and the
+    normal distribution is drawn within the panel."""
     report = fitted(
         tmp_path / "data.csv", NOMINAL, replace(poses, position_sigma=sigma, orientation_sigma=np.radians(0.1 * sigma))
     )

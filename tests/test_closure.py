@@ -435,7 +435,8 @@ def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
 @given(rng=seeds, kinds=st.lists(st.sampled_from("RPCU"), min_size=1, max_size=4), zeros=st.booleans())
 @example(rng=np.random.default_rng(0), kinds=["P", "R", "P"], zeros=True)
 def test_rows_and_checks_hold_no_symbol_but_the_coordinates_once_bound(motion, rng, kinds, zeros):
-    """Also where a parameter cancels in the rows, but not in the checks: a slide's axis, a hinge about z under a restricted pose."""
+    """Also where a parameter cancels in the rows, but not in the checks: a slide's axis, a hinge about z under a restricted
+    pose."""
     joints = []
     for k, kind in enumerate(kinds):
         axis = np.eye(3)[rng.integers(3)] if zeros else symkin_direction(rng)

@@ -83,7 +83,8 @@ def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
 
 
 def _short_coupler():
-    """A slider-crank whose crank of 100 is four degrees from where it stands square on its coupler of 10: there it must turn back."""
+    """A slider-crank whose crank of 100 is four degrees from where it stands square on its coupler of 10: there it must turn
+    back."""
     lean = math.radians(4.0)
     pin = (100 * math.cos(lean), -100 * math.sin(lean))
     slider = pin[0] + math.sqrt(100 - pin[1] ** 2)

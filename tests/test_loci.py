@@ -207,7 +207,8 @@ def test_turns_of_a_hexapod_about_two_axes() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("limbs", [("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("rPS", "rHS", "pSR")], ids="-".join)
 def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
-    """P, H, U and S joints: a point of a locus over two inputs is classified as the locus says (type 2, or passive joints alone)."""
+    """P, H, U and S joints: a point of a locus over two inputs is classified as the locus says (type 2, or passive joints
+    alone)."""
     mechanism = random_mechanism(np.random.default_rng(1), limbs)
     problem = build_problem(mechanism, "direct")
     solution = make_solution(problem, problem.closure.reference)

@@ -40,7 +40,8 @@ def read_pipe(path: Path) -> tuple[threading.Thread, list[bytes]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_links_stay_links_and_pipes_stay_pipes(name, tmp_path):
-    """Through a link to a file of another folder, through a link to nothing yet, and into a pipe the same bytes go as into a file."""
+    """Through a link to a file of another folder, through a link to nothing yet, and into a pipe the same bytes go as into a
+    file."""
     suffix = ".png" if name == "plot" else ".csv"
     (tmp_path / "away").mkdir()
     plain, old, new, pipe = (tmp_path / f"{n}{suffix}" for n in ("plain", "old", "new", "pipe"))

@@ -1,5 +1,5 @@
-"""Krawczyk's test in double precision for all points at once: what it shows is true by balls and by known roots; what is no regular
-root is never shown."""
+"""Krawczyk's test in double precision for all points at once: what it shows is true by balls and by known roots; what is no
+regular root is never shown."""
 
 from __future__ import annotations
 
@@ -165,7 +165,8 @@ def test_missing_numbers_show_nothing(engine, bad):
 
 @pytest.mark.parametrize("scale", [1e-320, 1e-300, 1e-150, 1e-12, 1e12, 1e150, 1e300])
 def test_rows_of_any_scale(engine, scale):
-    """c (z - 1)(z - 2) = 0: a box is true at every scale of the row, and there is one where squares neither under- nor overflow."""
+    """c (z - 1)(z - 2) = 0: a box is true at every scale of the row, and there is one where squares neither under- nor
+    overflow."""
     system = system_of_rows(lambda z, k: [k[0] * (z[0] - 1) * (z[0] - 2)], known=1)
     found = tried(system, np.array([[1.0, 2.0 + 1e-12, 1.5]]), np.full((3, 1), scale))
     assert not found.found[2]

@@ -91,7 +91,8 @@ def checked(html: str) -> Checker:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_repr_is_a_short_table(name: str) -> None:
-    """Law: below 3,000 characters whatever the result holds, beginning as what print writes, and not Python's own of a dataclass."""
+    """Law: below 3,000 characters whatever the result holds, beginning as what print writes, and not Python's own of a
+    dataclass."""
     result = results()[name]
     assert len(repr(result)) < MOST_CHARACTERS
     assert repr(result).splitlines()[0][:40] == str(result).splitlines()[0][:40]
@@ -182,7 +183,8 @@ def test_dictionaries_are_the_json_of_commands(capsys) -> None:
 
 
 def test_show_as_json_counts_links_and_loops(capsys) -> None:
-    """Closed forms: a planar four-bar has 4 links, 4 joints, 1 loop; 3-TRT+SPS, by links, 16, 18 and 3. Loops = joints - links + 1."""
+    """Closed forms: a planar four-bar has 4 links, 4 joints, 1 loop; 3-TRT+SPS, by links, 16, 18 and 3. Loops = joints - links +
+    1."""
     _, shown = run_json(capsys, "show", "zhao2000_links")
     assert (shown["links"], shown["joints"], shown["loops"]) == (16, 18, 3)
     assert shown["mobility"] == shown["generic"]["mobility"] == 4

@@ -1,4 +1,5 @@
-"""Kinematic sketches: every joint with the symbol of its type, texts apart, planar mechanisms in their plane, the same bytes again."""
+"""Kinematic sketches: every joint with the symbol of its type, texts apart, planar mechanisms in their plane, the same bytes
+again."""
 
 from functools import cache
 from itertools import combinations
@@ -74,8 +75,8 @@ def artists(name: str, gid: str) -> list[Any]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_every_joint_is_drawn_with_its_symbol(name: str) -> None:
-    """Each joint of the mechanism, and the three of each rod limb, has artists that say type and name; actuated ones alone have the
-    accent colour."""
+    """Each joint of the mechanism, and the three of each rod limb, has artists that say type and name; actuated ones alone have
+    the accent colour."""
     mechanism = mechanism_of(name)
     wanted = {(joint.type, joint.name): joint.actuated for _, joint in mechanism.joints}
     for limb in mechanism.limbs:

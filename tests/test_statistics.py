@@ -180,7 +180,8 @@ def test_outliers_are_found_and_clean_sets_left_alone():
 
 
 def test_outliers_are_left_out_with_their_reason():
-    """The fit without the outlier is that of the data without it, to a thousandth of the noise; the note names posture, size and probability."""
+    """The fit without the outlier is that of the data without it, to a thousandth of the noise; the note names posture, size and
+    probability."""
     spoilt, posture, _ = with_outlier(700)
     fit = calibrate(NOMINAL, spoilt, fixed=HELD)
     without = calibrate(NOMINAL, spoilt.without(posture, "group"), fixed=HELD, outliers="ignore")

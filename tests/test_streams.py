@@ -63,8 +63,8 @@ def run(arguments, folder, *, shell="", environment=None, **options):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_closed_streams_are_as_the_null_device(name, folder):
-    """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0; what it opens is not taken for its
-    streams."""
+    """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0; what it opens is not taken for
+    its streams."""
     done = run(COMMANDS[name], folder, shell="<&- >&- 2>&-", environment={"MPLBACKEND": "nonsense"})
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
     for path in Path(folder).rglob("*.png"):

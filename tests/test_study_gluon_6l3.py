@@ -138,7 +138,8 @@ ARMS = {
 
 @pytest.mark.parametrize("name", ARMS)
 def test_parallel_axes_add_up(name, forward_transform):
-    """Law: for any serial mechanism the transform is symkin's forward, its runs are those of parallel axes, and sums are named."""
+    """Law: for any serial mechanism the transform is symkin's forward, its runs are those of parallel axes, and sums are
+    named."""
     joints, runs, sums = ARMS[name]
     arm = arm_of(joints, 3)
     found = forward_transform.forward_transform(forward_transform.chain_of(arm))
@@ -191,8 +192,8 @@ def test_gluon_matched_elements(gluon):
 
 
 def test_gluon_from_zero_joints(gluon):
-    """The page's ikine begins from zeros: the Jacobian has rank 3 there; its iteration ends at 15 degrees each, CasADi's rootfinder
-    fails, symkin begins beside and says so."""
+    """The page's ikine begins from zeros: the Jacobian has rank 3 there; its iteration ends at 15 degrees each, CasADi's
+    rootfinder fails, symkin begins beside and says so."""
     assert gluon.number("rank of J with zero joints") == 3
     for row in gluon.rows("ikine, the Jacobian's iteration"):
         assert row["computed"] == pytest.approx(SOLUTIONS[0], abs=1e-6)
@@ -219,7 +220,8 @@ def test_gluon_closed_form_is_faster(gluon):
 
 @pytest.mark.parametrize(("name", "count"), [("example", 2), ("random pose", 8)])
 def test_gluon_solutions_from_varied_guesses(gluon, name, count):
-    """Continuation lists all, certified; each solver meets all from its guesses, and its hits and failures are all its guesses."""
+    """Continuation lists all, certified; each solver meets all from its guesses, and its hits and failures are all its
+    guesses."""
     assert gluon.number(f"{name}: solutions by continuation").tolist() == [count, count]
     assert f"8 complex solutions, {count} real, {count} certified" in gluon.rows(f"{name}: completeness")[0]["computed"]
     for solver in ("rootfinder", "IPOPT"):

@@ -91,7 +91,8 @@ def test_direct_problem_from_varied_guesses(ren):
 
 
 def test_errors_name_frames_and_agree(ren):
-    """Computed: in joint frames at most 18 to 19.5 mm and 1.4 to 1.55 deg before; the paper's pairs hold in aligned frames only."""
+    """Computed: in joint frames at most 18 to 19.5 mm and 1.4 to 1.55 deg before; the paper's pairs hold in aligned frames
+    only."""
     position, angle = ren.number("before calibration, joint frames, 200 poses")
     assert 18 < position < 19.5
     assert 1.35 < angle < 1.55

@@ -118,7 +118,8 @@ def test_random_points_without_a_mode_are_marked(tmp_path, quantity):
 
 
 def test_captions_name_the_angle_about_z(tmp_path):
-    """What is held or offset is in the caption: gamma where it does not vary, its offset where rz does, nothing where gamma does."""
+    """What is held or offset is in the caption: gamma where it does not vary, its offset where rz does, nothing where gamma
+    does."""
     arm = three_rrr("planar")
     for axis, said in (("x", "gamma = 17.189 deg"), ("rz", "gamma = rz + 17.189 deg"), ("gamma", "")):
         folder, at = tmp_path / axis, [0, 0, 0, np.cos(0.15), 0, 0, np.sin(0.15)]

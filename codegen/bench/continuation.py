@@ -61,8 +61,9 @@ class Walker:
 
     def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns at the ends of the lines from known values `begin` (unknowns `start`; one for each line, or one for all) to
-        `goals`, and the shortest step that each line needed, as a part of it: 0 where it met a singularity. A step is accepted where det keeps its sign
-        and a second Newton step is below a tenth of the first; it is halved elsewhere, and doubled again up to 1/400."""
+        `goals`, and the shortest step that each line needed, as a part of it: 0 where it met a singularity. A step is accepted
+        where det keeps its sign and a second Newton step is below a tenth of the first; it is halved elsewhere, and doubled again
+        up to 1/400."""
         size, count = self.system.size, len(goals)
         begin = np.broadcast_to(begin, goals.shape)
         z, done, step = np.array(np.broadcast_to(start, (count, start.shape[-1]))), np.zeros(count), np.full(count, _LONGEST)

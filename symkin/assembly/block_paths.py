@@ -1,8 +1,8 @@
 """Real roots of one block of a problem at many instances, by paths, with what is in doubt left to others.
 
-All steps take all instances together: paths, certificates of the complex roots, real candidates, Newton's method on the block's own
-rows, the check on all rows. An instance is plain where none of them leaves a doubt: every path arrived at a regular root of its own,
-every root is real or not beyond doubt, and every real one is well conditioned and differs from the others.
+All steps take all instances together: paths, certificates of the complex roots, real candidates, Newton's method on the block's
+own rows, the check on all rows. An instance is plain where none of them leaves a doubt: every path arrived at a regular root of
+its own, every root is real or not beyond doubt, and every real one is well conditioned and differs from the others.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 @dataclass(frozen=True, eq=False)
 class BlockRoots:
     """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing, `owner` (m,) their instances,
-    rising, `residual` (m,), `extremes` (m, 2): the largest and smallest singular values of their Jacobians; `plain` (n,) the instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
+    rising, `residual` (m,), `extremes` (m, 2): the largest and smallest singular values of their Jacobians; `plain` (n,) the
+    instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
 
     points: np.ndarray
     owner: np.ndarray
@@ -53,8 +54,8 @@ class BlockRoots:
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the ends `origin` (m,) that they come
-    from, -1 where they combine several."""
+    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the ends `origin` (m,) that they
+    come from, -1 where they combine several."""
 
     points: np.ndarray
     owner: np.ndarray
@@ -132,8 +133,8 @@ class BlockPaths:
     def _real_ones(
         self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add, the places in z (-1 for these),
-        the columns and the instances. Instances with more combinations than can be listed are no longer plain."""
+        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add, the places in z (-1 for
+        these), the columns and the instances. Instances with more combinations than can be listed are no longer plain."""
         counts = np.bincount(instance, minlength=len(plain))
         real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
         if not_real is not None:
@@ -206,8 +207,8 @@ class BlockPaths:
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
     """Instances with two roots that are not distinct (see `roots.unite`).
 
-    Roots differ where a combination of their features does by more than the sum of its weights times the tolerance; sorted by one,
-    nearly all instances are told by neighbours alone.
+    Roots differ where a combination of their features does by more than the sum of its weights times the tolerance; sorted by
+    one, nearly all instances are told by neighbours alone.
     """
     if len(points) < 2:
         return []

@@ -76,8 +76,8 @@ class BlockProver:
         return RootProofs(index >= 0, radius, complete)
 
     def _complete(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
-        """Instances (n,) whose certified roots are all that the theorem allows, each known to be real or not, the real ones as many
-        as those `listed` (n,); see `bounds.proves`."""
+        """Instances (n,) whose certified roots are all that the theorem allows, each known to be real or not, the real ones as
+        many as those `listed` (n,); see `bounds.proves`."""
         if self.bound is None or found.system is not self.bound.system:
             return np.zeros(len(listed), dtype=bool)
         real, count = found.real == "real", self.bound.theorem.count

@@ -37,7 +37,8 @@ from symkin.position.problem import Problem
 from symkin.position.roots import Proofs, Roots, moves_freely, unite
 
 _ALL_ROWS = 1e-6
-"""Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to 1e-9."""
+"""Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to
+1e-9."""
 _LEAST_ERROR_STARTS = 200
 """Random starts for the least closure error where no root is real."""
 

@@ -59,8 +59,8 @@ class ModeFinder:
         return self.find_values(values, np.array([given.off_motion for given in givens]))
 
     def find_values(self, known: np.ndarray, off_motion: np.ndarray | None = None) -> ModeTable:
-        """All modes at points known (n, numbers): values of the known coordinates in the length unit and radians, quaternions of unit
-        length; `off_motion` (n,) is how far a pose lies off the platform's motion, where some does (length unit)."""
+        """All modes at points known (n, numbers): values of the known coordinates in the length unit and radians, quaternions of
+        unit length; `off_motion` (n,) is how far a pose lies off the platform's motion, where some does (length unit)."""
         off = np.zeros(len(known)) if off_motion is None else off_motion
         feasible = np.flatnonzero(off == 0.0)
         with np.errstate(all="ignore"):

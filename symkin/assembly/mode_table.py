@@ -18,10 +18,10 @@ COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "samp
 
 @dataclass(frozen=True, eq=False)
 class ModeTable:
-    """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a
-    set of solutions that are not isolated was met; `complex_count` (-1: not known). Of all m modes, in the order of points: positions (m, 3), quaternions
-    (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1 none; `certified`
-    1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
+    """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a set
+    of solutions that are not isolated was met; `complex_count` (-1: not known). Of all m modes, in the order of points: positions
+    (m, 3), quaternions (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1
+    none; `certified` 1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
 
     count: np.ndarray
     completeness: np.ndarray

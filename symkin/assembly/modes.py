@@ -60,8 +60,9 @@ def modes(
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
-    `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx, qy, qz, a `Pose`, or n of
-    them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in a fraction of the time.
+    `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
+    qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
+    a fraction of the time.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is

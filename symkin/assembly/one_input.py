@@ -67,8 +67,8 @@ def free_unknowns(problem: Problem) -> str | None:
 
 
 def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
-    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct problem of a serial arm, given values that contradict
-    rows without unknowns."""
+    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct problem of a serial arm, given
+    values that contradict rows without unknowns."""
     method, seed = search.method, search.seed
     free = free_unknowns(problem)
     if free is not None and problem.mechanism.serial:

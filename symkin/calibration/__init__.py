@@ -5,7 +5,8 @@ The way of the data, by modules:
   estimate   `problem` states what is fitted; `workspace`, `configurations`, `starting` and `first_guess` find where to begin;
              `model`, `residuals` and `state` evaluate and linearise; `solver`, `descent`, `lifted` and `robust` minimise
   judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`; `outliers` and
-             `outlier_removal` find bad readings, `diagnoses` and `plausibility` wrong files, `holdout` and `pose_accuracy` predict
+             `outlier_removal` find bad readings, `diagnoses` and `plausibility` wrong files, `holdout` and `pose_accuracy`
+             predict
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, and `report` says what came of it.
 """

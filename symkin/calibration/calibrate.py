@@ -50,8 +50,8 @@ METHODS = ("nested", "lifted", "ipopt")
 _OTHER_METHOD = {"nested": "lifted", "lifted": "nested"}
 """The method that is tried where one does not converge: they cross curved valleys in different ways."""
 _EXTENSION_FACTOR, _NEARLY_CONVERGED_RATIO, _NEARLY_CONVERGED_SHARE = 5, 3.0, 1e-3
-"""An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many standard
-deviations, or below this share of the size where these are not known."""
+"""An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many
+standard deviations, or below this share of the size where these are not known."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
@@ -59,7 +59,8 @@ class CalibrationOptions(TypedDict, total=False):
     """What `calibrate` takes beside mechanism and measurements; the values in brackets stand where nothing is given."""
 
     parameters: Sequence[str] | None
-    """Names of parameters to identify (see `parameter_names`, for factors of readings and measuring frames too). [all that matter]"""
+    """Names of parameters to identify (see `parameter_names`, for factors of readings and measuring frames too). [all that
+    matter]"""
     fixed: Sequence[str]
     """Those among them that keep their nominal values, which is one way to choose frames (see `joint_frames`). [none]"""
     residual: str
@@ -126,10 +127,10 @@ class _Options:
 def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrationOptions]) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
-    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights W from
-    the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at the joint
-    readings q_i. What no reading determines is held by the least change from nominal. `options` are those of `CalibrationOptions`:
-    parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
+    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights
+    W from the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at
+    the joint readings q_i. What no reading determines is held by the least change from nominal. `options` are those of
+    `CalibrationOptions`: parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
     Source: Hollerbach, Khalil, Gautier, Model Identification, Springer Handbook of Robotics, 2016.
@@ -265,8 +266,8 @@ class _Fitting:
         return model.nominal if stays else start
 
     def _solve_from(self, near: StartValues) -> SolvedConfigurations:
-        """The direct problems from where an earlier fit has left them; configurations that it had not begin where they would without
-        it."""
+        """The direct problems from where an earlier fit has left them; configurations that it had not begin where they would
+        without it."""
         begun = start_points(self.problem.model, self.problem.measurements)
         return self._solve_roughly(near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z))
 

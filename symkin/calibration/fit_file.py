@@ -54,8 +54,8 @@ class NotFittedError(InputError):
 
 
 class FileFitOptions(TypedDict, total=False):
-    """What `fit_file` takes beside mechanism and file; the values in brackets stand where nothing is given. From `residual` on they
-    are those of `calibrate`."""
+    """What `fit_file` takes beside mechanism and file; the values in brackets stand where nothing is given. From `residual` on
+    they are those of `calibrate`."""
 
     parameters: str | None
     """Patterns of the parameters to identify, separated by commas. ["all"]"""

@@ -1,6 +1,7 @@
 """Discs: numbers known as a middle in double precision and a radius, in arrays over points; functions of them.
 
-Every result holds the exact results for all numbers in the operands. It is computed in C where a compiler is found, else in NumPy.
+Every result holds the exact results for all numbers in the operands. It is computed in C where a compiler is found, else in
+NumPy.
 """
 
 from __future__ import annotations

@@ -85,8 +85,8 @@ def write_unfitted(mechanism: Mechanism, data: Path, error: NotFittedError, fold
 
 
 def _write_contents(folder: Path, mechanism: Mechanism, contents: dict[str, bytes]) -> list[Path]:
-    """Write every file whole or not at all. The manifest comes first, with the digests of what is replaced beside the new ones, so
-    that a run which is cut short leaves no file that counts as foreign."""
+    """Write every file whole or not at all. The manifest comes first, with the digests of what is replaced beside the new ones,
+    so that a run which is cut short leaves no file that counts as foreign."""
     before = read_manifest(folder, _KEY)
     kept = {name: d for name, d in before.get("files", {}).items() if (folder / name).is_file()}
     digests = kept | {name: digest(content) for name, content in contents.items()}

@@ -24,7 +24,8 @@ _QUANTITY = re.compile(r"\s*([-+0-9.eE]+?)\s*([a-zA-Z]+)?\s*")
 
 
 def quantity(text: str, kind: str, mechanism: Mechanism, option: str, *, least: float = 0.0) -> float:
-    """A length in the mechanism's unit or an angle in radians, from `2um`, `0.001deg` or a plain number in the mechanism's unit."""
+    """A length in the mechanism's unit or an angle in radians, from `2um`, `0.001deg` or a plain number in the mechanism's
+    unit."""
     match = _QUANTITY.fullmatch(text)
     read = plain_number(match[1]) if match else None
     number = math.nan if read is None else read
@@ -48,7 +49,8 @@ def noise_quantity(text: str, kind: str, mechanism: Mechanism, option: str) -> f
 
 
 def check_noise(value: float, kind: str, mechanism: Mechanism, option: str) -> None:
-    """Refuse a standard deviation beyond a tenth of the mechanism's size, or of a radian: nothing could be told from such readings."""
+    """Refuse a standard deviation beyond a tenth of the mechanism's size, or of a radian: nothing could be told from such
+    readings."""
     m = mechanism
     most, given, unit = (
         (_MAX_NOISE_SHARE * m.size, value, m.length_unit)

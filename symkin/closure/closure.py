@@ -109,8 +109,8 @@ def build_closure(mechanism: Mechanism) -> Closure:
 
 
 def numbered_rows(closure: Closure) -> ca.SX:
-    """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point at
-    1e-14, an axis off by 1e-17) are where they are meant to be."""
+    """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point
+    at 1e-14, an axis off by 1e-17) are where they are meant to be."""
     builder = RowBuilder(closure.mechanism, bound=True)
     builder.build_rows()
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
@@ -121,8 +121,8 @@ def numbered_rows(closure: Closure) -> ca.SX:
 def build_algebraic_closure(
     mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
 ) -> AlgebraicClosure:
-    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`,
-    limbs without a passive joint to cut are cut at an actuated one, which must then be unknown; with `replace_universal`, universal
+    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`, limbs
+    without a passive joint to cut are cut at an actuated one, which must then be unknown; with `replace_universal`, universal
     joints before spherical ones are left out where the pose is unknown."""
     return _algebraic_closure(mechanism, form, eliminate, replace_universal)
 

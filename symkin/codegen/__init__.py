@@ -2,8 +2,8 @@
 
 A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the kind of the mechanism,
 `vectors` (on `samples`) and `readme` make its test and its README. The kinds, whose geometry is numbers or a struct (`geometry`):
-`rod_platform`, `rod_platform_source` (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any limbs,
-with `limb_source`, `pose_coordinates`); `serial_arm`.
+`rod_platform`, `rod_platform_source` (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any
+limbs, with `limb_source`, `pose_coordinates`); `serial_arm`.
 
 Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it, `linear_solver` its LU or QR.
 

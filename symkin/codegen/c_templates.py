@@ -59,7 +59,8 @@ def copy_loop(target: str, source: str, count: int) -> list[str]:
 
 
 def condition_within_limits(coordinates: Sequence[Coordinate], real: Real, size: float) -> str:
-    """C condition: each joint value is within its limits, rods are not shorter than zero; without limits it is at least finite."""
+    """C condition: each joint value is within its limits, rods are not shorter than zero; without limits it is at least
+    finite."""
     parts = []
     for i, c in enumerate(coordinates):
         slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)

@@ -13,8 +13,8 @@ from symkin.velocity.jacobian import Jacobian
 
 
 def c_source(jacobian: Jacobian) -> str:
-    """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major. It takes plain doubles, so that it
-    compiles beside the firmware of the same mechanism, of either type."""
+    """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major. It takes plain doubles, so
+    that it compiles beside the firmware of the same mechanism, of either type."""
     name, real = jacobian.mechanism.name, Real("double", "double")
     sizes = {"variables": len(jacobian.inputs), "geometry": len(jacobian.parameters)}
     function = ca.Function("f", [jacobian.symbols], [ca.densify(jacobian.expression)], {"cse": True})

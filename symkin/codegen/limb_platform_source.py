@@ -172,8 +172,8 @@ class LimbPlatformSource:
 
     @property
     def _check_branch(self) -> str:
-        """NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where errors
-        of the tolerance are their square roots in joint values: what differs by less is one."""
+        """NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where
+        errors of the tolerance are their square roots in joint values: what differs by less is one."""
         made = self.made
         if not made.has_dead_centres:
             return ""

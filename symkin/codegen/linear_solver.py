@@ -129,7 +129,8 @@ class UnrolledLU:
         return len(self.pivots.rows)
 
     def factor(self) -> list[str]:
-        """Statements of the factorisation, of the determinant and of `spread`, the sum of the squared reciprocals of the scaled pivots."""
+        """Statements of the factorisation, of the determinant and of `spread`, the sum of the squared reciprocals of the scaled
+        pivots."""
         signs, squares = [], []
         for i in range(self.n):
             pivot = self._eliminate_row(i)

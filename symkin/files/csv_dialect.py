@@ -110,7 +110,8 @@ def split_header(cell: str, units: Iterable[str]) -> tuple[str, str | None]:
 
 
 def matched_names(path: str, names: Sequence[str], known: Sequence[str]) -> dict[str, str]:
-    """Names of columns that mean known ones: the same, or the only ones that differ in capitals, spaces, hyphens and underscores."""
+    """Names of columns that mean known ones: the same, or the only ones that differ in capitals, spaces, hyphens and
+    underscores."""
     found = {name: name for name in names if name in known}
     loose: dict[str, list[str]] = {}
     for name in known:
@@ -142,8 +143,8 @@ def blanked(cells: Sequence[str]) -> tuple[tuple[str, ...], int]:
 
 
 def has_decimal_commas(path: str, columns: Iterable[tuple[str, Sequence[str]]], separator: str) -> bool:
-    """Whether the numbers of some columns (header, cells) have decimal commas. Raises InputError where points stand beside them, and
-    where all commas may separate thousands: not where semicolons separate the cells, as they do because of decimal commas."""
+    """Whether the numbers of some columns (header, cells) have decimal commas. Raises InputError where points stand beside them,
+    and where all commas may separate thousands: not where semicolons separate the cells, as they do because of decimal commas."""
     columns = list(columns)
     if not any("," in cell for _, cells in columns for cell in cells):
         return False

@@ -1,4 +1,5 @@
-"""Writing what a user asked for: a regular file whole or not at all, through symbolic links, into devices and pipes as they are."""
+"""Writing what a user asked for: a regular file whole or not at all, through symbolic links, into devices and pipes as they
+are."""
 
 from __future__ import annotations
 
@@ -12,8 +13,9 @@ from symkin.errors import InputError
 
 
 def write_output(path: str | Path, content: str | bytes) -> None:
-    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its permissions; a symbolic link stays
-    one, and what it leads to is written; a device, a pipe or this process's own output is written into. Raises InputError."""
+    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its permissions; a symbolic link
+    stays one, and what it leads to is written; a device, a pipe or this process's own output is written into. Raises
+    InputError."""
     data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
     try:
         there = _status(path)

@@ -1,5 +1,5 @@
-"""Prove the last step to a turning point: a tube over s = e.y, e the null vector there, in which the branch is regular although u is
-not a parameter of it any more.
+"""Prove the last step to a turning point: a tube over s = e.y, e the null vector there, in which the branch is regular although u
+is not a parameter of it any more.
 
 If d2u/ds2 < 0 in all of the tube, du/ds > 0 at the station where it takes over, and the turning point, whose own box is proved,
 lies in it, then u grows from the station to the turning point, and that is the first singularity on the branch.

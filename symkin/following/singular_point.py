@@ -4,9 +4,10 @@ A turning point is a root of G = 0, dG/dz v = 0, v0.v = 1 (v0 an estimate of v),
 
     u = u* + (1/2) u'' t^2,    u'' = - w.(d2G/dz2 v v) / (w.dG/du),    w dG/dz = 0.
 
-At a bifurcation [dG/dz, dG/du] loses rank too: k >= 2 independent null vectors V of it, and G = 0, [dG/dz, dG/du] V = 0,
-V0.V = 1 with V0 their estimate has more equations than unknowns, but a root; both are solved by Gauss-Newton on all rows (Moore and Spence 1980; Seydel, Practical Bifurcation and Stability Analysis, 2010).
-The law of u follows by differentiating G(z(t), u(t)) = 0 twice at u' = 0: d2G/dz2 v v + dG/dz z'' + dG/du u'' = 0, times w.
+At a bifurcation [dG/dz, dG/du] loses rank too: k >= 2 independent null vectors V of it, and G = 0, [dG/dz, dG/du] V = 0, V0.V = 1
+with V0 their estimate has more equations than unknowns, but a root; both are solved by Gauss-Newton on all rows (Moore and Spence
+1980; Seydel, Practical Bifurcation and Stability Analysis, 2010). The law of u follows by differentiating G(z(t), u(t)) = 0 twice
+at u' = 0: d2G/dz2 v v + dG/dz z'' + dG/du u'' = 0, times w.
 """
 
 from __future__ import annotations

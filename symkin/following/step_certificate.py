@@ -1,12 +1,13 @@
-"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (Krawczyk 1969; see `certificate.krawczyk`).
+"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (Krawczyk 1969; see
+`certificate.krawczyk`).
 
 About a curve p(t), 0 <= t <= h, with the linear row e.(y - p(t)) = 0 added, and for a box B about zero,
 
     K = -M G(p(t)) + (1 - M [dG/dy (p(t) + B); e]) B,    M about the inverse of [dG/dy; e],
 
-is enclosed for all t at once, by Taylor's formula about the middle of the curve with remainders over the tube. If K lies in the interior
-of B, then for each t there is exactly one root in p(t) + B on that hyperplane, and the branch is regular there. With e the
-direction of the path parameter u this is one solution for every u of the step, and dG/dz is regular: no singularity.
+is enclosed for all t at once, by Taylor's formula about the middle of the curve with remainders over the tube. If K lies in the
+interior of B, then for each t there is exactly one root in p(t) + B on that hyperplane, and the branch is regular there. With e
+the direction of the path parameter u this is one solution for every u of the step, and dG/dz is regular: no singularity.
 
 Where rows are redundant M is a pseudo-inverse; then at most one solution is proved, and its existence rests on the residual.
 The path's coefficients are balls of a radius of about 2e-15 (of the size, or rad), in which the samples as given lie.
@@ -29,7 +30,8 @@ from symkin.numeric.balls import REAL, UP, precision, upper
 BITS = 64
 """Precision of the balls: eleven bits more than the doubles about which they lie."""
 _COEFFICIENT_RADIUS = 2.0**-49
-"""Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision leaves out at the samples."""
+"""Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision
+leaves out at the samples."""
 LARGEST_FILL = 0.99
 """The image must lie in the box shrunk by this factor."""
 _TRIALS = 3

@@ -75,10 +75,10 @@ def track(
     The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved by Krawczyk's operator in ball
     arithmetic: exactly one solution for every input of the step, and no singularity (Krawczyk 1969; see `step_certificate`).
 
-    `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's units; between two rows joint
-    values and positions move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at
-    the first row, or what `solve` takes as its start. `options` are those of `TrackOptions`: times, samples, limits, name_modes,
-    notes, progress.
+    `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's
+    units; between two rows joint values and positions move straight, rotations by the shortest way. `start` is the mode: a
+    solution of `modes` or `solve` at the first row, or what `solve` takes as its start. `options` are those of `TrackOptions`:
+    times, samples, limits, name_modes, notes, progress.
 
     The track ends at the path's end or the first stop: a singularity, a limit, loops that open (`Track.stop`). Raises InputError
     for a path, a start or options that do not fit.

@@ -1,4 +1,5 @@
-"""Read trajectories from CSV files and write tracks into them: headers are names with units, `leg1[mm]`, `x[mm]`, `qw`, `t[s]`."""
+"""Read trajectories from CSV files and write tracks into them: headers are names with units, `leg1[mm]`, `x[mm]`, `qw`,
+`t[s]`."""
 
 from __future__ import annotations
 

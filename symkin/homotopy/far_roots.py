@@ -36,8 +36,8 @@ def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 
 
 def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points (width, n) moved to the regular roots nearby where Newton's method with more bits settles, and which of them do: about
-    a multiple root it halves its steps, and does not come down to the last digits."""
+    """Points (width, n) moved to the regular roots nearby where Newton's method with more bits settles, and which of them do:
+    about a multiple root it halves its steps, and does not come down to the last digits."""
     found, points = np.zeros(z.shape[1], dtype=bool), z.copy()
     if system.projective or system.count != system.width:
         return found, points

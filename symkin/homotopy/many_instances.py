@@ -25,7 +25,8 @@ _PATHS_AT_ONCE = 1400
 _CLOSE_BESIDE = 1e-9
 """A second such distance, for roots about which the rows bend more."""
 APART = 1e-5
-"""Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by 1e-6."""
+"""Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by
+1e-6."""
 
 
 def plain_instances(
@@ -75,8 +76,8 @@ def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
 
 
 def are_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a Newton step from beside each leads back
-    to it, or the Jacobian there has full rank."""
+    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a Newton step from beside each leads
+    back to it, or the Jacobian there has full rank."""
     direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
     for distance in (BESIDE, _CLOSE_BESIDE):
         left = np.flatnonzero(~good)

@@ -258,9 +258,9 @@ def around(system: AlgebraicSystem, z: np.ndarray, polygons: Sequence[Sequence[n
 def orbits(
     system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 10.0
 ) -> np.ndarray:
-    """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last
-    connection is `needed` and `_LOOPS_APART` have connected none. All zero where the loops leave a root alone: that is no evidence
-    of a part of its own."""
+    """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last connection
+    is `needed` and `_LOOPS_APART` have connected none. All zero where the loops leave a root alone: that is no evidence of a part
+    of its own."""
     found, evidence, loops, apart = _Found.of(system, z), 0.0, 0, 0
     while found.parts > 1 and (evidence < needed or apart < _LOOPS_APART) and loops < _MOST_ORBIT_LOOPS:
         count = max(1, min(_ORBIT_LOOPS_AT_ONCE, _PATHS_AT_ONCE // z.shape[1]))

@@ -26,7 +26,8 @@ _DOUBLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class _Angles:
-    """One replaced joint with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the first."""
+    """One replaced joint with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the
+    first."""
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: np.ndarray

@@ -77,7 +77,8 @@ _CMAKE = frozenset(
 
 
 def text_fault(text: object) -> str | None:
-    """What is wrong with a title or a source: no text, or control and bidirectional characters other than line breaks and tabs."""
+    """What is wrong with a title or a source: no text, or control and bidirectional characters other than line breaks and
+    tabs."""
     if not isinstance(text, str):
         return "is no text"
     refused = refused_character(one_line(text))

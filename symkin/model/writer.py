@@ -14,7 +14,8 @@ from symkin.model.limb import Limb, RodLimb
 
 
 class Description(Protocol):
-    """What the file says of a mechanism, as `Mechanism` has it: that class writes itself, so that this module cannot import it."""
+    """What the file says of a mechanism, as `Mechanism` has it: that class writes itself, so that this module cannot import
+    it."""
 
     @property
     def motion(self) -> str: ...

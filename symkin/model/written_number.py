@@ -11,8 +11,8 @@ _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)
 
 
 def written_number(text: str, angle_unit: str) -> float:
-    """The value of "12.5" or "2*pi/3"; sin, cos and tan take their argument in `angle_unit`. NaN and infinities pass, to be refused
-    with their place. Raises InputError, whose sentence begins with the text."""
+    """The value of "12.5" or "2*pi/3"; sin, cos and tan take their argument in `angle_unit`. NaN and infinities pass, to be
+    refused with their place. Raises InputError, whose sentence begins with the text."""
     plain = text.strip()
     if _NOT_FINITE.fullmatch(plain):
         return float(plain)

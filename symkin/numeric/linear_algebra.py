@@ -47,8 +47,8 @@ def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
 
 
 def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
-    """Squares (n, 2) of the largest and smallest singular values, to 1e-16 of the largest: eigenvalues of the smaller of J^T J and
-    J J^T take half the time of the decomposition. Zero where a matrix is not finite."""
+    """Squares (n, 2) of the largest and smallest singular values, to 1e-16 of the largest: eigenvalues of the smaller of J^T J
+    and J J^T take half the time of the decomposition. Zero where a matrix is not finite."""
     transposed = matrices.transpose(0, 2, 1)
     gram = transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
     finite = np.isfinite(gram).all(axis=(1, 2))

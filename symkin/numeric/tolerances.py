@@ -40,8 +40,8 @@ SUSPECT_CONDITION = 1e6
 """Condition above which a root is examined for being one of a continuum, before it is called isolated: 1 / SINGULAR_VALUE."""
 
 MULTIPLE_ROOT_SHARE = 1e-5
-"""Share of the largest singular value below which a direction counts as lost at a multiple root: such a root is known to the square
-root of rounding (1e-8), and so are the singular values that vanish there, times curvature."""
+"""Share of the largest singular value below which a direction counts as lost at a multiple root: such a root is known to the
+square root of rounding (1e-8), and so are the singular values that vanish there, times curvature."""
 
 NO_MOTION = 1e-13
 """Singular value (rows per motion, both lengths) below which unknowns do not move the rows; joints that matter give 1e-6 and

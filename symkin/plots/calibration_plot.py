@@ -26,11 +26,11 @@ _DPI = 130
 _MOST_BARS = 60
 """Parameters that one picture shows, those that changed most."""
 _SEEN, _HIGH = 40.0, 2.0
-"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn; above so many times the highest bar
-it is cut off."""
+"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn; above so many times the highest
+bar it is cut off."""
 _TOLD, _FAR, _LINEAR = 3.0, 40.0, 10.0
-"""A change of so many standard deviations is told by the readings; where one reaches the second, the axis is logarithmic beyond the
-third."""
+"""A change of so many standard deviations is told by the readings; where one reaches the second, the axis is logarithmic beyond
+the third."""
 _MOST_POSES = 1000
 """Measured poses that are drawn, spread evenly over the file."""
 _KINDS = {"group": "#2f7fc1", "inclination": "#e8743b", "position": "#3a9d5d", "orientation": "#8c5fbf", "distance": "#b5892b"}
@@ -85,8 +85,8 @@ def residual_figure(fit: Calibration) -> Figure:
 
 
 def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
-    """Readings by the size of their residual, and how many the normal distribution has there: N w exp(-t^2 / 2) / sqrt(2 pi) for N
-    readings and bins of width w, or a band over its three standard deviations where it is too narrow to be drawn."""
+    """Readings by the size of their residual, and how many the normal distribution has there: N w exp(-t^2 / 2) / sqrt(2 pi) for
+    N readings and bins of width w, or a band over its three standard deviations where it is too narrow to be drawn."""
     from matplotlib.ticker import MaxNLocator
 
     if len(values):
@@ -166,7 +166,8 @@ def _ratios(axes: Axes, kept: list[Parameter]) -> None:
 
 @drawing()
 def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
-    """Standard deviations of position and orientation over the poses, seen from above and from the side, and the poses measured."""
+    """Standard deviations of position and orientation over the poses, seen from above and from the side, and the poses
+    measured."""
     m = fit.mechanism
     figure, panels = _figure(11, 4.8, (1, 1))
     x, y, z = sigma.poses[:, 0], sigma.poses[:, 1], sigma.poses[:, 2]
@@ -194,7 +195,8 @@ def _drawn_of(measured: np.ndarray, fit: Calibration) -> str:
 
 
 def _platform_positions(fit: Calibration) -> np.ndarray:
-    """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed poses less the measuring frames."""
+    """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed poses less the measuring
+    frames."""
     rows = np.unique(np.linspace(0, len(fit.poses) - 1, _MOST_POSES).astype(int))
     back = {frame: _frame(fit.values, frame).inverse() for frame in ("world", "target")}
     poses = [back["world"] @ Pose(row[:3], row[3:]) @ back["target"] for row in fit.poses[rows]]

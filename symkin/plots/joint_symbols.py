@@ -36,8 +36,8 @@ def draw_symbol(
     label: str,
     order: float,
 ) -> None:
-    """Draw the symbol of a joint at `centre` (2,), its `axes` (2,) as they are seen (of 1), `size` long; every artist has the group
-    id `label`."""
+    """Draw the symbol of a joint at `centre` (2,), its `axes` (2,) as they are seen (of 1), `size` long; every artist has the
+    group id `label`."""
     fill = COLOURS["accent"] if actuated else "white"
     artists = _DRAWN[kind](centre, list(axes), size, fill)
     for number, artist in enumerate(artists):

@@ -49,8 +49,8 @@ class _Rail:
 
 @dataclass(eq=False)
 class LimbLines:
-    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the platform. `places` are those of
-    its joints by name, of a P joint the middle of its slide."""
+    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the platform. `places` are those
+    of its joints by name, of a P joint the middle of its slide."""
 
     name: str
     base: np.ndarray

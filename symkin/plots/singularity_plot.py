@@ -1,4 +1,5 @@
-"""The picture of a singularity: the configuration, with the axes of the platform's motions that the actuated joints do not hold."""
+"""The picture of a singularity: the configuration, with the axes of the platform's motions that the actuated joints do not
+hold."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a kinematic sketch shows and where: joints with their axes, links, base, platform, frames and dimensions, and the direction
-from which they are seen. NumPy only, base frame, length unit."""
+"""What a kinematic sketch shows and where: joints with their axes, links, base, platform, frames and dimensions, and the
+direction from which they are seen. NumPy only, base frame, length unit."""
 
 from __future__ import annotations
 
@@ -167,8 +167,8 @@ def _aside(joints: Sequence[JointMark], k: int, group: Sequence[int], taken: lis
 
 
 def plane_normal(joints: Sequence[JointMark], body: MechanismLines, size: float) -> np.ndarray | None:
-    """The normal of the plane in which a planar mechanism moves; None for others: all turns are about it, all slides across it, and
-    the points of each limb lie in one plane across it."""
+    """The normal of the plane in which a planar mechanism moves; None for others: all turns are about it, all slides across it,
+    and the points of each limb lie in one plane across it."""
     turning = [joint.axes[0] for joint in joints if joint.type == "R"]
     if not turning or any(joint.type not in ("R", "P") for joint in joints):
         return None

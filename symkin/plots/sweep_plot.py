@@ -70,8 +70,9 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
 
 
 def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | None = None) -> Figure:
-    """The map of a sweep or of its folder. `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut:
-    the nearest grid values are taken. Raises InputError for a folder that holds no sweep and a slice outside what is swept."""
+    """The map of a sweep or of its folder. `slices` gives values, in the mechanism's units, at which dimensions of a grid are
+    cut: the nearest grid values are taken. Raises InputError for a folder that holds no sweep and a slice outside what is
+    swept."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -24,7 +24,8 @@ _MOST_NAMED = 8
 @drawing()
 def figure_of_track(track: Track) -> Figure:
     """Panels over the path, or over time: the platform's position and turning from the start (direct problem) or the actuated
-    joints (inverse problem), and the smallest singular value; the stop, if any, as a line. Raises InputError for a track without samples."""
+    joints (inverse problem), and the smallest singular value; the stop, if any, as a line. Raises InputError for a track without
+    samples."""
     from matplotlib.figure import Figure
 
     if not track.samples:

@@ -222,8 +222,8 @@ def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np
 
 
 def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4, n),
-    and how far those that are more than rounding lie off them, 0 for others."""
+    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4,
+    n), and how far those that are more than rounding lie off them, 0 for others."""
     values, off = poses_coordinates(mechanism, position, quaternion)
     off = np.where(off < _ON_MOTION * mechanism.size, 0.0, off)
     if ties_poses(mechanism):

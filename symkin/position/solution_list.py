@@ -19,8 +19,8 @@ from symkin.spatial.pose import Pose
 @dataclass(frozen=True, eq=False, repr=False)
 class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
-    `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried), `radius`
-    (m,); `notes` are those of all."""
+    `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
+    `radius` (m,); `notes` are those of all."""
 
     closure: Closure
     values: np.ndarray

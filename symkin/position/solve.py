@@ -127,8 +127,8 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
 def solve_beside(problem: Problem, given: Given, solver: Solver, start: np.ndarray, which: str) -> SolveResult:
     """Iterate from a start; where it is singular, or nearly so and leads nowhere, from starts moved off it, and say so.
 
-    At a singular start Newton's step is rounding over rounding, and least squares do not slope along what is lost: what it leads to
-    is left to chance, unless the start nearly closes.
+    At a singular start Newton's step is rounding over rounding, and least squares do not slope along what is lost: what it leads
+    to is left to chance, unless the start nearly closes.
     """
     if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
         return solve_problem(problem, given, solver, start)

@@ -56,8 +56,8 @@ def singularity(
     eliminated: type 1 where B loses rank, type 2 where A does (Gosselin and Angeles 1990), and Zlatanov's conditions
     (Zlatanov, Fenton and Benhabib 1995). A distance is a singular value of rows of unit length; below `tolerance` it is zero.
 
-    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` and `start` (one of
-    joints and pose, in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
+    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` and `start` (one
+    of joints and pose, in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
     configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. `output` names what type 1 and
     type 2 are about, in place of the platform's position and orientation together: some of x, y, z (velocity of `point`, given in
     the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame. Raises SolveError where no

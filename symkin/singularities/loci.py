@@ -71,7 +71,8 @@ class Loci(Result):
         return angle_meaning(self.plane.names) if self.plane.of_pose else None
 
     def given(self, point: Sequence[float]) -> dict[str, Any]:
-        """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of the plane (mechanism's units)."""
+        """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of the plane (mechanism's
+        units)."""
         return self.plane.given(point)
 
     def to_dict(self) -> dict[str, Any]:

@@ -28,10 +28,10 @@ class Locus:
     Where passive joints alone lose the rank, the kind is "passive". `hits` counts the starts. Curves of
     other working modes and mirror images with the same picture are not listed again.
 
-    `in_mode` (n,) says which points belong to the working mode of the plane's configuration (all of them, where that
-    cannot be told); `self_motion`: finite steps show that the mechanism moves with both coordinates held; a curve of
-    one point without it is a place where curves nearly touch or cross. `cusps` (c, 2) are points at which the curve in the plane turns back. Values are in the mechanism's
-    units; configurations in radians.
+    `in_mode` (n,) says which points belong to the working mode of the plane's configuration (all of them, where that cannot be
+    told); `self_motion`: finite steps show that the mechanism moves with both coordinates held; a curve of one point without it
+    is a place where curves nearly touch or cross. `cusps` (c, 2) are points at which the curve in the plane turns back. Values
+    are in the mechanism's units; configurations in radians.
     """
 
     kind: str

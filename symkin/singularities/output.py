@@ -1,12 +1,12 @@
 """Reduce the velocity equations to an output: some velocity components of one point of the platform, not its whole twist.
 
-With y = O t the output's velocity and t = O^+ y + K z, where K spans the twists that leave the output at rest, the limbs' equations
-A t + B q' = 0 become A O^+ y + A K z + B q' = 0. What z does is of no interest, so z is eliminated as passive joints are, and
-a y + b q' = 0 is left, rows of all limbs orthonormal together: type 1 where b loses rank, type 2 where a does. Such rows depend on
-the motions of output and joints alone, not on which limb carries the platform: distances of mirror images are equal, and are
-not those of the whole twist, whose rows are orthonormal limb by limb. A limb's dead centre, whose joint
-turns while the output stands, is told whichever limb the platform belongs to. O^+ and K are taken in the twists about the
-output's point (velocity there; size times angular velocity), so that distances do not depend on the platform's origin.
+With y = O t the output's velocity and t = O^+ y + K z, where K spans the twists that leave the output at rest, the limbs'
+equations A t + B q' = 0 become A O^+ y + A K z + B q' = 0. What z does is of no interest, so z is eliminated as passive joints
+are, and a y + b q' = 0 is left, rows of all limbs orthonormal together: type 1 where b loses rank, type 2 where a does. Such rows
+depend on the motions of output and joints alone, not on which limb carries the platform: distances of mirror images are equal,
+and are not those of the whole twist, whose rows are orthonormal limb by limb. A limb's dead centre, whose joint turns while the
+output stands, is told whichever limb the platform belongs to. O^+ and K are taken in the twists about the output's point
+(velocity there; size times angular velocity), so that distances do not depend on the platform's origin.
 """
 
 from __future__ import annotations

@@ -41,15 +41,15 @@ def singular_loci(
 ) -> Loci:
     """Find the curves of singular configurations over two coordinates, all others as in `solution`.
 
-    A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w, with J the part of
-    dF/d(q, x, X) that loses rank: type 2 for all unknowns of the direct problem, type 1 for one limb's joints (Gosselin and Angeles
-    1990). Every equation is solved at every point. A closed curve that no start reaches is missed: `Loci.notes` say so.
+    A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w, with J the part of dF/d(q, x, X)
+    that loses rank: type 2 for all unknowns of the direct problem, type 1 for one limb's joints (Gosselin and Angeles 1990).
+    Every equation is solved at every point. A closed curve that no start reaches is missed: `Loci.notes` say so.
 
     `solution` is a configuration, from `symkin.solve` or `symkin.modes`; its working mode is the one that `Locus.in_mode` names.
-    `plane` names two actuated joints or two pose coordinates, with the same meaning as in `symkin.sweep`: x, y, z, gamma (about z,
-    from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two pairs
-    in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought; `starts`
-    (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
+    `plane` names two actuated joints or two pose coordinates, with the same meaning as in `symkin.sweep`: x, y, z, gamma (about
+    z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two
+    pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought;
+    `starts` (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
 
         >>> import symkin
         >>> platform = symkin.load("zhang2009")

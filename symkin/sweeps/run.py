@@ -80,7 +80,8 @@ class Swept(Result):
 
 
 class SweepOptions(TypedDict, total=False):
-    """What `sweep` takes beside the grid, its folder, `over` and `at`, as the options of `symkin sweep`; the values in brackets stand where nothing is given."""
+    """What `sweep` takes beside the grid, its folder, `over` and `at`, as the options of `symkin sweep`; the values in brackets
+    stand where nothing is given."""
 
     random: int | None
     """Points of a random sample, in place of a grid: `grid` then maps names to (least, largest). [a grid]"""
@@ -132,11 +133,11 @@ def sweep(
 ) -> Swept:
     """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
 
-    `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` = "poses", coordinates of the platform's
-    motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the orientation of
-    `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is not swept:
-    all actuated joints, in file order or by name, or a pose. `options` are those of `SweepOptions`: random, seed, quantity,
-    certify, starts, chunk, executor, workers, dask, progress.
+    `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` = "poses", coordinates of the
+    platform's motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the
+    orientation of `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is
+    not swept: all actuated joints, in file order or by name, or a pose. `options` are those of `SweepOptions`: random, seed,
+    quantity, certify, starts, chunk, executor, workers, dask, progress.
 
     The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
     what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs

@@ -1,7 +1,8 @@
 """The folder of a sweep: a Zarr group that `xarray.open_zarr` reads, written chunk by chunk.
 
-A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after the chunk's data, so
-that whatever a killed run left is computed again; `digest` tells files that were lost or damaged since (see `damage`). The dimension `mode` grows to the most modes met, whatever the order.
+A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after the chunk's data, so that
+whatever a killed run left is computed again; `digest` tells files that were lost or damaged since (see `damage`). The dimension
+`mode` grows to the most modes met, whatever the order.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Solve small symbolic systems by least squares or for the shortest solution, without choice of pivots.
 
-Columns are made orthogonal one after the other (modified Gram-Schmidt without square roots, Bjoerck 1967), M = V U with V^T V diagonal
-and U unit upper triangular: as accurate as other orthogonal factorisations in solving, and defined wherever the columns
+Columns are made orthogonal one after the other (modified Gram-Schmidt without square roots, Bjoerck 1967), M = V U with V^T V
+diagonal and U unit upper triangular: as accurate as other orthogonal factorisations in solving, and defined wherever the columns
 are independent, so that expressions have no poles of their own.
 """
 

@@ -40,11 +40,11 @@ class Jacobian(Result):
     "passive"    x' = Jp q', the closure's passive joints; a spherical joint has     p x n
                  its angular velocity in the frame before the joint
 
-    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and
-    of `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints
-    than freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints
-    have more freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`. `at` evaluates the matrix, `function`
-    is a CasADi function, `plot(at=...)` draws the matrix at a configuration.
+    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and of
+    `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints than
+    freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints have more
+    freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`. `at` evaluates
+    the matrix, `function` is a CasADi function, `plot(at=...)` draws the matrix at a configuration.
 
     >>> import symkin
     >>> platform = symkin.load("zhang2009")
@@ -203,10 +203,10 @@ class Jacobian(Result):
 def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:
     """Build a symbolic Jacobian of a mechanism from its velocity equations A t + P x' + B q' = 0.
 
-    `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose coordinates) or "passive" (x' = Jp q'), as
-    `Jacobian` says with shapes and units. With `parameters` the geometry stays symbols, else it is bound as numbers.
-    Passive joints are eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). Raises InputError for
-    a kind that is unknown or that the mechanism lacks.
+    `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose coordinates) or "passive" (x' = Jp q'),
+    as `Jacobian` says with shapes and units. With `parameters` the geometry stays symbols, else it is bound as numbers. Passive
+    joints are eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). Raises InputError for a kind
+    that is unknown or that the mechanism lacks.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")

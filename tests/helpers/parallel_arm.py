@@ -80,8 +80,8 @@ def moved_lines(tilt: float, shift: float, rng: np.random.Generator) -> np.ndarr
 
 
 def _table_of(lines: list[tuple[np.ndarray, np.ndarray]], tool: np.ndarray) -> np.ndarray:
-    """DH rows from the joints' lines (point, axis) and the tool frame: feet of common normals; the last frame stands at the tool's
-    origin with its z along the last axis."""
+    """DH rows from the joints' lines (point, axis) and the tool frame: feet of common normals; the last frame stands at the
+    tool's origin with its z along the last axis."""
     x, origin, table = np.array([1.0, 0.0, 0.0]), np.zeros(3), []
     for (p, z), (q, w) in pairwise([*lines, (tool[:3, 3], lines[-1][1])]):
         normal = np.cross(z, w)

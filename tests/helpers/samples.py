@@ -242,7 +242,8 @@ def parallel_rrr(motion: str = "spatial") -> Mechanism:
 
 
 def bars(ground: float, crank: float, coupler: float, rocker: float, motion: str = "planar", **options) -> Mechanism:
-    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler, its frame in the crank's pin."""
+    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler, its frame in the crank's
+    pin."""
     begin = math.radians(60)
     b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
     c = circles(b, coupler, np.array([ground, 0.0]), rocker)[0]

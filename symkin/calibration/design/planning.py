@@ -1,8 +1,8 @@
 """Plan measurements: which configurations, and which wedges under the inclinometer, identify the geometry best.
 
-Candidates are random configurations of the workspace, for groups at the inclination of each wedge. Of these N are chosen by D-, A- or
-I-optimality (see `exchange_algorithm`), then moved a little at a time while that helps. I-optimality makes the mean pose variance over
-test poses of the workspace least, constant base and tool frames taken away ("aligned") or not.
+Candidates are random configurations of the workspace, for groups at the inclination of each wedge. Of these N are chosen by D-,
+A- or I-optimality (see `exchange_algorithm`), then moved a little at a time while that helps. I-optimality makes the mean pose
+variance over test poses of the workspace least, constant base and tool frames taken away ("aligned") or not.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class Accuracy:
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan(Result):
     """Configurations in the order of their groups; `groups` (n,) numbers into `wedges` (G, 2), -1 without groups; predicted
-    accuracy of the plan, and of as many random configurations in as many random groups; `observable` is the rank that these readings
-    would reach at many configurations."""
+    accuracy of the plan, and of as many random configurations in as many random groups; `observable` is the rank that these
+    readings would reach at many configurations."""
 
     mechanism: Mechanism
     configurations: ClosedConfigurations

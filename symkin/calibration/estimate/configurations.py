@@ -26,7 +26,8 @@ ROUGHLY_SOLVED_TOLERANCE = 1e-6
 _MAX_STEP = 0.3
 """Longest Newton step, of the size: longer ones leave the assembly mode."""
 _ROUNDED_CLOSURE, _CLOSED_TO_ROUNDING = 1e-14, 1e-11
-"""Closure error (of the size) at which poses and joints that are drawn are no longer improved, and that below which they are closed."""
+"""Closure error (of the size) at which poses and joints that are drawn are no longer improved, and that below which they are
+closed."""
 _MAX_POSE_STEP = 0.5
 """Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
 _MAX_STEPS, _MAX_POSE_STEPS = 20, 30
@@ -63,8 +64,8 @@ class _Steps:
 def _newton(
     linearise: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], system: System, z: np.ndarray, steps: _Steps
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Newton, or Gauss-Newton where rows are more than unknowns, with a bounded step: points z (n, width) and their largest closure
-    rows over the size (n,)."""
+    """Newton, or Gauss-Newton where rows are more than unknowns, with a bounded step: points z (n, width) and their largest
+    closure rows over the size (n,)."""
     largest = np.full(len(z), np.inf)
     for _ in range(steps.count):
         rows, rows_z = linearise(z)
@@ -209,8 +210,8 @@ def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarra
 
 
 def closed_points(system: System, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Solve a system by Newton from points z (n, width), each with known values (n, k) of its own: points, and which of them closed
-    to rounding (n,)."""
+    """Solve a system by Newton from points z (n, width), each with known values (n, k) of its own: points, and which of them
+    closed to rounding (n,)."""
     steps = _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
     z, largest = _newton(lambda z: system.linearise(z, known), system, z, steps)
     return z, largest < _CLOSED_TO_ROUNDING

@@ -29,8 +29,8 @@ from symkin.numeric.tolerances import RANK_TOLERANCE
 MINIMUM_TOLERANCE = 1e-6
 """A state is a minimum when one more linear step would lower chi-square by less than this."""
 FAINT_SINGULAR_RATIO = 1e-13
-"""Singular values of the equilibrated design below this, of the largest, are rounding. Directions between it and RANK_TOLERANCE are
-too faint for a rank and a standard deviation, and still lower the cost."""
+"""Singular values of the equilibrated design below this, of the largest, are rounding. Directions between it and RANK_TOLERANCE
+are too faint for a rank and a standard deviation, and still lower the cost."""
 _ROUNDING_RESIDUAL = 1e-12
 """Residuals below this, over the size, are no more than arithmetic leaves."""
 _FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MIN_DAMPING, _MAX_DAMPING = 1e-3, 2.0, 10.0, 1e-20, 1e4
@@ -44,8 +44,8 @@ _MIN_COLUMN_LENGTH = 1e-3
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.1875
 """Share of a step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-8, 20
-"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that readings determine to second order only lets the linear model
-promise more at every step."""
+"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that
+readings determine to second order only lets the linear model promise more at every step."""
 
 
 def undetermined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:

@@ -1,10 +1,10 @@
 """State a calibration problem: mechanism, readings, the parameters to identify and those that are held.
 
 By default all parameters that matter are identified. A file writes down more than the geometry has: a direction has a length, the
-point of a joint may lie anywhere on its axis, a slide may pass anywhere, a passive joint's zero shifts only its own coordinate, and any
-closed configuration may be the reference, so that points and axes there determine the zeros of actuated joints. Of each such freedom
-one parameter is left out: the largest component. What is free at the nominal values only, parallel axes for instance, stays: the
-machine as built may determine it.
+point of a joint may lie anywhere on its axis, a slide may pass anywhere, a passive joint's zero shifts only its own coordinate,
+and any closed configuration may be the reference, so that points and axes there determine the zeros of actuated joints. Of each
+such freedom one parameter is left out: the largest component. What is free at the nominal values only, parallel axes for
+instance, stays: the machine as built may determine it.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ class CalibrationProblem:
 
     @property
     def is_large(self) -> bool:
-        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all configurations."""
+        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all
+        configurations."""
         system = self.model.system
         return len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
 

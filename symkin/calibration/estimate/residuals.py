@@ -1,9 +1,9 @@
 """Form the residuals of readings, r = W (h - m), with the unknown inclination of each group eliminated.
 
 In a group only equality is known. Three forms of it:
-  differences          of neighbours in the group, taken as if they were independent
-  means                deviations from the group's weighted mean: least squares with the inclination as an unknown
-  maximum likelihood   the same with the covariance of each configuration's readings, S = diag(sigma^2) + H_q diag(sigma_q^2) H_q^T,
+  differences          of neighbours in the group, taken as if they were independent means                deviations from the
+  group's weighted mean: least squares with the inclination as an unknown maximum likelihood   the same with the covariance of
+  each configuration's readings, S = diag(sigma^2) + H_q diag(sigma_q^2) H_q^T,
                        H_q = -h_z F_z^-1 F_q the effect of joint noise (errors in variables, linearised)
 """
 
@@ -86,7 +86,8 @@ class Readings:
 
     @cached_property
     def shares(self) -> np.ndarray:
-        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2, members), each group's sum 1."""
+        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2, members), each group's sum
+        1."""
         squares = self.weight[self.order][:, self.columns] ** 2
         return np.asarray((squares / np.add.reduceat(squares, self.begins, axis=0)[self.places]).T)
 

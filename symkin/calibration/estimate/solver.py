@@ -1,8 +1,8 @@
 """Solve the least squares over parameters and poses: Levenberg-Marquardt with every configuration condensed.
 
 Steps solve the small problem of the parameters (see `state`) by QR of columns that count lengths alike (see `model`). "nested"
-solves the direct problem of every configuration before a step is judged; "lifted" treats the poses as unknowns and lets closure and
-readings converge together. Rows that the unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step
+solves the direct problem of every configuration before a step is judged; "lifted" treats the poses as unknowns and lets closure
+and readings converge together. Rows that the unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step
 keeps C dp = -c. Along directions that no reading determines, parameters are moved nearest to nominal afterwards.
 """
 
@@ -41,8 +41,8 @@ valleys are crossed faster so than along their floor."""
 _MAX_PARAMETER_STEP = 0.5
 """A nested step that moves a parameter by more than this (of the size) is damped: no geometry is so far off."""
 _FIRST_DAMPING, _MIN_DAMPING = 1e-4, 1e-15
-"""Damping after the first undamped step that failed, and that below which there is none: directions that readings hardly tell have
-squared singular values so much smaller than the columns' lengths."""
+"""Damping after the first undamped step that failed, and that below which there is none: directions that readings hardly tell
+have squared singular values so much smaller than the columns' lengths."""
 _STEPS_AFTER_REFUSAL = 3
 """Steps during which the damping stays after less of it was refused: trying again costs an evaluation each time."""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-7, 4
@@ -133,9 +133,9 @@ def descend_from(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, resu
 
 @dataclass(eq=False)
 class _Search:
-    """The iteration: `state` is where it stands, `best` where the cost was least. `rising_steps` counts undamped steps without a lower
-    cost, of which `allowed_rising_steps` are allowed; `last_length` is the length of the last undamped step, of the size; `slow_steps` counts damped steps
-    that gain next to nothing; `last_refused` is the last iteration whose step was taken back."""
+    """The iteration: `state` is where it stands, `best` where the cost was least. `rising_steps` counts undamped steps without a
+    lower cost, of which `allowed_rising_steps` are allowed; `last_length` is the length of the last undamped step, of the size;
+    `slow_steps` counts damped steps that gain next to nothing; `last_refused` is the last iteration whose step was taken back."""
 
     problem: CalibrationProblem
     form: Form

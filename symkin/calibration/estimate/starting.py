@@ -1,10 +1,10 @@
 """Choose the assembly mode in which each configuration starts: the one that fits what was read of it.
 
-Joint readings leave a parallel mechanism several assembly modes. A configuration starts at its measured pose where that is whole, else
-at what was read of it, completed from the nearest configuration whose pose is whole, else from home. Where it is not whole and the
-solution found so does not fit the configuration's own readings, solved neighbours are followed to it, and where these do not fit either
-all modes of the geometry at its joint readings are listed. Groups of equal inclination judge no configuration alone: there each mode of
-one configuration is followed through the whole file, and the one whose groups agree best is taken.
+Joint readings leave a parallel mechanism several assembly modes. A configuration starts at its measured pose where that is whole,
+else at what was read of it, completed from the nearest configuration whose pose is whole, else from home. Where it is not whole
+and the solution found so does not fit the configuration's own readings, solved neighbours are followed to it, and where these do
+not fit either all modes of the geometry at its joint readings are listed. Groups of equal inclination judge no configuration
+alone: there each mode of one configuration is followed through the whole file, and the one whose groups agree best is taken.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ _DOUBTFUL_RATIO, _MIN_DOUBTFUL_GAP = 8.0, 1e-4
 _MODE_IMPROVEMENT = 0.5
 """Another mode is taken where the readings are off by less than this share of what they are off in the present one."""
 _MAX_LISTED, _FOLLOWED_NEIGHBOURS = 12, 3
-"""Configurations whose modes are listed at most in one round, spread over the file, and neighbours that are followed to a configuration."""
+"""Configurations whose modes are listed at most in one round, spread over the file, and neighbours that are followed to a
+configuration."""
 _MAX_COMPARED_ROWS, _BLOCK_ROWS = 1000, 5000
 """Most rows among which neighbours are sought, and rows whose readings are evaluated at once."""
 _RANDOM_STARTS = 200
@@ -47,7 +48,8 @@ _RANDOM_STARTS = 200
 _MAX_ROUNDS = 3
 """Rounds of neighbours and lists: a configuration found in one serves its neighbours in the next."""
 _INDISTINCT_RATIO = 1.5
-"""Modes through whose configurations the groups disagree by less than this times the least disagreement are not told apart by groups."""
+"""Modes through whose configurations the groups disagree by less than this times the least disagreement are not told apart by
+groups."""
 
 
 # --- where a direct problem begins -----------------------------------------------------------------------------------

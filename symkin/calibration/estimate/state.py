@@ -23,11 +23,13 @@ from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, l
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
-"""A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same evaluation."""
+"""A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same
+evaluation."""
 CONSTRAINT_WEIGHT = 1e6
 """Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
 CONSTRAINT_ROUNDING = 1e-9
-"""Singular values of the rows left over (per length unit of scaled parameters) up to this are rounding: such rows bind nothing."""
+"""Singular values of the rows left over (per length unit of scaled parameters) up to this are rounding: such rows bind
+nothing."""
 _RESTORATION_STEPS = 2
 """Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
 
@@ -184,7 +186,8 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
 
 @dataclass(frozen=True, eq=False)
 class LargeState(State):
-    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `linearised` condensed."""
+    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `linearised`
+    condensed."""
 
     problem: CalibrationProblem
 

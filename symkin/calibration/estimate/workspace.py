@@ -48,7 +48,8 @@ _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
 _POORER_CONDITION = 3.0
 """The example's pose is home where the reference's condition is worse by this factor."""
 _SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
-"""Condition of the direct problem above which home counts as singular, and how many times home's that of a configuration may be."""
+"""Condition of the direct problem above which home counts as singular, and how many times home's that of a configuration may
+be."""
 
 
 @dataclass(frozen=True, eq=False)

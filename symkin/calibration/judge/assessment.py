@@ -1,9 +1,9 @@
 """Build the result of a calibration from its fit: standard deviations, residuals, chi-square and notes.
 
-The figures are those of the corrected mechanism file as its users will read it: it is written, read back, and its direct problems are
-solved at the rows measured. `read_back` gives the state at the values that the file holds, and a sentence where the file is not what was
-fitted: it cannot be read, a row does not close, a rod is inside out, a limit is passed, or a reading comes out otherwise than in the fit
-by more than rounding.
+The figures are those of the corrected mechanism file as its users will read it: it is written, read back, and its direct problems
+are solved at the rows measured. `read_back` gives the state at the values that the file holds, and a sentence where the file is
+not what was fitted: it cannot be read, a row does not close, a rod is inside out, a limit is passed, or a reading comes out
+otherwise than in the fit by more than rounding.
 """
 
 from __future__ import annotations

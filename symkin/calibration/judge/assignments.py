@@ -1,11 +1,11 @@
 """Find what was assigned wrongly: columns to joints, and configurations to groups of equal inclination.
 
-Where whole poses were measured, each limb of a parallel mechanism has a joint value of its own at each pose (the inverse problem at the
-nominal geometry), and the columns are assigned to the limbs that they fit best, whatever the order. Elsewhere single exchanges and signs
-are taken one after the other, each the best, while the readings fit better.
+Where whole poses were measured, each limb of a parallel mechanism has a joint value of its own at each pose (the inverse problem
+at the nominal geometry), and the columns are assigned to the limbs that they fit best, whatever the order. Elsewhere single
+exchanges and signs are taken one after the other, each the best, while the readings fit better.
 
-Inclinations at the nominal geometry show configurations in a wrong group, two groups under one label, and labels that have nothing to do
-with the inclinations.
+Inclinations at the nominal geometry show configurations in a wrong group, two groups under one label, and labels that have
+nothing to do with the inclinations.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ _COMPARED_NEIGHBOURS, _SCATTER_RATIO = 3, 5.0
 def best_column_order(
     mechanism: Mechanism, m: Measurements, misfit: Callable[[Measurements], float]
 ) -> tuple[str, Measurements] | None:
-    """A sentence on the order and signs of the joint columns that explain the readings, and the readings put right; None where the
-    columns stand as they should, or where too few poses are known."""
+    """A sentence on the order and signs of the joint columns that explain the readings, and the readings put right; None where
+    the columns stand as they should, or where too few poses are known."""
     whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
     if not mechanism.serial and np.sum(whole) >= _MIN_WHOLE_POSES and len(mechanism.actuated) <= _MAX_ASSIGNED_JOINTS:
         found = _assign_columns(mechanism, m.subset(whole))
@@ -174,7 +174,8 @@ def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[s
 
 
 class _GroupedInclinations:
-    """Configurations `members` (numbers in the measurements) with the places (m,) of their groups and inclinations (m, 2), radians."""
+    """Configurations `members` (numbers in the measurements) with the places (m,) of their groups and inclinations (m, 2),
+    radians."""
 
     def __init__(
         self, mechanism: Mechanism, measurements: Measurements, members: np.ndarray, places: np.ndarray, inclination: np.ndarray

@@ -1,7 +1,9 @@
-"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels (another Euler sequence: see `euler_sequence`).
+"""Diagnose data-file mistakes: wrong units, swapped columns, flipped signs, wrong labels (another Euler sequence: see
+`euler_sequence`).
 
-`RULES` is the table of the mistakes that are looked for. The readings alone show some; for the others the readings are put right and the
-direct problems solved again at the nominal geometry, and a mistake is named when the readings then agree with it many times better.
+`RULES` is the table of the mistakes that are looked for. The readings alone show some; for the others the readings are put right
+and the direct problems solved again at the nominal geometry, and a mistake is named when the readings then agree with it many
+times better.
 """
 
 from __future__ import annotations
@@ -47,7 +49,8 @@ the upper one."""
 
 
 class Stage(Enum):
-    """What shows a mistake. Rules of a stage are looked at where those before it found nothing; positions besides the corrections."""
+    """What shows a mistake. Rules of a stage are looked at where those before it found nothing; positions besides the
+    corrections."""
 
     READINGS = auto()
     CORRECTION = auto()
@@ -58,7 +61,8 @@ class Stage(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """What the rules look at: some readings of a mechanism without standard deviations, and parameters that are unknown frames."""
+    """What the rules look at: some readings of a mechanism without standard deviations, and parameters that are unknown
+    frames."""
 
     mechanism: Mechanism
     measurements: Measurements
@@ -83,8 +87,8 @@ class Rule:
 
 
 def diagnose(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> tuple[str, ...]:
-    """Sentences on mistakes in the columns, at most three; none where nothing explains the readings better than they are. `frames`
-    are unknown ones, which are sought anew for each mistake."""
+    """Sentences on mistakes in the columns, at most three; none where nothing explains the readings better than they are.
+    `frames` are unknown ones, which are sought anew for each mistake."""
     examined = _without_sigmas(measurements.subset(_examined_rows(measurements)))
     case = Case(mechanism, examined, tuple(frames))
     found = _sentences(case, Stage.READINGS)
@@ -133,9 +137,9 @@ def _improvements(case: Case, judged: Iterable[tuple[str, Measurements]]) -> lis
 
 
 def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Sequence[str] = ()) -> float:
-    """Root mean square of readings less those of the nominal geometry, angles times the size (length unit), over the better
-    four fifths of the configurations, so that single bad rows do not count; a configuration that does not close counts as one size. `frames`
-    that are unknown are where they fit best."""
+    """Root mean square of readings less those of the nominal geometry, angles times the size (length unit), over the better four
+    fifths of the configurations, so that single bad rows do not count; a configuration that does not close counts as one size.
+    `frames` that are unknown are where they fit best."""
     try:
         ready = with_starts(mechanism, _without_sigmas(measurements), posed=not frames, completed=not has_home(mechanism))
         problem = build_calibration(mechanism, ready, parameters=frames or None)
@@ -165,8 +169,8 @@ def _without_sigmas(m: Measurements) -> Measurements:
 
 
 def _joints_at_rest(case: Case) -> Iterator[Finding]:
-    """Every joint stays where it is but for noise: its spread is nothing beside the size and, of a length, which may be in another
-    unit, beside its value."""
+    """Every joint stays where it is but for noise: its spread is nothing beside the size and, of a length, which may be in
+    another unit, beside its value."""
     m, joints = case.mechanism, case.measurements.joints
     mean, spread = np.abs(np.mean(joints, axis=0)), np.std(joints, axis=0)
     most = np.array([1.0 if c.is_angular else min(m.size, 10.0 * mean[k]) for k, c in enumerate(m.actuated)])
@@ -199,7 +203,8 @@ def _units_of_all_joints(case: Case) -> Iterator[Finding]:
 
 
 def _unit_of_one_joint(case: Case) -> Iterator[Finding]:
-    """Single joints whose readings spread, and are, about 1000 times more or less than those of the other joints of their kind."""
+    """Single joints whose readings spread, and are, about 1000 times more or less than those of the other joints of their
+    kind."""
     m, joints = case.mechanism, case.measurements.joints
     columns = _columns_of_kind(m, angular=False)
     spread, large = np.std(joints[:, columns], axis=0), np.sqrt(np.mean(joints[:, columns] ** 2, axis=0))

@@ -34,14 +34,15 @@ _FITTED_SEQUENCES = 4
 _CLEAR_RATIO = 4.0
 """The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
 _UNCLOSED_MISFIT = 0.1
-"""A configuration that does not close counts as one whose readings are off by this share of the size (angles: radians), and no configuration
-counts as more: the sequence that explains most of the configurations is wanted, and not the one that leaves out what it does not."""
+"""A configuration that does not close counts as one whose readings are off by this share of the size (angles: radians), and no
+configuration counts as more: the sequence that explains most of the configurations is wanted, and not the one that leaves out
+what it does not."""
 
 
 @dataclass(frozen=True)
 class SequenceTrial:
-    """A trial fit: chi-square over all configurations, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of freedom, and
-    whether standard deviations are known."""
+    """A trial fit: chi-square over all configurations, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of
+    freedom, and whether standard deviations are known."""
 
     chi_square: float
     degrees: int
@@ -196,8 +197,9 @@ def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class _TrialStart:
-    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, configurations z there, which of
-    them close, and how badly the readings fit (angles times the size; a configuration that does not close counts as one size)."""
+    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, configurations z there,
+    which of them close, and how badly the readings fit (angles times the size; a configuration that does not close counts as one
+    size)."""
 
     measurements: Measurements
     p: np.ndarray
@@ -206,7 +208,8 @@ class _TrialStart:
     misfit: float
 
     def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> SequenceTrial | None:
-        """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of freedom."""
+        """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of
+        freedom."""
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
         if not np.all(np.isfinite(state.linearised.vector)):

@@ -1,8 +1,8 @@
 """Hold out configurations from a fit, and test how well the fit predicts them.
 
 Of a prediction at held-out configurations the whitened errors e have the covariance 1 + M M^T, M = W (dh/dp) L with L L^T the
-covariance of the parameters, so that e^T (1 + M M^T)^-1 e = |e|^2 - e^T M (1 + M^T M)^-1 M^T e has the chi-square distribution with as
-many degrees of freedom as readings were held out, less two for the unknown inclination of each group.
+covariance of the parameters, so that e^T (1 + M M^T)^-1 e = |e|^2 - e^T M (1 + M^T M)^-1 M^T e has the chi-square distribution
+with as many degrees of freedom as readings were held out, less two for the unknown inclination of each group.
 """
 
 from __future__ import annotations
@@ -35,8 +35,9 @@ _OUTLIER_LEVEL = 0.02
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Predictions at configurations that were held out, by their labels: root mean square of the errors and what was expected of it, by
-    kind (radians, length unit); chi-square without the `outliers`, its degrees of freedom and probability; configurations `unsolved`."""
+    """Predictions at configurations that were held out, by their labels: root mean square of the errors and what was expected of
+    it, by kind (radians, length unit); chi-square without the `outliers`, its degrees of freedom and probability; configurations
+    `unsolved`."""
 
     labels: tuple[str, ...]
     rms: dict[str, float]

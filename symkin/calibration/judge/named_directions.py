@@ -1,8 +1,8 @@
 """Name directions in parameter space along which nothing that is read may change.
 
-Moving the base frame or the platform frame, stretching everything, shifting a joint's point along its axis, shifting the offsets of
-parallel axes: each is a velocity of every parameter of the mechanism. A direction that lies in the null space of the identification
-Jacobian is what the readings cannot tell, and has a name.
+Moving the base frame or the platform frame, stretching everything, shifting a joint's point along its axis, shifting the offsets
+of parallel axes: each is a velocity of every parameter of the mechanism. A direction that lies in the null space of the
+identification Jacobian is what the readings cannot tell, and has a name.
 """
 
 from __future__ import annotations

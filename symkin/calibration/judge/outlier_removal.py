@@ -1,7 +1,7 @@
 """Fit without readings that do not belong: one after the other, or all that the majority of the readings speaks against.
 
-Each refit starts from the fit before it. One that does not converge, or fits the readings left worse, is undone. What was taken out
-is judged once more by the last fit: a reading that agrees with it is put back.
+Each refit starts from the fit before it. One that does not converge, or fits the readings left worse, is undone. What was taken
+out is judged once more by the last fit: a reading that agrees with it is put back.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ _GROSS_SHARE = 0.1
 _MAX_REJECTED_SHARE = 0.45
 """Largest share of the readings that may be taken out by the word of the others."""
 _GROSS_RATIO, _MAX_GROSS_SHARE = 6.0, 0.01
-"""Readings off by so many times the scale of the better half, more than this share of all, are no normal noise stated too small."""
+"""Readings off by so many times the scale of the better half, more than this share of all, are no normal noise stated too
+small."""
 _GOOD_SCALE = 2.0
 """Scale of the better half, over the noise stated, from which another start is tried."""
 _WORSE_RATIO = 2.0
@@ -81,8 +82,8 @@ def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fi
 def _one_by_one(
     fit: FitFunction, measurements: Measurements, first: Fit, level: float, before: Sequence[Outlier] = ()
 ) -> ScreenedFit:
-    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that good readings look bad: in each round
-    only those go whose statistic is `_GROSS_SHARE` of the largest or more, and the rest is judged at a new fit."""
+    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that good readings look bad: in each
+    round only those go whose statistic is `_GROSS_SHARE` of the largest or more, and the rest is judged at a new fit."""
     found, taken_out, allowed = first, list(before), None
     unchecked: tuple[ReadingKey, ...] = ()
     while True:

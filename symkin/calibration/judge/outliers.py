@@ -55,8 +55,8 @@ class Screening:
 
 @dataclass(frozen=True, eq=False)
 class _ReadingTests:
-    """Readings of one kind: configurations (m,), rows of the linear model (m, w), statistics and degrees of freedom (m,), whitened
-    shifts (m, w)."""
+    """Readings of one kind: configurations (m,), rows of the linear model (m, w), statistics and degrees of freedom (m,),
+    whitened shifts (m, w)."""
 
     kind: str
     configurations: np.ndarray

@@ -5,15 +5,15 @@ not believable, and yet nearer to the truth than nominal. Readings that mean som
 sequence) leave residuals far beyond any noise, and move the geometry by a large share of its size to reach even these.
 
 How far a geometry went from the file's, its departure, is measured by poses. Parameters tell it badly: frames are free, nearly
-parallel axes move by hundreds of metres, and a small change of one parameter may matter more than a large one of another. What counts
-is the map from joint readings to poses: the poses of both geometries at the joint readings measured, after the best constant frames W
-and T of base and tool,
+parallel axes move by hundreds of metres, and a small change of one parameter may matter more than a large one of another. What
+counts is the map from joint readings to poses: the poses of both geometries at the joint readings measured, after the best
+constant frames W and T of base and tool,
 
     departure = rms |X_fit - W X_file T| / rms |X_fit - mean|,    angles times the lever of the platform's joint points,
 
-over the better four fifths of the configurations: near a singularity of either geometry poses are far apart for nothing. A machine as
-it is built differs from its drawing by some per mille, and its poses by about that share of their spread. With columns exchanged, a
-sign turned, or the file of another machine it is a share that can be seen.
+over the better four fifths of the configurations: near a singularity of either geometry poses are far apart for nothing. A
+machine as it is built differs from its drawing by some per mille, and its poses by about that share of their spread. With columns
+exchanged, a sign turned, or the file of another machine it is a share that can be seen.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ LARGE_CHANGE = 0.2
 """A change of a parameter by more than this share of the size (angles: radians) is no correction of a nominal geometry."""
 OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
 """A departure (see `departure`) by more than the first share is no correction of the machine that the file describes, but another
-machine; one by more than the second is, where a mistake in the columns would explain it. Tolerances of some per mille of the size leave some
-per mille, a nominal geometry measured with a ruler two or three per cent."""
+machine; one by more than the second is, where a mistake in the columns would explain it. Tolerances of some per mille of the size
+leave some per mille, a nominal geometry measured with a ruler two or three per cent."""
 _NEGLIGIBLE_CHANGE = 0.03
 """Changes of all parameters below this share of the size (angles: radians) are the same machine, although near singularities
 its poses may differ by much."""
@@ -199,8 +199,9 @@ def _relative_change(fit: Calibration, p: Parameter) -> float:
 
 @dataclass(frozen=True)
 class Departure:
-    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `unclosed` the number
-    of configurations, of `configurations`, that the file's geometry cannot take near the fitted pose; these count as one spread."""
+    """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean squares of its parts, `unclosed` the
+    number of configurations, of `configurations`, that the file's geometry cannot take near the fitted pose; these count as one
+    spread."""
 
     share: float
     position: float
@@ -261,8 +262,8 @@ class _PoseSet:
         return _PoseSet(self.places[:, index], self.turns[:, index], self.length)
 
     def framed(self, step: np.ndarray) -> _PoseSet:
-        """W X T for a step (12): translations (length unit) and rotation vectors (times the length) of W, then of T; W turns about
-        the middle of the places."""
+        """W X T for a step (12): translations (length unit) and rotation vectors (times the length) of W, then of T; W turns
+        about the middle of the places."""
         world, tool = (_repeated_quaternion(step[k : k + 3] / self.length, self.places.shape[1]) for k in (3, 9))
         middle = np.mean(self.places, axis=1, keepdims=True)
         moved = self.places + np.asarray(rotate(self.turns, np.tile(step[6:9, None], self.places.shape[1])))

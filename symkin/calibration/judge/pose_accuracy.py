@@ -25,8 +25,8 @@ _ACCURACY_POSES = 200
 _NOMINAL_ERROR = 1e-3
 """Share of the size by which the nominal geometry may be off along a direction that no reading determines."""
 _UNDETERMINED_SLOPES = (1e-4, 1e-2)
-"""Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard deviation:
-slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
+"""Such a direction moves the pose when the aligned pose slope along it, times that error, is more than the pose's standard
+deviation: slopes below the first are rounding (parameters that matter have about 1), slopes above the second always count."""
 _REGION_TEXT = f"{_ACCURACY_POSES} random poses in the region measured"
 _DRAWN_POSES = 2 * _ACCURACY_POSES
 """Poses that are drawn for these; some do not close or are near a singularity."""
@@ -89,7 +89,8 @@ def _pose_sigma_at(fit: Calibration, identified: Mechanism, made: ClosedConfigur
 
 
 def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tuple[ClosedConfigurations, str]:
-    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the configurations measured."""
+    """Random poses between pairs of measured ones (an arm: within its measured joint values), else the configurations
+    measured."""
     joints = fit.measurements.joints[list(fit.used)]
     rng = np.random.default_rng(seed)
     if identified.serial:

@@ -7,9 +7,9 @@ are parameters. In the linear range |e|^2 has the chi-square distribution with a
 left, whichever form of the residuals was minimised.
 
 Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
-combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a change of
-the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure of its error
-(curvature by the parameters, Bates and Watts 1980).
+combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a
+change of the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure
+of its error (curvature by the parameters, Bates and Watts 1980).
 """
 
 from __future__ import annotations
@@ -60,11 +60,11 @@ _BETTER_SHARE = 0.8
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal columns of each row's group, whose
-    number is `group` (N,), -1 for none; `parameter_columns` (N, k), the rest of the basis; which rows hold a reading (N,), and the
-    transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows after those.
-    `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but for a form of
-    residuals that weighs otherwise than joint noise and correlation ask."""
+    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal columns of each row's group,
+    whose number is `group` (N,), -1 for none; `parameter_columns` (N, k), the rest of the basis; which rows hold a reading (N,),
+    and the transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows
+    after those. `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but
+    for a form of residuals that weighs otherwise than joint noise and correlation ask."""
 
     residuals: np.ndarray
     group_columns: np.ndarray
@@ -200,8 +200,8 @@ def _basis(columns: np.ndarray) -> np.ndarray:
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
-    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of the columns, R = U S V^T, the basis
-    is columns V / S; what rounding leaves of that is taken away by its own triangle."""
+    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of the columns, R = U S V^T, the
+    basis is columns V / S; what rounding leaves of that is taken away by its own triangle."""
     _, singular, right = np.linalg.svd(_triangle(columns), full_matrices=False)
     kept = singular > RANK_TOLERANCE * max(1.0, float(singular[0]))
     _multiply(columns, right[kept].T / singular[kept])
