@@ -17,7 +17,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.newton import Polished, polish
-from symkin.spatial.rotation import multiply
+from symkin.spatial.rotation import multiply, wrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,11 +164,11 @@ class System:
 
     def wrap(self, points: np.ndarray) -> np.ndarray:
         """The same configurations with angles within half a turn of zero: after 1e7 turns a sine has nine digits left."""
-        wrapped = points.copy()
+        turned = points.copy()
         for coordinate, place in zip(self.unknowns, self.slices, strict=True):
             if coordinate.kind == "angle":
-                wrapped[..., place] -= 2.0 * np.pi * np.round(wrapped[..., place] / (2.0 * np.pi))
-        return wrapped
+                turned[..., place] = wrapped(turned[..., place])
+        return turned
 
 
 def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[System, ...]:

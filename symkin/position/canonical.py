@@ -13,6 +13,7 @@ from symkin.closure.closure import Closure
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.tolerances import LIMIT_SLACK, ROUNDED_COMPONENT
+from symkin.spatial.rotation import wrapped
 
 _TURN = 2.0 * math.pi
 
@@ -23,7 +24,7 @@ def canonical(coordinates: Sequence[Coordinate], places: Mapping[str, slice], va
     values = values.copy()
     angles = [places[c.name].start for c in coordinates if c.kind == "angle"]
     if angles:
-        values[:, angles] = _wrapped(values[:, angles])
+        values[:, angles] = _without_turns(values[:, angles])
     for c in coordinates:
         place = places[c.name]
         if c.kind == "quaternion":
@@ -43,10 +44,10 @@ def positive_quaternions(q: np.ndarray) -> np.ndarray:
     return np.asarray(q * sign[:, None] + 0.0)
 
 
-def _wrapped(angles: np.ndarray) -> np.ndarray:
+def _without_turns(angles: np.ndarray) -> np.ndarray:
     """Angles without whole turns, in (-pi, pi]."""
-    wrapped = angles - _TURN * np.rint(angles / _TURN)
-    return np.where(wrapped <= -math.pi + 1e-15, wrapped + _TURN, wrapped)
+    turned = wrapped(angles)
+    return np.where(turned <= -math.pi + 1e-15, turned + _TURN, turned)
 
 
 def _into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:

@@ -9,9 +9,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from symkin.spatial.backend import Array, atan2, cos, cross, dot, matrix, norm, scale, sin, sqrt, vector, where
 
 _TINY = 1e-16
+
+
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """The same directions within half a turn of zero; angles that are stay as they are, bit by bit."""
+    return np.asarray(angles - 2.0 * np.pi * np.rint(angles / (2.0 * np.pi)))
 
 
 # --- unit quaternions --------------------------------------------------------------------------------------------
@@ -168,5 +175,5 @@ def euler_from_quaternion(q: Array, sequence: str) -> Array:
     first, last = half_sum - half_difference, half_sum + half_difference
     if not symmetric:
         middle, last = middle - 0.5 * math.pi, last * parity
-    wrapped = [atan2(sin(angle), cos(angle)) for angle in (first, last)]
-    return vector(wrapped[1], middle, wrapped[0]) if moving else vector(wrapped[0], middle, wrapped[1])
+    turned = [atan2(sin(angle), cos(angle)) for angle in (first, last)]
+    return vector(turned[1], middle, turned[0]) if moving else vector(turned[0], middle, turned[1])

@@ -18,6 +18,7 @@ import numpy as np
 from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.model import ANGULAR, ConfigurationModel
+from symkin.spatial.rotation import wrapped
 
 Form = Literal["means", "differences", "maximum likelihood"]
 _ROUNDING_RESIDUAL = 1e-9
@@ -184,11 +185,6 @@ def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, co
     if form == "means" or covariance is None:
         return _means(readings, gap, h_p)
     return _likelihood(readings, gap, h_p, whitening(readings, covariance))
-
-
-def wrapped(angles: np.ndarray) -> np.ndarray:
-    """Bring angles (radians) to the interval from -pi to pi."""
-    return np.asarray(np.remainder(angles + np.pi, 2 * np.pi) - np.pi)
 
 
 def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:

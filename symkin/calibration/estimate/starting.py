@@ -25,11 +25,11 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.model import ConfigurationModel
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import linearise, wrapped
+from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler, wrapped
 
 _MAX_READING_GAP = 0.05
 """A configuration whose readings are off by more than this share of the size (angles times the size) at the geometry that it

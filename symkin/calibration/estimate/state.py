@@ -19,8 +19,9 @@ import numpy as np
 from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, determinant_signs, newton_configurations
 from symkin.calibration.estimate.model import Evaluation, solve_systems
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise, wrapped
+from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.spatial.rotation import wrapped
 
 PREDICTION_TOLERANCE = 1e-4
 """A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same

@@ -19,7 +19,6 @@ from symkin.calibration.data.parameters import is_writable, nominal_parameters, 
 from symkin.calibration.estimate.configurations import newton_configurations
 from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import wrapped
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.solver import Estimate
 from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
@@ -39,6 +38,7 @@ from symkin.errors import SymkinError
 from symkin.model.file import parse
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
 
 _READING_AGREEMENT = (1e-3, 1e-9)

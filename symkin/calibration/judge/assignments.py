@@ -19,12 +19,12 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import joints_at_poses, known_poses, newton_configurations, start_points
 from symkin.calibration.estimate.problem import build_calibration
-from symkin.calibration.estimate.residuals import wrapped
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.errors import SymkinError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
 
 _MAX_ASSIGNED_JOINTS = 7
