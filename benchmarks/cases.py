@@ -135,7 +135,10 @@ def of_joints(name: str, arm: symkin.Mechanism, count: int, *, shipped: bool = F
     """Poses of random joints."""
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
-        values = [arm.angle_out(rng.uniform(-3, 3)) if c.is_angular else rng.uniform(-0.3, 0.3) * arm.size for c in arm.actuated]
+        values = [
+            arm.angle_out(rng.uniform(-3, 3)) if c.is_angular else rng.uniform(-0.3, 0.3) * arm.characteristic_length
+            for c in arm.actuated
+        ]
         return {"pose": symkin.solve(arm, joints=values).solution.pose}
 
     return Case(name, arm, "inverse", count, draw, shipped)
@@ -155,7 +158,7 @@ def random_pose(mechanism: symkin.Mechanism, rng: np.random.Generator) -> symkin
     """Up to half the size away from one size above the base, turned by about 0.4."""
     turn = np.array([1.0, 0, 0, 0]) + 0.2 * rng.normal(size=4)
     away = np.array([0, 0, 1.0]) + rng.uniform(-0.5, 0.5, 3)
-    return symkin.Pose(mechanism.size * away, turn / np.linalg.norm(turn))
+    return symkin.Pose(mechanism.characteristic_length * away, turn / np.linalg.norm(turn))
 
 
 # --- mechanisms --------------------------------------------------------------------------------------------------

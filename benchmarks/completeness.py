@@ -48,7 +48,7 @@ def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) ->
     largest, inputs = 0.0, 0
     for modes, complex_count, pose in found:
         inputs += 1
-        size = modes.problem.closure.size
+        size = modes.problem.closure.characteristic_length
         real[len(modes)] += 1
         largest = max([largest, *(mode.residual / size for mode in modes)])
         wrong["unresolved"] += bool(modes.unresolved_paths)
@@ -69,7 +69,10 @@ def distance(mode: Solution, pose: symkin.Pose, size: float) -> float:
 
 
 def has_duplicate(modes: Modes) -> bool:
-    keys = [np.concatenate([m.position / modes.problem.closure.size, m.rotation.ravel()]) for m in modes.representatives]
+    keys = [
+        np.concatenate([m.position / modes.problem.closure.characteristic_length, m.rotation.ravel()])
+        for m in modes.representatives
+    ]
     apart = np.max(np.abs(np.array(keys)[:, None] - np.array(keys)[None]), axis=2) if keys else np.zeros((0, 0))
     return bool(np.any(apart + np.eye(len(keys)) < 1e-9))
 
@@ -169,7 +172,7 @@ def generic(count: int, rng: np.random.Generator) -> None:
 
 def missing(some: Modes, others: Modes) -> int:
     """How many of `some` are not among `others`."""
-    size = some.problem.closure.size
+    size = some.problem.closure.characteristic_length
     known = [flat(m, size) for m in others]
     return sum(min((np.max(np.abs(flat(m, size) - k)) for k in known), default=1.0) > 1e-5 for m in some)
 

@@ -111,7 +111,10 @@ def grids(scale: float) -> list[Grid]:
     cases = [
         Grid(five, five.angle_out(0.5), 300, 0.5),
         Grid(three, three.angle_out(0.5), 150, 3.0),
-        *(Grid(m, 0.1 * m.size, n, 30.0) for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))),
+        *(
+            Grid(m, 0.1 * m.characteristic_length, n, 30.0)
+            for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))
+        ),
     ]
     return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
 
@@ -122,7 +125,8 @@ def time_grid(grid: Grid) -> None:
     at = [mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated]
     if all(isinstance(limb, symkin.RodLimb) for limb in mechanism.limbs):
         raised = symkin.Pose(
-            np.array([0.0, 0.0, mechanism.size]), np.array([1.0, 0.05, 0.08, 0.1]) / np.linalg.norm([1.0, 0.05, 0.08, 0.1])
+            np.array([0.0, 0.0, mechanism.characteristic_length]),
+            np.array([1.0, 0.05, 0.08, 0.1]) / np.linalg.norm([1.0, 0.05, 0.08, 0.1]),
         )
         at = list(symkin.solve(mechanism, pose=raised).solution.actuated)
     ends = [(c.name, v - grid.half_range, v + grid.half_range) for c, v in zip(mechanism.actuated[:2], at[:2], strict=True)]

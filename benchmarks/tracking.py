@@ -140,7 +140,10 @@ def newton(problem: Problem, start: Solution, path: np.ndarray, steps: int) -> S
             known = a + share * (b - a)
             before = z
             z = system.polish(z, known, steps=6)
-            if system.residual(z, known) > 1e-9 * system.size or np.max(np.abs(z - before)) > 0.05 * system.size:
+            if (
+                system.residual(z, known) > 1e-9 * system.characteristic_length
+                or np.max(np.abs(z - before)) > 0.05 * system.characteristic_length
+            ):
                 return None
     return make_solution(problem, problem.join_values(z, path[-1]))
 
@@ -152,7 +155,7 @@ def apart(problem: Problem, a: Solution, b: Solution) -> float:
         return np.concatenate([np.atleast_1d(solution.values[c.name]) for c in problem.system.unknowns])
 
     difference = features(problem.system, unknowns(a)[None]) - features(problem.system, unknowns(b)[None])
-    return float(np.max(np.abs(difference))) / problem.closure.size
+    return float(np.max(np.abs(difference))) / problem.closure.characteristic_length
 
 
 if __name__ == "__main__":

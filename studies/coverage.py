@@ -66,10 +66,10 @@ class Problem:
     def features(self, mode: Solution) -> np.ndarray:
         """Position over the size, rotation matrix, and of each joint cosine and sine of its angle or its length over the size."""
         closure = self.complete.problem.closure
-        parts = [mode.position / closure.size, mode.rotation.ravel()]
+        parts = [mode.position / closure.characteristic_length, mode.rotation.ravel()]
         for c in closure.role("actuated", "passive"):
             value = np.atleast_1d(mode.values[c.name])
-            parts += [np.cos(value), np.sin(value)] if c.is_angular else [value / closure.size]
+            parts += [np.cos(value), np.sin(value)] if c.is_angular else [value / closure.characteristic_length]
         return np.concatenate(parts)
 
     def strangers(self, found: Modes) -> int:

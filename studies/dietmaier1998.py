@@ -63,7 +63,7 @@ def report_modes(report: Report, machine: symkin.Mechanism) -> Modes:
     report.row("largest radius of a certificate", None, largest_radius(found), "L1")
     report.row("largest residual, of the closure", None, largest_residual(found), "L1")
     report.row("largest leg error, plain arithmetic", None, max(np.abs(leg_errors(mode.pose)).max() for mode in found), "L1")
-    size = found.problem.closure.size
+    size = found.problem.closure.characteristic_length
     report.row("two nearest modes: distance over the size", None, distances(found, size).min() / size)
     conditions = [mode.condition for mode in found]
     report.row("condition: best, worst mode", None, [min(conditions), max(conditions)])

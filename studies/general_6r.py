@@ -94,7 +94,8 @@ def cases(which: str, rng: np.random.Generator) -> list[Case]:
 def random_pose(arm: symkin.Mechanism, rng: np.random.Generator) -> symkin.Pose:
     """The pose of random joint values."""
     joints = [
-        arm.angle_out(rng.uniform(-math.pi, math.pi)) if c.is_angular else arm.size * rng.uniform(-0.3, 0.3) for c in arm.actuated
+        arm.angle_out(rng.uniform(-math.pi, math.pi)) if c.is_angular else arm.characteristic_length * rng.uniform(-0.3, 0.3)
+        for c in arm.actuated
     ]
     return symkin.solve(arm, joints=joints).solution.pose
 

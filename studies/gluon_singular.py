@@ -108,7 +108,7 @@ def work(arm: symkin.Mechanism, found: Singularity) -> float:
         twist = move_screw(moved, screw)
         worst = max(worst, *(abs(float(reciprocal_product(twist, w.vector))) for w in found.wrenches))
         moved = moved @ exponential(screw, found.solution.values[joint.name] - joint.zero)
-    return worst / arm.size
+    return worst / arm.characteristic_length
 
 
 def report_loci(report: Report, arm: symkin.Mechanism) -> Loci:

@@ -142,7 +142,7 @@ class Step:
 
     @property
     def residual(self) -> float:
-        return max((mode.residual for mode in self.found), default=0.0) / self.found.problem.closure.size
+        return max((mode.residual for mode in self.found), default=0.0) / self.found.problem.closure.characteristic_length
 
 
 def distance(a: symkin.Pose, b: symkin.Pose, size: float) -> float:
@@ -232,7 +232,7 @@ def main() -> None:
     rng = np.random.default_rng(options.seed)
     platform = Platform.random(rng)
     mechanism = platform.mechanism()
-    at = find_singularity(platform, mechanism.size, rng)
+    at = find_singularity(platform, mechanism.characteristic_length, rng)
     report = Report("near_singular", "All modes near a type 2 singularity of a general 6-6 platform", options.seed)
     report_singularity(report, platform, at)
     near, beyond = (walk(mechanism, at, side) for side in (1, -1))

@@ -208,7 +208,7 @@ def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: 
     shares = [100.0 * float(np.mean(number_of_poses == k)) for k in (0, 2, 4)]
     report.row("share of the slice with 0, 2, 4 real poses", None, shares, "%")
     report.row("curves of type 2 over the slice, largest closure row over the size", None,
-               [len(loci.of("type 2")), max(c.largest_row for c in loci.curves) / platform.size])  # fmt: skip
+               [len(loci.of("type 2")), max(c.largest_row for c in loci.curves) / platform.characteristic_length])  # fmt: skip
     report.row(
         "places along theta_1 where the closed-form number changes, a traced locus within a cell",
         *_bounded(loci, fine, number_of_poses),

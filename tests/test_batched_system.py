@@ -71,7 +71,7 @@ def test_many_points_are_each_alone(mechanism):
     system = problem.system
     reference = problem.closure.reference
     z = np.tile(problem.select_values(reference, system.unknowns), (6, 1))
-    z = system.move(z, 0.05 * system.size * RNG.normal(size=(6, system.freedom)))
+    z = system.move(z, 0.05 * system.characteristic_length * RNG.normal(size=(6, system.freedom)))
     known = problem.select_values(reference, problem.known_coordinates) * (
         1 + 0.01 * RNG.normal(size=(6, len(mechanism.actuated)))
     )
@@ -79,11 +79,11 @@ def test_many_points_are_each_alone(mechanism):
     polished = system.polish_many(z, known)
     for i in range(6):
         f, j = system.linearise_one(z[i], known[i])
-        np.testing.assert_allclose(rows[i], f, atol=1e-12 * system.size)
+        np.testing.assert_allclose(rows[i], f, atol=1e-12 * system.characteristic_length)
         np.testing.assert_allclose(jacobians[i], j, atol=1e-12)
         assert system.residuals(z, known)[i] == pytest.approx(system.residual(z[i], known[i]))
         assert system.conditions(z, known)[i] == pytest.approx(system.condition(z[i], known[i]))
-        np.testing.assert_allclose(polished.points[i], system.polish(z[i], known[i], 8), atol=1e-9 * system.size)
+        np.testing.assert_allclose(polished.points[i], system.polish(z[i], known[i], 8), atol=1e-9 * system.characteristic_length)
 
 
 def test_the_standard_writing():

@@ -39,7 +39,7 @@ def test_forty_modes_are_proved():
     bound = bound_of(problem, system)
     assert bound is not None
     assert bound.theorem.count == 40
-    certificates = certify(bound.system, z, bound.knowns(np.array([DIETMAIER["legs"]])), problem.closure.size)
+    certificates = certify(bound.system, z, bound.knowns(np.array([DIETMAIER["legs"]])), problem.closure.characteristic_length)
     assert proves(certificates, bound)
     assert set(certificates.real) == {"real"}
 
@@ -83,7 +83,7 @@ def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     z = complex_roots(system, known_values(problem, values))
     bound = bound_of(problem, system)
     assert bound is not None
-    certificates = certify(bound.system, z, bound.knowns(values[None]), problem.closure.size)
+    certificates = certify(bound.system, z, bound.knowns(values[None]), problem.closure.characteristic_length)
     assert proves(certificates, bound)
     assert not proves(certify(bound.system, z[:, 1:], bound.knowns(values[None])), bound)
     reached = certificates.find(
@@ -105,7 +105,7 @@ def test_rod_lengths_are_proved_alone():
         row, slope = (system.linearise(np.zeros((1, 1)), k[:, None])[0], system.linearise(np.ones((1, 1)), k[:, None])[1])
         z = np.sqrt(-2 * row[0] / slope[0, 0]) if system.unknowns[0].least == 0.0 else None
         assert z is not None
-        certificates = certify(bound.system, z[:, None], bound.knowns(values[None]), problem.closure.size)
+        certificates = certify(bound.system, z[:, None], bound.knowns(values[None]), problem.closure.characteristic_length)
         assert proves(certificates, bound)
 
 
@@ -121,7 +121,7 @@ def test_known_balls_hold_the_quotients():
     values = np.array(DIETMAIER["legs"])
     balls = exact_known(problem, values)
     for ball, value in zip(balls[::7], values, strict=True):
-        assert (ball * arb(problem.closure.size)).contains(arb(float(value)))
+        assert (ball * arb(problem.closure.characteristic_length)).contains(arb(float(value)))
         assert ball.rad() < 1e-60
     assert np.allclose([float(b) for b in balls], known_values(problem, values).real)
 

@@ -89,7 +89,7 @@ def test_a_rotary_hexapod_is_complete():
     found = symkin.modes(mechanism)
     assert (found.completeness, found.unresolved_paths) == ("probability one", 0)
     assert len(found) == 64 * found.poses
-    assert max(mode.residual for mode in found) < 1e-9 * mechanism.size
+    assert max(mode.residual for mode in found) < 1e-9 * mechanism.characteristic_length
     assert min(np.max(np.abs(mode.position - mechanism.reference_pose.position)) for mode in found) < 1e-8
 
 

@@ -49,7 +49,7 @@ def poses_measured(mechanism, joints, truth, *, names=None, orientation=True, si
     keep = near.solved & found.solved
     poses = model.poses(found.z, truth)[keep]
     positions = poses[:, :3] + noise * np.random.default_rng(seed).normal(size=(len(poses), 3))
-    turns = {"orientation": poses[:, 3:], "orientation_sigma": sigma / mechanism.size} if orientation else {}
+    turns = {"orientation": poses[:, 3:], "orientation_sigma": sigma / mechanism.characteristic_length} if orientation else {}
     return Measurements(joints[keep], position=positions, position_sigma=sigma, starts=poses, **turns), poses
 
 
@@ -144,14 +144,14 @@ def test_serial_arm_by_dh_from_full_poses():
     rng = np.random.default_rng(7)
     names = default_parameters(arm)
     nominal = nominal_parameters(arm)
-    scale = np.array([1.0 if nominal[n][1] == "length" else 1 / arm.size for n in names])
-    truth = np.array([nominal[n][0] for n in names]) + 0.01 * arm.size * scale * rng.uniform(-1, 1, len(names))
+    scale = np.array([1.0 if nominal[n][1] == "length" else 1 / arm.characteristic_length for n in names])
+    truth = np.array([nominal[n][0] for n in names]) + 0.01 * arm.characteristic_length * scale * rng.uniform(-1, 1, len(names))
     data, poses = poses_measured(arm, rng.uniform(-2, 2, (30, 6)), truth)
     fit = calibrate(arm, data)
     assert fit.status == "ok"
     for joints, pose in zip(data.joints[:5], poses[:5], strict=True):
         there = symkin.solve(fit.corrected, joints=np.degrees(joints)).solution
-        assert np.max(np.abs(there.position - pose[:3])) < 1e-8 * arm.size
+        assert np.max(np.abs(there.position - pose[:3])) < 1e-8 * arm.characteristic_length
         assert 1 - abs(there.quaternion @ pose[3:]) < 1e-12
 
 
@@ -182,22 +182,24 @@ def test_limbs_of_joints_from_full_poses(name):
         joints = np.array([c.reference[0] for c in mechanism.actuated]) + np.random.default_rng(9).uniform(-0.2, 0.2, (30, 3))
     rng, names = np.random.default_rng(10), default_parameters(mechanism)
     table = nominal_parameters(mechanism)
-    scale = np.array([1.0 if table[n][1] == "length" else 1 / mechanism.size for n in names])
-    truth = np.array([table[n][0] for n in names]) + 0.003 * mechanism.size * scale * rng.uniform(-1, 1, len(names))
+    scale = np.array([1.0 if table[n][1] == "length" else 1 / mechanism.characteristic_length for n in names])
+    truth = np.array([table[n][0] for n in names]) + 0.003 * mechanism.characteristic_length * scale * rng.uniform(
+        -1, 1, len(names)
+    )
     data, poses = poses_measured(mechanism, joints, truth)
     fit = calibrate(mechanism, data)
     assert fit.status == "ok"
     for values, pose in zip(data.joints[:4], poses[:4], strict=True):
         given = [mechanism.angle_out(v) if c.is_angular else v for v, c in zip(values, mechanism.actuated, strict=True)]
         there = symkin.solve(fit.corrected, joints=given, start=pose).solution
-        assert np.max(np.abs(there.position - pose[:3])) < 1e-6 * mechanism.size
+        assert np.max(np.abs(there.position - pose[:3])) < 1e-6 * mechanism.characteristic_length
 
 
 def test_full_poses_identify_a_platform_from_far_away():
     """Joint centres wrong by a tenth of the size are found from full poses: no direct problem is needed at the start."""
     rng = np.random.default_rng(11)
     nominal = geometry(NOMINAL)
-    truth = random_geometry(nominal, (), 0.1 * NOMINAL.size, rng)
+    truth = random_geometry(nominal, (), 0.1 * NOMINAL.characteristic_length, rng)
     tables = {
         f"leg{k + 1}.{what}.{c}": getattr(truth, what)[k][i]
         for what in ("base", "platform")

@@ -211,7 +211,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     assert sequence not in path.read_text()
 
     def away(point):
-        return tuple(np.array(point) + 0.1 * true.size * rng.uniform(-1, 1, 3))
+        return tuple(np.array(point) + 0.1 * true.characteristic_length * rng.uniform(-1, 1, 3))
 
     wrong = replace(true, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in true.limbs])
     data = read_measurements(path, wrong)

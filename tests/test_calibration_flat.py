@@ -53,7 +53,7 @@ def measured(mechanism, readings, noise, seed=0, count=40):
 
 
 def quiet(mechanism):
-    size = mechanism.size
+    size = mechanism.characteristic_length
     return Noise(lengths=1e-6 * size, angles=np.radians(1e-3), position=1e-5 * size, orientation=np.radians(1e-3))
 
 
@@ -68,7 +68,7 @@ def test_rps_platforms_are_calibrated(tmp_path, hold):
         report = fit_file(mechanism, read_measurements(tmp_path / "d.csv", mechanism), hold=hold)
         assert report.usable, report.verdict
         assert 1e-3 < report.fit.p_value < 1 - 1e-3
-        assert np.median(report.sigma.position) < 5e-5 * mechanism.size
+        assert np.median(report.sigma.position) < 5e-5 * mechanism.characteristic_length
 
 
 @pytest.mark.slow
@@ -81,7 +81,7 @@ def test_an_overconstrained_five_bar_is_calibrated(tmp_path):
         assert report.fit.status == "ok"
         assert report.usable, report.verdict
         assert report.fit.p_value > 1e-3
-        assert np.max(np.abs(report.fit.state.leftover[0])) < 1e-10 * mechanism.size
+        assert np.max(np.abs(report.fit.state.leftover[0])) < 1e-10 * mechanism.characteristic_length
 
 
 @pytest.mark.parametrize(("build", "readings"), [(three_rps, "pose"), (five_bar, "position")])
@@ -91,8 +91,8 @@ def test_without_noise_the_iteration_goes_on_to_rounding(build, readings):
     data = measured(mechanism, (readings,), Noise())
     fit = calibrate(mechanism, data, outliers="ignore")
     assert fit.status == "ok"
-    assert max(abs(r.value) for r in fit.residuals) < 1e-11 * mechanism.size
-    assert max(abs(p.change) for p in fit.parameters) < 1e-8 * mechanism.size
+    assert max(abs(r.value) for r in fit.residuals) < 1e-11 * mechanism.characteristic_length
+    assert max(abs(p.change) for p in fit.parameters) < 1e-8 * mechanism.characteristic_length
 
 
 @pytest.mark.slow

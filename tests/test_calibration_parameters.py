@@ -84,7 +84,12 @@ def rank(matrix):
 
 
 def quiet(mechanism):
-    return Noise(lengths=1e-6 * mechanism.size, angles=1e-6, position=1e-5 * mechanism.size, orientation=1e-5)
+    return Noise(
+        lengths=1e-6 * mechanism.characteristic_length,
+        angles=1e-6,
+        position=1e-5 * mechanism.characteristic_length,
+        orientation=1e-5,
+    )
 
 
 def file_of(folder, mechanism, readings, postures=40, **region):

@@ -25,7 +25,7 @@ def pool():
     rng = np.random.default_rng(9)
 
     def away(point):
-        return tuple(np.array(point) + 0.02 * NOMINAL.size * rng.uniform(-1, 1, 3))
+        return tuple(np.array(point) + 0.02 * NOMINAL.characteristic_length * rng.uniform(-1, 1, 3))
 
     true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
     made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)

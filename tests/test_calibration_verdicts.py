@@ -29,7 +29,7 @@ def poses():
     rng = np.random.default_rng(5)
 
     def away(point):
-        return tuple(np.array(point) + 2e-3 * NOMINAL.size * rng.uniform(-1, 1, 3))
+        return tuple(np.array(point) + 2e-3 * NOMINAL.characteristic_length * rng.uniform(-1, 1, 3))
 
     true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
     made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)

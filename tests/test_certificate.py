@@ -97,7 +97,7 @@ def test_every_root_of_known_cases_is_certified(name, count, real):
     """Every root is certified, each is real or not, none is another, all are poses; the count of real ones is published
     or the number of modes."""
     problem, system, k, z = case(name)
-    found = certify(system, z, k, problem.closure.size)
+    found = certify(system, z, k, problem.closure.characteristic_length)
     assert found.certified.all()
     assert (len(found.certified), found.distinct, found.disjoint) == (count, count, True)
     assert found.pose.all()
@@ -111,7 +111,7 @@ def test_every_root_of_known_cases_is_certified(name, count, real):
 def test_a_ball_holds_the_root_at_300_bits(name):
     """The box about each centre holds the same root computed by many more digits, real and complex."""
     problem, system, k, z = case(name)
-    found = certify(system, z, k, problem.closure.size)
+    found = certify(system, z, k, problem.closure.characteristic_length)
     for i in range(0, z.shape[1], 3):
         given_ray = z[:, i] / np.linalg.norm(z[list(system.projective), i]) if system.projective else z[:, i]
         root = exact_root(system, k, found.centre[:, i], patches(system, given_ray))
@@ -130,7 +130,7 @@ def test_radius_means_what_it_says(name, noise, seed):
     position, and no angle or unit quaternion times the size, is farther than the radius; also of a point that is off."""
     problem, system, k, z = case(name)
     rng = np.random.default_rng(seed)
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     points = z + noise * rng.normal(size=z.shape)
     found = certify(system, points, k, size)
     real = np.flatnonzero(found.real == "real")
@@ -156,7 +156,7 @@ def test_planar_mechanisms_are_certified_also_in_space(mechanism):
     """In space a planar mechanism has more rows than unknowns; those that a motion in the plane fulfils identically are left
     out, so that its modes are proved."""
     problem, system, k, z = sampled(mechanism)
-    found = certify(system, z, k, problem.closure.size)
+    found = certify(system, z, k, problem.closure.characteristic_length)
     assert z.shape[1] >= 2
     assert found.certified.all()
     assert found.disjoint
@@ -177,10 +177,10 @@ def test_complex_known_values():
 def test_known_values_may_be_balls():
     """A certificate for a ball of known values holds for each of them: its box holds the root of values inside."""
     problem, system, k, z = case("zhang2009")
-    found = certify(system, z, [arb(float(v.real), 1e-12) for v in k], problem.closure.size)
+    found = certify(system, z, [arb(float(v.real), 1e-12) for v in k], problem.closure.characteristic_length)
     assert found.certified.all()
     shifted = k.real + 1e-12 * np.random.default_rng(0).uniform(-1, 1, len(k))
-    inside = certify(system, found.centre, shifted, problem.closure.size)
+    inside = certify(system, found.centre, shifted, problem.closure.characteristic_length)
     assert np.all(np.max(np.abs(inside.centre - found.centre), axis=0) <= found.ball + inside.ball)
 
 
@@ -193,7 +193,7 @@ def test_points_beside_roots_are_not_certified(name, offset):
     """A point that is off is no root, and the reason is given."""
     problem, system, k, z = case(name)
     noise = offset * np.exp(1j * np.random.default_rng(1).uniform(0, 6, z.shape))
-    found = certify(system, z + noise, k, problem.closure.size)
+    found = certify(system, z + noise, k, problem.closure.characteristic_length)
     assert not found.certified.any()
     assert all(found.reasons)
     assert np.all(np.isinf(found.radius))
@@ -203,7 +203,9 @@ def test_points_beside_roots_are_not_certified(name, offset):
 def test_roots_of_other_values_are_not_certified(name):
     """Roots of slightly other known values are no roots of these."""
     problem, system, k, z = case(name)
-    found = certify(system, z, k * (1 + 1e-5 * np.random.default_rng(0).uniform(1, 2, len(k))), problem.closure.size)
+    found = certify(
+        system, z, k * (1 + 1e-5 * np.random.default_rng(0).uniform(1, 2, len(k))), problem.closure.characteristic_length
+    )
     assert not found.certified.any()
 
 
@@ -223,7 +225,7 @@ def test_a_double_root_is_not_certified():
 def test_redundant_rows_are_said():
     """A delta's pairs of rods close by its numbers alone, up to their rounding: no proof, and the reason counts rows."""
     problem, system, k, z = sampled(delta())
-    found = certify(system, z, k, problem.closure.size)
+    found = certify(system, z, k, problem.closure.characteristic_length)
     assert not found.certified.any()
     assert all("6 rows for 3 unknowns" in reason for reason in found.reasons)
 
@@ -317,7 +319,7 @@ def test_other_writings_of_a_root_are_found():
     """`find` knows a real root again by the other sign of its quaternion and by other turns, and tells the radius there."""
     for name in ("zhang2009", "yao2020"):
         problem, system, k, z = case(name)
-        found = certify(system, z, k, problem.closure.size)
+        found = certify(system, z, k, problem.closure.characteristic_length)
         for i in np.flatnonzero(found.real == "real"):
             point = algebraic_point(problem, system, real_values(problem, system, z[:, i], k))
             for j, c in enumerate(system.unknowns):
@@ -326,7 +328,7 @@ def test_other_writings_of_a_root_are_found():
             there = found.find(point)
             assert there is not None
             assert there[0] == i
-            assert there[1] < 1e-9 * problem.closure.size
+            assert there[1] < 1e-9 * problem.closure.characteristic_length
         assert found.find(z[:, i] + 1e-3) is None
 
 
@@ -342,7 +344,7 @@ def test_random_platforms_are_certified_whole():
         (system,) = algebraic_systems(problem)
         start, _ = start_of(problem, system, problem.blocks[0])
         k = known_values(problem, np.array(legs))
-        found: Certificates = certify(system, instance(system, start, k).z, k, problem.closure.size)
+        found: Certificates = certify(system, instance(system, start, k).z, k, problem.closure.characteristic_length)
         assert found.certified.all()
         assert found.distinct == 40
         assert int(np.sum(found.real == "real")) == len(symkin.modes(platform, joints=legs))

@@ -34,7 +34,7 @@ def test_modes_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: s
     for mode in data["modes"]:
         assert set(mode) == MODE_KEYS
         assert mode["pose"]["quaternion"][0] >= 0
-        assert mode["residual"] < 1e-9 * symkin.load(name).size
+        assert mode["residual"] < 1e-9 * symkin.load(name).characteristic_length
         assert len(mode["pose"]["matrix"]) == 3
 
 
@@ -144,7 +144,7 @@ def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[st
     status, data = run_json(capsys, *arguments)
     assert status in (0, 3)
     found = data["modes"] if "modes" in data else [data["solution"]] if data["solution"] else []
-    size = symkin.load(data["mechanism"]).size
+    size = symkin.load(data["mechanism"]).characteristic_length
     assert all(mode["residual"] <= 1e-9 * size for mode in found)
     assert data.get("smallest_residual") is None or math.isfinite(data["smallest_residual"])
 

@@ -118,15 +118,15 @@ def test_elsewhere_the_closure_does_not_vanish(kinds, rng):
     for step in (1e-4, 1.0):
         pushed = dict(named)
         for k in "xyz":
-            pushed[f"pose.{k}"] = named[f"pose.{k}"] + step * closure.size * rng.uniform(0.1, 1.0)
+            pushed[f"pose.{k}"] = named[f"pose.{k}"] + step * closure.characteristic_length * rng.uniform(0.1, 1.0)
         turn = symkin.spatial.rotation.quaternion_from_rotation_vector(step * rng.uniform(0.3, 1.0, 3))
         pushed["pose.quaternion"] = symkin.spatial.rotation.multiply(turn, named["pose.quaternion"])
         rows, errors = evaluated(closure, variables(closure, pushed))
         known = {c.name: pushed[c.name] for c in closure.coordinates}
         platform = frame([pushed[f"pose.{k}"] for k in "xyz"], pushed["pose.quaternion"])
-        gap = limb_gap(mechanism, mechanism.limbs[0], platform, known) / closure.size
+        gap = limb_gap(mechanism, mechanism.limbs[0], platform, known) / closure.characteristic_length
         assert np.max(np.abs(rows)) > 1e-7
-        assert 0.01 * min(gap, gap * closure.size) < np.max(np.abs(errors))
+        assert 0.01 * min(gap, gap * closure.characteristic_length) < np.max(np.abs(errors))
         assert np.max(np.abs(errors)) > 1e-7
 
 
@@ -235,7 +235,7 @@ def test_coordinates_stand_actuated_passive_pose(rng):
 def test_quaternion_signs_and_whole_turns_do_not_matter(rng):
     """|F| and the errors are even in each quaternion and periodic in each angle (not in a helical joint's)."""
     closure = build_closure(random_mechanism(rng, ["rRS", "rSRU", "SPS", "PUr", "hRC"]))
-    values = random_values(closure.coordinates, closure.size, rng)
+    values = random_values(closure.coordinates, closure.characteristic_length, rng)
     rows, errors = evaluated(closure, values)
     for c in closure.coordinates:
         moved = values.copy()
@@ -267,14 +267,14 @@ def test_jacobian_is_the_differential_of_the_rows(kind, rng):
     """dF/dd in the tangent space against central differences through `move`, quaternions included."""
     problem = build_problem(random_mechanism(rng, [*rng.permutation(list(CUTS))[:4], "SPS"]), kind)
     system = problem.system
-    values = random_values(problem.closure.coordinates, problem.closure.size, rng)
+    values = random_values(problem.closure.coordinates, problem.closure.characteristic_length, rng)
     z, known = problem.select_values(values, system.unknowns), problem.select_values(values, problem.known_coordinates)
     _, jacobian = system.linearise_one(z, known)
 
     def rows(step):
         return system.linearise_one(system.move(z[None], step[None])[0], known)[0]
 
-    expected = differences(rows, system.freedom, 1e-5 * system.size)
+    expected = differences(rows, system.freedom, 1e-5 * system.characteristic_length)
     assert np.allclose(jacobian, expected, atol=1e-7 * max(1.0, np.max(np.abs(jacobian))))
 
 
@@ -285,16 +285,16 @@ def test_a_step_adds_numbers_and_turns_quaternions(name, kind):
     system = build_problem(symkin.load(name), kind).system
     rng = np.random.default_rng(17)
     for count in (1, 5, 300):
-        z, step = rng.normal(size=(count, system.width)), system.size * rng.normal(size=(count, system.freedom))
+        z, step = rng.normal(size=(count, system.width)), system.characteristic_length * rng.normal(size=(count, system.freedom))
         expected, column = z.copy(), 0
         for c, place in zip(system.unknowns, system.slices, strict=True):
             part = step[:, column : column + c.freedom]
             if c.kind == "quaternion":
-                turns = np.hstack([np.ones((count, 1)), part / (2 * system.size)])
+                turns = np.hstack([np.ones((count, 1)), part / (2 * system.characteristic_length)])
                 moved = np.array([multiply(turn, q) for turn, q in zip(turns, z[:, place], strict=True)])
                 expected[:, place] = moved / np.linalg.norm(moved, axis=1, keepdims=True)
             else:
-                expected[:, place] += part / system.size if c.is_angular else part
+                expected[:, place] += part / system.characteristic_length if c.is_angular else part
             column += c.freedom
         np.testing.assert_allclose(system.move(z, step), expected, rtol=1e-13, atol=1e-14)
 
@@ -304,7 +304,9 @@ def test_batched_rows_are_those_of_each_point(name):
     """`linearise` of a stack, longer than one mapped call, gives what `linearise_one` gives for each point."""
     problem = build_problem(symkin.load(name), "inverse")
     rng = np.random.default_rng(0)
-    values = np.array([random_values(problem.closure.coordinates, problem.closure.size, rng) for _ in range(131)])
+    values = np.array(
+        [random_values(problem.closure.coordinates, problem.closure.characteristic_length, rng) for _ in range(131)]
+    )
     known = problem.select_values(values[0], problem.known_coordinates)
     points = np.array([problem.select_values(v, problem.system.unknowns) for v in values])
     rows, jacobians = problem.system.linearise(points, known)
@@ -342,10 +344,12 @@ def test_parameters_are_the_geometry(name):
     closure = build_closure(SAMPLES[name]())
     assert len(set(closure.parameter_names)) == len(closure.parameter_names) == len(closure.parameter_values)
     assert np.all(np.isfinite(closure.parameter_values))
-    values = random_values(closure.coordinates, closure.size, np.random.default_rng(1))
+    values = random_values(closure.coordinates, closure.characteristic_length, np.random.default_rng(1))
     free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
     assert np.allclose(
-        np.array(free(values, closure.parameter_values)).ravel() / closure.size, evaluated(closure, values)[0], atol=1e-12
+        np.array(free(values, closure.parameter_values)).ravel() / closure.characteristic_length,
+        evaluated(closure, values)[0],
+        atol=1e-12,
     )
 
 
@@ -362,10 +366,12 @@ def test_a_parameter_is_the_number_in_the_file(rng):
     moved[k] += 7.0
     legs[0] = RodLimb("leg1", tuple(ends[0, 0] + [7.0, 0, 0]), tuple(ends[0, 1]), 1.0)
     other = build_closure(Mechanism("m", legs, platform_position=(1.0, 2.0, 3.0)))
-    values = random_values(closure.coordinates, closure.size, rng)
+    values = random_values(closure.coordinates, closure.characteristic_length, rng)
     free = ca.Function("free", [closure.variables, closure.parameters], [closure.rows])
     assert np.allclose(
-        np.array(free(values, moved)).ravel(), evaluated(other, values)[0] * other.size * other.size / closure.size, atol=1e-9
+        np.array(free(values, moved)).ravel(),
+        evaluated(other, values)[0] * other.characteristic_length * other.characteristic_length / closure.characteristic_length,
+        atol=1e-9,
     )
 
 
@@ -388,7 +394,7 @@ def test_a_restricted_pose_stays_in_its_group(motion, rng):
     mechanism = random_mechanism(rng, ["SPS", "rRS"], motion=motion)
     closure = build_closure(mechanism)
     assert [c.name for c in closure.role("pose")] == MOTIONS[motion]
-    values = random_values(closure.coordinates, closure.size, rng)
+    values = random_values(closure.coordinates, closure.characteristic_length, rng)
     function = ca.Function("pose", [closure.variables], [closure.bound(closure.pose.matrix)])
     reference = frame(mechanism.platform_position, mechanism.platform_quaternion)
     assert np.allclose(np.array(function(closure.reference)), reference, atol=1e-12)
@@ -425,7 +431,7 @@ def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
     closure = build_closure(make())
     assert closure.rows.shape[0] == rows == len(closure.row_sources)
     rng = np.random.default_rng(0)
-    samples = [evaluated(closure, random_values(closure.coordinates, closure.size, rng))[0] for _ in range(4)]
+    samples = [evaluated(closure, random_values(closure.coordinates, closure.characteristic_length, rng))[0] for _ in range(4)]
     assert np.all(np.max(np.abs(samples), axis=0) > 1e-6)
 
 

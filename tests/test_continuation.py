@@ -44,14 +44,14 @@ def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
     closure, algebraic = build_closure(mechanism), build_algebraic_closure(mechanism, form)
     rng = np.random.default_rng(1)
     for _ in range(5):
-        values = random_values(closure.coordinates, closure.size, rng)
+        values = random_values(closure.coordinates, closure.characteristic_length, rng)
         joints = np.concatenate([values[closure.slices[c.name]] for c in closure.role("actuated", "passive")])
         t, e = values[closure.slices["pose.x"].start :][:3], values[closure.slices["pose.quaternion"]]
         product = symkin.spatial.rotation.multiply(np.array([0.0, *t]), e)
         pose = np.concatenate([e, 0.5 * product]) if form == "study" else np.concatenate([t, e])
         rows = ca.Function("a", [algebraic.joints, algebraic.pose], [algebraic.rows])(joints, pose)
         expected = ca.Function("c", [closure.variables], [closure.bound(closure.rows)])(values)
-        np.testing.assert_allclose(np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.size)
+        np.testing.assert_allclose(np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.characteristic_length)
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links"])
@@ -130,12 +130,12 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
     assert (found.complex_count, len(found), found.unresolved_paths) == (complex_count, real, 0)
     bounded = mechanism.name == "dietmaier1998" or (mechanism.name == "zhang2009" and "pose" in given)
     assert (found.completeness, found.method) == ("proved" if bounded else "probability one", "continuation")
-    assert max(mode.residual for mode in found) < 1e-12 * mechanism.size
+    assert max(mode.residual for mode in found) < 1e-12 * mechanism.characteristic_length
     if mechanism.name == "zhao2000_links":
         assert not any(mode.certified for mode in found)
         assert any("17 rows for 16 unknowns" in note for note in found.notes)
     else:
-        assert all(mode.certified and mode.radius < 1e-9 * mechanism.size for mode in found)
+        assert all(mode.certified and mode.radius < 1e-9 * mechanism.characteristic_length for mode in found)
 
 
 @pytest.mark.slow
@@ -205,7 +205,7 @@ def test_symmetric_joint_values_are_not_claimed(cache):
     """At the delta's symmetric reference with a free platform, roots run to infinity together: what is listed closes, and
     completeness is claimed only if no path is unresolved."""
     found = symkin.modes(replace(delta(), motion="spatial"))
-    assert all(mode.residual < 1e-9 * found.problem.closure.size for mode in found)
+    assert all(mode.residual < 1e-9 * found.problem.closure.characteristic_length for mode in found)
     assert (found.completeness == "probability one") == (found.unresolved_paths == 0)
 
 
@@ -277,7 +277,7 @@ def test_whole_turns_change_nothing():
     far = symkin.modes(five_bar(), joints=[math.degrees(0.3) + 360 * 10**6, math.degrees(-0.2) - 360 * 10**6])
     assert (far.complex_count, far.completeness, len(far)) == (plain.complex_count, plain.completeness, len(plain))
     for a, b in zip(plain, far, strict=True):
-        np.testing.assert_allclose(a.position, b.position, atol=1e-6 * plain.problem.closure.size)
+        np.testing.assert_allclose(a.position, b.position, atol=1e-6 * plain.problem.closure.characteristic_length)
 
 
 def test_an_unknown_engine_is_refused(monkeypatch):

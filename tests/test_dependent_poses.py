@@ -47,9 +47,9 @@ def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
     assert found.complex_count == 8
     assert any("projected" in note for note in found.notes)
     assert min(np.max(np.abs(np.array(mode.actuated_values) - given)) for mode in found) < 0.01
-    assert all(mode.residual < 1e-9 * machine.size for mode in found)
+    assert all(mode.residual < 1e-9 * machine.characteristic_length for mode in found)
     one = symkin.solve(machine, pose=_printed(pose))
-    assert np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.size
+    assert np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.characteristic_length
 
 
 def test_a_pose_off_the_feasible_ones_is_told_how_far_and_which_is_nearest():

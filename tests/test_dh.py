@@ -76,7 +76,7 @@ def test_the_same_arm_by_joints(convention, rng):
     )  # fmt: skip
     values = rng.uniform(-3, 3, 4)
     assert np.allclose(forward(arm, values), forward(same, values), atol=1e-9)
-    assert math.isclose(arm.size, same.size, rel_tol=1e-9)
+    assert math.isclose(arm.characteristic_length, same.characteristic_length, rel_tol=1e-9)
 
 
 @pytest.mark.slow

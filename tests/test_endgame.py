@@ -187,7 +187,7 @@ def mechanism_ends(mechanism: Mechanism, **given) -> tuple[Problem, AlgebraicSys
 def fold_pose(mechanism: Mechanism, rng: np.random.Generator) -> Pose:
     """A pose at which the rods' six lines are dependent, by bisection on a random line of poses."""
     base, platform = (np.array([getattr(limb, end) for limb in mechanism.limbs]) for end in ("base", "platform"))
-    scale = mechanism.size
+    scale = mechanism.characteristic_length
 
     def pose(share: float) -> Pose:
         q = first[3:] + share * (second[3:] - first[3:])
@@ -228,7 +228,7 @@ def test_two_modes_of_a_platform_merge_at_a_singular_pose(seed):
     assert singular.isolated.all()
     values = real_values(problem, system, singular.z[:, 0], k)
     position = np.array([values[f"pose.{axis}"][0] for axis in "xyz"])
-    assert np.max(np.abs(position - pose.position)) < 1e-8 * platform.size
+    assert np.max(np.abs(position - pose.position)) < 1e-8 * platform.characteristic_length
     assert abs(abs(values["pose.quaternion"] @ pose.quaternion) - 1) < 1e-12
 
 
@@ -339,7 +339,7 @@ def distances_of(platform: Mechanism, pose: Pose) -> np.ndarray:
     rows = []
     for limb in platform.limbs:
         length = np.linalg.norm(pose.apply(np.array(limb.platform)) - np.array(limb.base))
-        rows.append(np.concatenate([[length], limb.base, limb.platform]) / platform.size)
+        rows.append(np.concatenate([[length], limb.base, limb.platform]) / platform.characteristic_length)
     return np.concatenate(rows)
 
 

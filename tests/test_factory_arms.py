@@ -48,8 +48,8 @@ def factory_arm(off: float, seed: int, *, far: bool = True) -> symkin.Mechanism:
 @pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-5])
 def test_the_size_is_that_of_the_machine_wherever_points_lie_on_their_axes(off):
     near, far = factory_arm(off, 1, far=False), factory_arm(off, 1)
-    assert max(np.linalg.norm(j.point) for _, j in far.joints) > 30 * near.size
-    assert far.size == pytest.approx(near.size, rel=0.05)
+    assert max(np.linalg.norm(j.point) for _, j in far.joints) > 30 * near.characteristic_length
+    assert far.characteristic_length == pytest.approx(near.characteristic_length, rel=0.05)
     for _, joint in far.joints:
         away = far.places[joint.name] - np.array(joint.point)
         assert np.linalg.norm(np.cross(away, joint.axis)) < 1e-7
@@ -65,7 +65,7 @@ def test_an_arm_moves_the_same_by_far_points_and_by_near_ones():
         assert np.max(np.abs(here.position - place[:3])) < 1e-6
         back = symkin.solve(far, pose=here.pose, start=q + rng.uniform(-2, 2, 6)).solution
         assert np.max(np.abs((np.array(back.actuated_values) - q + 180) % 360 - 180)) < 1e-6
-        assert here.residual < 1e-9 * near.size
+        assert here.residual < 1e-9 * near.characteristic_length
 
 
 @pytest.mark.slow
@@ -124,5 +124,5 @@ def test_joints_on_one_line_have_the_size_of_that_line(seed):
     arm = symkin.serial_arm_from_dh("line", symkin.DHTable("standard", rows))
     points = np.array([joint.point for _, joint in arm.joints])
     longest = max(np.linalg.norm(a - b) for a in points for b in points)
-    assert arm.size == pytest.approx(longest, rel=1e-9)
+    assert arm.characteristic_length == pytest.approx(longest, rel=1e-9)
     assert symkin.mobility(arm).mobility == 3

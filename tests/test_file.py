@@ -463,7 +463,7 @@ def test_spoilt_data_is_refused_in_one_line_or_taken(data):
         assert "\n" not in message
     else:
         assert str(mechanism)
-        assert mechanism.size > 0
+        assert mechanism.characteristic_length > 0
         assert parse(mechanism.to_toml()) == mechanism
 
 

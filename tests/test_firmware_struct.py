@@ -41,7 +41,7 @@ def _calibrated(mechanism, seed, only=""):
     those whose key path ends in one of some letters."""
     closure = build_closure(mechanism)
     moves = [
-        1e-3 * (mechanism.size if _is_length(name) else 1.0) * name.endswith(tuple(only.split()) or ("",))
+        1e-3 * (mechanism.characteristic_length if _is_length(name) else 1.0) * name.endswith(tuple(only.split()) or ("",))
         for name in closure.parameter_names
     ]
     rng = np.random.default_rng(seed)
@@ -57,7 +57,7 @@ def _moved_system(problem, values):
     """The problem's system with other parameters."""
     closure, bound = problem.closure, problem.system
     rows, errors = (ca.substitute(e, closure.parameters, ca.SX(ca.DM(values))) for e in (closure.rows, closure.errors))
-    return System(bound.unknowns, bound.unknown, bound.known, rows, errors, bound.size)
+    return System(bound.unknowns, bound.unknown, bound.known, rows, errors, bound.characteristic_length)
 
 
 @pytest.mark.slow
@@ -76,14 +76,14 @@ def test_arms_take_another_geometry(name, tmp_path):
         assert getattr(library, f"{name}_direct")(_numbers(values), _numbers(q), pose) == 0
         expected = np.asarray(forward(q, values)).ravel()
         expected[3:] *= np.sign(expected[3:] @ np.array(pose[3:])) / np.linalg.norm(expected[3:])
-        assert np.allclose(pose, expected, rtol=0, atol=1e-12 * mechanism.size)
+        assert np.allclose(pose, expected, rtol=0, atol=1e-12 * mechanism.characteristic_length)
         nominal = np.asarray(forward(q, closure.parameter_values)).ravel()
-        assert np.linalg.norm(nominal[:3] - expected[:3]) > 1e-5 * mechanism.size
+        assert np.linalg.norm(nominal[:3] - expected[:3]) > 1e-5 * mechanism.characteristic_length
         guess = q + rng.uniform(-1e-3, 1e-3, n)
         if getattr(library, f"{name}_inverse")(_numbers(values), None, pose, _numbers(guess), answer, None) == 0:
             again = (ctypes.c_double * 7)()
             assert getattr(library, f"{name}_direct")(_numbers(values), answer, again) == 0
-            assert np.allclose(again, pose, rtol=0, atol=1e-7 * mechanism.size)
+            assert np.allclose(again, pose, rtol=0, atol=1e-7 * mechanism.characteristic_length)
 
 
 PLATFORMS = {
@@ -102,7 +102,7 @@ def test_platforms_take_another_geometry(name, tmp_path):
     mechanism = made()
     library, values = _library(mechanism, tmp_path), _calibrated(mechanism, 4, movable)
     direct = build_problem(mechanism, "direct")
-    system, closure, size = _moved_system(direct, values), direct.closure, mechanism.size
+    system, closure, size = _moved_system(direct, values), direct.closure, mechanism.characteristic_length
     n = len(mechanism.actuated)
     for case in configurations(direct, closure.reference, 4, 6, spread=0.05, turn=0.1):
         z = system.polish(case.unknown, case.known, 8)

@@ -59,7 +59,7 @@ def test_random_smooth_paths_keep_their_mode(zhang):
         z = system.polish(z, np.array(kept[-1].actuated), steps=8)
         assert np.max(np.abs(z[:3] - kept[-1].pose.position)) < 1e-6
         every = symkin.modes(zhang, joints=kept[-1].actuated)
-        assert sum(same_pose(mode.pose, kept[-1].pose, zhang.size, 1e-7) for mode in every) == 1
+        assert sum(same_pose(mode.pose, kept[-1].pose, zhang.characteristic_length, 1e-7) for mode in every) == 1
         if found.stop is not None:
             assert found.end.smallest_singular_value < 1e-9
 
@@ -70,11 +70,13 @@ def test_random_smooth_paths_keep_their_mode(zhang):
 def test_way_back_ends_at_the_start(mechanism):
     """A path and its way back end at the starting configuration; every sample closes all loops."""
     q = np.array(symkin.solve(mechanism).solution.actuated_values)
-    step = np.array([mechanism.angle_out(0.1) if c.is_angular else 0.05 * mechanism.size for c in mechanism.actuated])
+    step = np.array(
+        [mechanism.angle_out(0.1) if c.is_angular else 0.05 * mechanism.characteristic_length for c in mechanism.actuated]
+    )
     found = track(mechanism, joints=[q, q + step, q], samples=9)
     assert found.reached
     assert found.certified == (mechanism.name != "five_bar")
-    assert same_pose(found.end.pose, found.samples[0].pose, mechanism.size)
+    assert same_pose(found.end.pose, found.samples[0].pose, mechanism.characteristic_length)
     assert all(closes(mechanism, sample.solution) for sample in found.samples)
 
 
@@ -85,7 +87,7 @@ def test_whole_turns_are_kept():
     assert found.reached
     assert found.certified
     assert found.end.actuated[0] == pytest.approx(1.0 + 6 * math.pi)
-    assert same_pose(found.end.pose, found.samples[0].pose, mechanism.size)
+    assert same_pose(found.end.pose, found.samples[0].pose, mechanism.characteristic_length)
 
 
 @pytest.mark.slow
@@ -96,7 +98,7 @@ def test_inverse_path_of_an_arm_keeps_its_working_mode():
     found = track(arm, poses=[e.pose for e in ends], start=ends[0])
     assert found.reached
     assert found.certified
-    assert same_pose(symkin.solve(arm, joints=found.end.actuated).solution.pose, ends[1].pose, arm.size)
+    assert same_pose(symkin.solve(arm, joints=found.end.actuated).solution.pose, ends[1].pose, arm.characteristic_length)
     every = symkin.modes(arm, pose=ends[1].pose)
     assert sum(all(same_angle(a, b) for a, b in zip(m.actuated, found.end.actuated, strict=True)) for m in every) == 1
 
@@ -109,7 +111,9 @@ def test_joints_of_an_arm_need_no_steps():
     assert found.reached
     assert (found.certified, found.steps) == (True, 0)
     for share, sample in zip(np.linspace(0, 1, 5), found.samples, strict=True):
-        assert same_pose(sample.solution.pose, symkin.solve(arm, joints=begin + share * (end - begin)).solution.pose, arm.size)
+        assert same_pose(
+            sample.solution.pose, symkin.solve(arm, joints=begin + share * (end - begin)).solution.pose, arm.characteristic_length
+        )
 
 
 @pytest.mark.slow
@@ -152,7 +156,7 @@ def test_start_must_lie_on_the_path(zhang):
         track(zhang, joints=[zhang.example.joints], start=mode)
     turned = track(mechanism, joints=[[0.9 + 2 * math.pi], [1.0 + 2 * math.pi]], start=mode)
     assert turned.reached
-    assert same_pose(turned.samples[0].pose, mode.pose, mechanism.size)
+    assert same_pose(turned.samples[0].pose, mode.pose, mechanism.characteristic_length)
 
 
 @pytest.mark.parametrize(

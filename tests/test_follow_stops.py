@@ -106,7 +106,7 @@ def test_hexapod_folds_where_its_legs_depend(zhang):
     for leg in zhang.limbs:
         tip, foot = (platform @ [*leg.platform, 1.0])[:3], np.array(leg.base)
         along = (tip - foot) / np.linalg.norm(tip - foot)
-        lines.append([*along, *(np.cross(foot, along) / zhang.size)])
+        lines.append([*along, *(np.cross(foot, along) / zhang.characteristic_length)])
     singular = np.linalg.svd(np.array(lines), compute_uv=False)
     assert singular[-1] < 1e-10 * singular[0]
     beyond = found.trajectory.at(0, found.stop.u + 1e-4)

@@ -99,18 +99,18 @@ def test_equations_have_the_values_of_the_closure(name: str) -> None:
     lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in equations(mechanism).splitlines() if " &= " in line]
     definitions = [(name, text) for name, text in lines if name != "0"]
     rows = [text.split(" && ")[0] for name, text in lines if name == "0"][: closure.rows.shape[0]]
-    values = random_values(closure.coordinates, closure.size, np.random.default_rng(3))
+    values = random_values(closure.coordinates, closure.characteristic_length, np.random.default_rng(3))
     parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
     full = [name if k is None else f"{name}.{k}" for name, k in parts]
     symbols = distinct([symbol_name(*part) for part in parts], full)
     found = np.array(evaluated(definitions, rows, dict(zip(symbols, values, strict=True))))
     plain = ca.Function("rows", [closure.variables], [closure.bound(closure.rows)])
     expected = np.asarray(plain(values)).ravel()
-    scale = {"distance": (2 * closure.size,), "point": (1.0,), "line": (1.0,)}
+    scale = {"distance": (2 * closure.characteristic_length,), "point": (1.0,), "line": (1.0,)}
     for row, one, other in zip(closure.row_sources, found, expected, strict=True):
-        factors = scale.get(row.relation, (1.0, 1 / closure.size))
+        factors = scale.get(row.relation, (1.0, 1 / closure.characteristic_length))
         error = min(abs(one - factor * other) for factor in factors)
-        assert error < 1e-9 * closure.size ** (2 if row.relation == "distance" else 1), row
+        assert error < 1e-9 * closure.characteristic_length ** (2 if row.relation == "distance" else 1), row
 
 
 @pytest.mark.parametrize("name", EVERY)

@@ -216,7 +216,7 @@ def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
     loci = singular_loci(solution, names[:2], kinds=("type 2",), starts=12)
     assert loci.curves
     for curve in loci.curves:
-        assert curve.largest_row < 1e-10 * mechanism.size
+        assert curve.largest_row < 1e-10 * mechanism.characteristic_length
         values = problem.closure.reference.copy()
         z, start = curve.configurations[len(curve.points) // 2], 0
         for name in curve.names:

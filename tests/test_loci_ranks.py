@@ -61,7 +61,7 @@ def assert_whole_lines(loci: Loci, name: str, multiples: set[int]) -> None:
     (low, high), reached = loci.ranges[1 - k], {}
     for curve in loci.curves:
         assert curve.kind == "type 1"
-        assert curve.largest_row < 1e-8 * loci.plane.closure.size
+        assert curve.largest_row < 1e-8 * loci.plane.closure.characteristic_length
         assert not curve.is_point
         value = curve.points[:, k] / math.pi
         assert np.abs(value - np.round(value)).max() < 1e-9

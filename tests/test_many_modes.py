@@ -42,7 +42,7 @@ def check_same(together, alone):
     )
     assert together.given == alone.given
     assert len(together) == len(alone)
-    size = together.problem.closure.size
+    size = together.problem.closure.characteristic_length
     for a, b in zip(together, alone, strict=True):
         np.testing.assert_allclose(a.position, b.position, atol=1e-9 * size)
         np.testing.assert_allclose(a.rotation, b.rotation, atol=1e-9)
@@ -146,7 +146,7 @@ def test_turns_are_left_out_of_many_inputs_too():
     for a, b in zip(far, symkin.modes(mechanism, joints=joints), strict=True):
         assert len(a) == len(b)
         for x, y in zip(a, b, strict=True):
-            np.testing.assert_allclose(x.position, y.position, atol=1e-9 * mechanism.size)
+            np.testing.assert_allclose(x.position, y.position, atol=1e-9 * mechanism.characteristic_length)
 
 
 def test_solutions_are_made_when_asked_for():

@@ -65,7 +65,9 @@ def test_size_is_the_largest_distance_between_joint_points(rng):
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
             points += [np.array(limb.base), act(reference, limb.platform)]
-    assert math.isclose(mechanism.size, max(np.linalg.norm(a - b) for a, b in combinations(points, 2)), rel_tol=1e-12)
+    assert math.isclose(
+        mechanism.characteristic_length, max(np.linalg.norm(a - b) for a, b in combinations(points, 2)), rel_tol=1e-12
+    )
 
 
 @pytest.mark.slow
@@ -73,19 +75,22 @@ def test_size_is_the_largest_distance_between_joint_points(rng):
 def test_size_scales_and_does_not_turn(rng):
     """Twice the lengths: twice the size."""
     ends = [(np.array(point(rng)), np.array(point(rng))) for _ in range(4)]
-    sizes = [Mechanism("m", [RodLimb(f"l{k}", s * b, s * p) for k, (b, p) in enumerate(ends)]).size for s in (1.0, 2.0)]
+    sizes = [
+        Mechanism("m", [RodLimb(f"l{k}", s * b, s * p) for k, (b, p) in enumerate(ends)]).characteristic_length
+        for s in (1.0, 2.0)
+    ]
     assert math.isclose(sizes[1], 2 * sizes[0], rel_tol=1e-12)
     q = unit(rng, 4)
     r = frame((0, 0, 0), q)
     turned = Mechanism("m", [RodLimb(f"l{k}", act(r, b), p) for k, (b, p) in enumerate(ends)], platform_quaternion=q)
-    assert math.isclose(turned.size, sizes[0], rel_tol=1e-9)
+    assert math.isclose(turned.characteristic_length, sizes[0], rel_tol=1e-9)
 
 
 def test_size_of_coinciding_points_is_positive():
     """All joints in one point: the distance to the platform, or 1."""
     limb = Limb("l", [TURN])
-    assert Mechanism("m", [limb], platform_position=(3, 4, 0)).size == 5.0
-    assert Mechanism("m", [limb]).size == 1.0
+    assert Mechanism("m", [limb], platform_position=(3, 4, 0)).characteristic_length == 5.0
+    assert Mechanism("m", [limb]).characteristic_length == 1.0
 
 
 @given(seeds)
@@ -178,4 +183,4 @@ def test_a_rod_whose_ends_meet_at_the_reference_is_refused():
     """Its length would be read off the reference, where it is zero."""
     limb = Limb("arm", [Joint("r", "R", (0, 0, 0), (0, 1, 0), actuated=True)], [Rod((10, 0, 5), (10, 0, -5))])
     refused_in_one_line(lambda: Mechanism("m", [limb], (0, 0, 10)), ["'arm'", "rod 1", "one point"])
-    assert Mechanism("m", [limb], (0, 0, 20)).size > 0
+    assert Mechanism("m", [limb], (0, 0, 20)).characteristic_length > 0

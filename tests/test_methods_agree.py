@@ -44,7 +44,7 @@ def listed(name: str, kind: str) -> Modes:
 
 def places(sampled: Modes, complete: Modes) -> list[int]:
     """Of each sampled mode its place in the complete list, which has it exactly once."""
-    size = complete.problem.closure.size
+    size = complete.problem.closure.characteristic_length
     rows = np.array([configuration(mode, size) for mode in complete])
 
     def place(mode: Solution) -> int:

@@ -105,10 +105,10 @@ def test_limb_wrenches_are_reciprocal_to_joint_screws(name: str) -> None:
         if not isinstance(limb, Limb):
             continue
         twists = np.array([_screw(joint) for joint in limb.joints])
-        expected = reciprocal_system(twists, mechanism.size)
+        expected = reciprocal_system(twists, mechanism.characteristic_length)
         assert screws.constraints.shape == expected.shape
         for wrench in screws.constraints:
-            assert max(abs(reciprocal_product(twist, wrench)) for twist in twists) < 1e-9 * mechanism.size
+            assert max(abs(reciprocal_product(twist, wrench)) for twist in twists) < 1e-9 * mechanism.characteristic_length
 
 
 def _screw(joint: Joint) -> np.ndarray:
@@ -134,7 +134,7 @@ def test_platform_twists_and_constraints_make_six(name: str) -> None:
     assert len(found.platform_constraints) + len(found.platform_twists) == 6
     for wrench in found.platform_constraints:
         for twist in found.platform_twists:
-            assert abs(reciprocal_product(twist, wrench)) < 1e-8 * found.closure.size
+            assert abs(reciprocal_product(twist, wrench)) < 1e-8 * found.closure.characteristic_length
 
 
 def test_rank_counts_singular_values() -> None:

@@ -68,7 +68,7 @@ def test_every_edge_joins_modes_that_a_track_joins(planar: Mechanism, graph: Mod
     for (a, i), (b, j) in graph.edges[::5]:
         back = track(planar, joints=graph.inputs[[b, a]], start=graph.found[b][j], name_modes=False)
         assert back.reached
-        assert same_pose(back.end.solution.pose, graph.found[a][i].pose, planar.size, 1e-7)
+        assert same_pose(back.end.solution.pose, graph.found[a][i].pose, planar.characteristic_length, 1e-7)
 
 
 def test_a_path_of_the_graph_stays_on_one_mode(planar: Mechanism, graph: ModeGraph) -> None:
@@ -107,8 +107,8 @@ def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
     followed = track(mechanism, joints=path, start=graph.chosen[begin], name_modes=False)
     assert followed.reached
     assert followed.certified
-    assert same_pose(followed.end.solution.pose, graph.chosen[end].pose, mechanism.size, 1e-7)
-    assert not same_pose(graph.chosen[begin].pose, graph.chosen[end].pose, mechanism.size, 1e-2)
+    assert same_pose(followed.end.solution.pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-7)
+    assert not same_pose(graph.chosen[begin].pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-2)
 
 
 def sign(solution: Solution) -> int:

@@ -113,7 +113,7 @@ def test_platforms_from_the_plane_of_their_base(name, solver):
     flat = [*map(float, platform.platform_position[:2]), 0.0, 1.0, 0.0, 0.0, 0.0]
     found = symkin.solve(platform, joints=joints, start=flat, solver=solver)
     again = symkin.solve(platform, pose=found.solution.pose).solution
-    assert np.allclose(again.actuated_values, joints, atol=1e-8 * platform.size)
+    assert np.allclose(again.actuated_values, joints, atol=1e-8 * platform.characteristic_length)
 
 
 def test_a_moved_pose_is_named_as_a_pose():
@@ -189,7 +189,7 @@ def test_singular_poses_are_classified_where_the_start_means_them():
     found = symkin.singularity(arm, pose=printed, start=joints)
     assert found.is_singular
     assert found.solution.actuated_values == pytest.approx(joints, abs=0.15)
-    assert same_pose(found.solution.pose, pose, arm.size, 2e-3)
+    assert same_pose(found.solution.pose, pose, arm.characteristic_length, 2e-3)
 
 
 @pytest.mark.parametrize("solver", ["newton", "ipopt"])

@@ -47,7 +47,7 @@ MODE_KEYS = {"pose", "joints", "residual", "condition", "certified", "radius", "
 def check(mechanism, modes):
     """Every mode closes by plain matrices, no two are the same, and the hits are counted among the starts."""
     assert all(closes(mechanism, mode) for mode in modes)
-    assert all_distinct(modes, mechanism.size)
+    assert all_distinct(modes, mechanism.characteristic_length)
     assert modes.completeness == "sampled"
     if len(modes):
         assert all(mode.hits >= 1 for mode in modes)
@@ -70,7 +70,7 @@ def test_zhang2009_has_the_papers_modes():
     expected = [(x, y, s * z, s * a, s * b, c) for x, y, z, a, b, c in upper for s in (1, -1)]
     poses = [Pose.from_euler(e[:3], np.radians(e[3:]), "XYZ") for e in expected]
     modes = check(mechanism, sampled(mechanism))
-    assert same_modes(modes, poses, mechanism.size, 1e-4)
+    assert same_modes(modes, poses, mechanism.characteristic_length, 1e-4)
     assert sum(mode.hits for mode in modes) <= modes.starts
 
 
@@ -81,7 +81,7 @@ def test_planar_base_and_platform_mirror_the_modes():
         modes = check(mechanism, sampled(mechanism))
         mirror = [Pose(m.position * [1, 1, -1], m.quaternion * [1, -1, -1, 1]) for m in modes]
         assert len(modes) > 0
-        assert same_modes(modes, mirror, mechanism.size)
+        assert same_modes(modes, mirror, mechanism.characteristic_length)
 
 
 def test_zhao2000_has_the_papers_modes():
@@ -90,7 +90,7 @@ def test_zhao2000_has_the_papers_modes():
     rows = [(4.946, 5.009, 104.964, 5.021), (14.613, 14.799, 103.124, 165.013)]
     poses = [Pose.from_euler((x, y, s * z), np.radians([0, 0, g]), "XYZ") for x, y, z, g in rows for s in (1, -1)]
     modes = check(mechanism, sampled(mechanism))
-    assert same_modes(modes, poses, mechanism.size, 1e-4)
+    assert same_modes(modes, poses, mechanism.characteristic_length, 1e-4)
 
 
 def test_zhao2000_links_reach_two_of_the_poses():
@@ -101,7 +101,7 @@ def test_zhao2000_links_reach_two_of_the_poses():
     assert len(modes) == 16
     assert modes.poses == 2
     line = list(sampled(symkin.load("zhao2000")))
-    assert all(any(same_pose(mode, other, mechanism.size, 1e-6) for other in line) for mode in modes)
+    assert all(any(same_pose(mode, other, mechanism.characteristic_length, 1e-6) for other in line) for mode in modes)
     assert all(mode.joints["op"] == pytest.approx(105.2) for mode in modes)
 
 
@@ -152,7 +152,7 @@ def test_a_wrist_partitioned_arm_has_eight_solutions():
     assert len(modes) == 8
     assert any(all(same_angle(a, b, 1e-7) for a, b in zip(mode.actuated_values, q, strict=True)) for mode in modes)
     for mode in modes:
-        assert same_pose(symkin.solve(arm, joints=mode.actuated_values).solution, pose, arm.size)
+        assert same_pose(symkin.solve(arm, joints=mode.actuated_values).solution, pose, arm.characteristic_length)
         a, b, c, d, e, f = mode.actuated_values
         flipped = (a, b, c, d + math.pi, -e, f + math.pi)
         assert any(all(same_angle(x, y, 1e-6) for x, y in zip(o.actuated, flipped, strict=True)) for o in modes)
@@ -193,7 +193,7 @@ def test_planar_three_rrr_does_not_care_how_its_motion_is_written(steps):
     free, planar = three_rrr(), three_rrr("planar")
     joints = [c.reference[0] + step for c, step in zip(free.actuated, steps, strict=True)]
     found = check(free, sampled(free, joints=joints))
-    assert same_modes(found, check(planar, sampled(planar, joints=joints)), free.size)
+    assert same_modes(found, check(planar, sampled(planar, joints=joints)), free.characteristic_length)
     assert len(found) in (2, 4, 6)
     for mode in found:
         assert abs(mode.position[2]) < 1e-7
@@ -302,7 +302,7 @@ def test_solve_finds_one_of_the_modes(name):
     mechanism = symkin.load(name)
     solution = symkin.solve(mechanism).solution
     modes = check(mechanism, sampled(mechanism)) if name not in ("gluon_6l3",) else sampled(mechanism)
-    assert any(same_pose(solution, mode, mechanism.size, 1e-6) for mode in modes)
+    assert any(same_pose(solution, mode, mechanism.characteristic_length, 1e-6) for mode in modes)
 
 
 ISOLATED = [["rRS", "rRS", "rRS"], ["rUS"] * 6, ["hRS", "pRS", "rPS"], ["SPS", "SPS", "SPS", "rRS", "SrRP"],
@@ -322,9 +322,9 @@ def test_the_reference_is_among_the_modes(limbs, seed):
         except InputError as error:
             assert "unknowns free" in str(error)  # noqa: PT017 - fewer constraints than freedoms, said so
             continue
-        assert len(found) == 1 or all_distinct(found, mechanism.size)
+        assert len(found) == 1 or all_distinct(found, mechanism.characteristic_length)
         assert all(closes(mechanism, mode) for mode in found)
-        assert sum(at_reference(mode, reference, mechanism.size) for mode in found) == 1
+        assert sum(at_reference(mode, reference, mechanism.characteristic_length) for mode in found) == 1
 
 
 def at_reference(mode, reference, size):
@@ -351,7 +351,7 @@ def test_a_seed_decides_the_result(name):
     assert first.seed == 3
     assert len(first) == len(other)
     for a, b in zip(first, other, strict=True):
-        assert same_pose(a, b, mechanism.size, 1e-6)
+        assert same_pose(a, b, mechanism.characteristic_length, 1e-6)
         assert a.hits != b.hits or len(first) < 3
 
 
@@ -362,7 +362,7 @@ def test_other_solvers_find_no_other_modes(solver):
     every = sampled(mechanism)
     found = check(mechanism, sampled(mechanism, solver=solver, starts=25))
     assert len(found) > 0
-    assert all(any(same_pose(mode, other, mechanism.size, 1e-6) for other in every) for mode in found)
+    assert all(any(same_pose(mode, other, mechanism.characteristic_length, 1e-6) for other in every) for mode in found)
     assert sum(mode.hits for mode in found) <= 25
 
 
@@ -374,7 +374,7 @@ def test_any_count_of_starts(starts):
     assert modes.starts == starts
     assert sum(mode.hits for mode in modes) <= starts
     every = sampled(mechanism)
-    assert all(any(same_pose(mode, other, mechanism.size, 1e-6) for other in every) for mode in modes)
+    assert all(any(same_pose(mode, other, mechanism.characteristic_length, 1e-6) for other in every) for mode in modes)
 
 
 @pytest.mark.parametrize("options", [{"starts": 0}, {"starts": -5}, {"seed": -1}, {"solver": "bfgs"}])
@@ -478,7 +478,7 @@ def test_parallel_links_move_freely_beside_isolated_modes(motion):
     assert any("positive-dimensional" in note for note in result.notes)
     turn = 2 * math.asin(0.4)
     expected = [Pose(np.zeros(3), np.array([math.cos(s * turn / 2), 0, 0, math.sin(s * turn / 2)])) for s in (1, -1)]
-    assert same_modes(result, expected, mechanism.size)
+    assert same_modes(result, expected, mechanism.characteristic_length)
 
 
 def test_a_singular_wrist_turns_freely_beside_isolated_modes():
@@ -529,14 +529,14 @@ def test_features_are_equal_where_configurations_are(rng):
     """Whole turns of angles and signs of quaternions change no feature; other steps, and turns of a screw joint, do."""
     problem = build_problem(MIXED, "direct")
     system = problem.system
-    z = problem.select_values(random_values(problem.closure.coordinates, system.size, rng), system.unknowns)
+    z = problem.select_values(random_values(problem.closure.coordinates, system.characteristic_length, rng), system.unknowns)
     same, other = z.copy(), z.copy()
     c, place = list(zip(system.unknowns, system.slices, strict=True))[rng.integers(len(system.unknowns))]
     step = {"quaternion": lambda v: -v, "angle": lambda v: v + 2 * math.pi * rng.integers(-2, 3)}.get(c.kind, lambda v: v)
     same[place] = step(z[place])
     step = {"quaternion": lambda v: v[[1, 0, 3, 2]] * [-1, 1, 1, -1], "turns": lambda v: v + 2 * math.pi}
     other[place] = step.get(c.kind, lambda v: v + 0.01)(z[place])
-    rows = features(system, np.array([z, same, other])) / system.size
+    rows = features(system, np.array([z, same, other])) / system.characteristic_length
     assert np.allclose(rows[0], rows[1], atol=1e-12)
     assert np.max(np.abs(rows[0] - rows[2])) > 1e-5
 

@@ -87,10 +87,10 @@ def test_drawn_postures_close_within_limits_at_their_inclination(mechanism, held
         symkin.closure.closure.ca.SX(0, 1),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
-        closure.size,
+        closure.characteristic_length,
     )
     for values in made.values:
-        assert system.residual(values, np.zeros(0)) < 1e-9 * mechanism.size
+        assert system.residual(values, np.zeros(0)) < 1e-9 * mechanism.characteristic_length
     for c in closure.coordinates:
         if c.limits is not None and c.kind == "length":
             column = made.values[:, closure.slices[c.name].start]

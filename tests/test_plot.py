@@ -103,8 +103,10 @@ def test_both_sides_of_every_joint_agree(name):
             gap = behind.apply(np.array(joint.point)) - before.apply(np.array(joint.point))
             if joint.type == "P":
                 axis = before.turn(np.array(joint.axis))
-                gap = np.concatenate([gap - (gap @ axis) * axis, mechanism.size * (behind.rotation - before.rotation).ravel()])
-            assert np.abs(gap).max() < 1e-8 * mechanism.size
+                gap = np.concatenate(
+                    [gap - (gap @ axis) * axis, mechanism.characteristic_length * (behind.rotation - before.rotation).ravel()]
+                )
+            assert np.abs(gap).max() < 1e-8 * mechanism.characteristic_length
 
 
 VALUES = {"R": (0.7,), "P": (0.4,), "H": (5.0,), "C": (-0.8, 0.3), "U": (0.5, -1.1), "S": ((0.5, -0.5, 0.1, 0.7),)}
@@ -169,7 +171,7 @@ def test_two_cut_balls_hold_what_is_between(kinds):
 def test_links_between_revolutes_keep_their_lengths(name):
     """Law: every drawn link is as long as at the reference."""
     modes = modes_of(name)
-    size = modes.problem.mechanism.size
+    size = modes.problem.mechanism.characteristic_length
     at_reference = reference_lines(modes.problem.mechanism)
     for body in skeletons(modes):
         for limb, reference in zip(body.limbs, at_reference.limbs, strict=True):
@@ -185,7 +187,7 @@ def test_rods_are_as_long_as_their_coordinates_say(name):
     for mode, body in zip(modes, skeletons(modes), strict=True):
         lengths = [sum(s.length for s in limb.segments) for limb in body.limbs]
         given = [mode.values[c.name] - (0.0 if c.least is None else c.least) for c in mechanism.actuated]
-        np.testing.assert_allclose(lengths, given, atol=1e-8 * mechanism.size)
+        np.testing.assert_allclose(lengths, given, atol=1e-8 * mechanism.characteristic_length)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -197,8 +199,8 @@ def test_platform_points_move_as_one_body(name):
     back = mechanism.reference_pose.inverse()
     for mode, body in zip(modes, skeletons(modes), strict=True):
         moved = [mode.pose.apply(back.apply(point)) for point in at_reference.platform]
-        np.testing.assert_allclose(body.platform, moved, atol=1e-8 * mechanism.size)
-        np.testing.assert_allclose(body.base, at_reference.base, atol=1e-12 * mechanism.size)
+        np.testing.assert_allclose(body.platform, moved, atol=1e-8 * mechanism.characteristic_length)
+        np.testing.assert_allclose(body.base, at_reference.base, atol=1e-12 * mechanism.characteristic_length)
 
 
 def test_serial_arms_end_at_the_tool():

@@ -252,7 +252,7 @@ def test_redundant_rows_are_solved_together():
     problem = build_problem(delta(), "direct")
     (system,) = algebraic_systems(problem)
     here = known_values(problem, np.zeros(3))
-    up = np.array([0.0, 0.0, -np.sqrt(220.0**2 - 180.0**2)]) / system.size
+    up = np.array([0.0, 0.0, -np.sqrt(220.0**2 - 180.0**2)]) / system.characteristic_length
     z = np.array([up, -up]).T
     end = np.array([0.3, -0.2, 0.1]) + 0j
     tracked = track(system, form_of(system), z, here, end)

@@ -46,7 +46,7 @@ def test_the_judging_closure_and_symkin_agree_on_shipped_mechanisms():
     for name in ("zhao2000_links", "gluon_6l3", "yao2020"):
         mechanism = symkin.load(name)
         m = PlainMechanism(tomllib.loads(mechanism.to_toml()))
-        assert np.isclose(m.size, mechanism.size)
+        assert np.isclose(m.characteristic_length, mechanism.characteristic_length)
         assert m.residual(m.reference[None])[0] < 1e-9
 
 

@@ -74,7 +74,7 @@ def test_a_regular_four_bar_has_the_lever_of_its_closed_form() -> None:
     arm = c - np.array([ground, 0.0])
     turned = np.array([-b[1], b[0]])
     omega = -(turned @ arm) / (np.array([-(c - b)[1], (c - b)[0]]) @ arm)
-    expected = math.hypot(crank / mechanism.size, omega)
+    expected = math.hypot(crank / mechanism.characteristic_length, omega)
     assert found.kinds == ()
     assert found.manipulability == pytest.approx(expected, rel=1e-9)
     assert found.inverse_manipulability == pytest.approx(1 / expected, rel=1e-9)
@@ -161,7 +161,7 @@ def test_delta_type_1() -> None:
     for k in range(3):
         out, tangent = delta_directions(k)
         rod = reach * out + [0, 0, math.sqrt(d["rod"] ** 2 - reach**2)]
-        lever = abs(rod @ (d["arm"] * np.cross(tangent, out))) / delta().size
+        lever = abs(rod @ (d["arm"] * np.cross(tangent, out))) / delta().characteristic_length
         levers.append(lever / math.hypot(lever, d["rod"]))
     assert other.distances["type 1"] == pytest.approx(min(levers), rel=1e-9)
     with pytest.raises(SolveError):
@@ -259,9 +259,9 @@ def test_gluon_wrist_and_elbow(joints: list[float], moving: set[str]) -> None:
     assert moving <= set(rates)
     screws = joint_screws(arm, found)
     weights = np.array([rates.get(c.name, 0.0) for c in arm.actuated])
-    assert np.abs(weights @ screws).max() < 1e-9 * arm.size
+    assert np.abs(weights @ screws).max() < 1e-9 * arm.characteristic_length
     for screw in screws:
-        assert abs(reciprocal_product(screw, wrench.vector)) < 1e-9 * arm.size
+        assert abs(reciprocal_product(screw, wrench.vector)) < 1e-9 * arm.characteristic_length
 
 
 @pytest.mark.slow

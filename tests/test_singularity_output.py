@@ -82,7 +82,7 @@ def test_a_stretched_arm_loses_a_direction_of_its_position() -> None:
     for q2 in (0.0, 0.3, 1.2):
         found = symkin.singularity(symkin.solve(arm, joints=[0.4, q2]).solution, output=TIP)
         assert found.kinds == (("type 1",) if q2 == 0.0 else ())
-        per_size = 100.0 * 80.0 * math.sin(q2) / arm.size**2
+        per_size = 100.0 * 80.0 * math.sin(q2) / arm.characteristic_length**2
         assert found.manipulability == pytest.approx(per_size, abs=1e-9)
 
 

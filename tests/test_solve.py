@@ -34,7 +34,7 @@ def nearby_pose(rng, mechanism, reach=0.05):
     turn = rng.uniform(-1, 1, 3) * [reach, reach, reach]
     if mechanism.name.startswith("zhao2000"):
         turn[:2] = 0.0
-    shift = reach * mechanism.size * rng.uniform(-1, 1, 3)
+    shift = reach * mechanism.characteristic_length * rng.uniform(-1, 1, 3)
     return Pose(pose.position + shift, multiply(quaternion_from_rotation_vector(turn), pose.quaternion))
 
 
@@ -49,11 +49,11 @@ def test_direct_undoes_inverse(name, rng):
     mechanism = symkin.load(name)
     pose = nearby_pose(rng, mechanism)
     inverse = symkin.solve(mechanism, pose=pose).solution
-    assert same_pose(inverse, pose, mechanism.size, 1e-12)
+    assert same_pose(inverse, pose, mechanism.characteristic_length, 1e-12)
     assert closes(mechanism, inverse)
     direct = symkin.solve(mechanism, joints=inverse.actuated_values, start=pose).solution
     assert closes(mechanism, direct)
-    assert same_pose(direct, pose, mechanism.size, 1e-7)
+    assert same_pose(direct, pose, mechanism.characteristic_length, 1e-7)
     assert direct.actuated_values == pytest.approx(inverse.actuated_values, abs=1e-12)
 
 
@@ -105,12 +105,12 @@ def test_arms_of_any_count_are_solved_near_a_start(count, rng):
     for solver in SOLVERS:
         found = symkin.solve(arm, pose=pose, start=q + 0.01 * rng.uniform(-1, 1, count), solver=solver).solution
         assert closes(arm, found)
-        assert same_pose(found, pose, arm.size)
+        assert same_pose(found, pose, arm.characteristic_length)
     if count < 6:
         beside = Pose(pose.position, multiply(quaternion_from_rotation_vector(np.array([0.2, -0.3, 0.4])), pose.quaternion))
         result = symkin.solve(arm, pose=beside, start=q, check=False)
         assert result.solution is None
-        assert result.smallest_residual > 1e-6 * arm.size
+        assert result.smallest_residual > 1e-6 * arm.characteristic_length
 
 
 @pytest.mark.parametrize("count", [7, 8])
@@ -157,7 +157,7 @@ def test_solvers_agree(case):
     for result in results:
         assert result.status == "ok"
         assert closes(mechanism, result.solution)
-        assert same_pose(result.solution, results[0].solution, mechanism.size, 1e-6)
+        assert same_pose(result.solution, results[0].solution, mechanism.characteristic_length, 1e-6)
         assert result.solution.actuated_values == pytest.approx(results[0].solution.actuated_values, rel=1e-6, abs=1e-5)
 
 
@@ -169,16 +169,16 @@ def test_history_is_the_iteration(case, solver):
     result = symkin.solve(mechanism, **given_, solver=solver)
     left = [step.residual for step in result.history]
     assert result.iterations == len(left) - 1 > 0
-    assert left[-1] <= 1e-6 * mechanism.size
-    assert left[-1] <= min(left) + 1e-9 * mechanism.size
-    assert left[-1] < left[-2] or left[-2] < 1e-9 * mechanism.size
-    assert same_pose(result.history[-1].pose, result.solution, mechanism.size, 1e-5)
+    assert left[-1] <= 1e-6 * mechanism.characteristic_length
+    assert left[-1] <= min(left) + 1e-9 * mechanism.characteristic_length
+    assert left[-1] < left[-2] or left[-2] < 1e-9 * mechanism.characteristic_length
+    assert same_pose(result.history[-1].pose, result.solution, mechanism.characteristic_length, 1e-5)
 
 
 def test_newton_is_quadratic():
     """Near the solution each residual is about the square of the one before: over the size, r[k+1] < 10^3 r[k]^2."""
     mechanism = symkin.load("zhang2009")
-    left = np.array([step.residual for step in symkin.solve(mechanism).history]) / mechanism.size
+    left = np.array([step.residual for step in symkin.solve(mechanism).history]) / mechanism.characteristic_length
     pairs = [(a, b) for a, b in pairwise(left) if 1e-7 < a < 1e-3]
     assert pairs
     assert all(b < 1e3 * a**2 for a, b in pairs)
@@ -198,7 +198,7 @@ def test_a_start_at_a_mode_stays_there(name):
     mechanism = symkin.load(name)
     for mode in symkin.modes(mechanism):
         again = symkin.solve(mechanism, joints=mode.actuated_values, start=mode.pose)
-        assert same_pose(again.solution, mode, mechanism.size, 1e-7)
+        assert same_pose(again.solution, mode, mechanism.characteristic_length, 1e-7)
 
 
 @pytest.mark.slow
@@ -211,7 +211,7 @@ def test_the_pose_of_every_mode_leads_back_to_it(mechanism, joints):
     assert len(found) >= 2
     for mode in found:
         again = symkin.solve(mechanism, joints=values, start=mode.pose)
-        assert same_pose(again.solution, mode, mechanism.size, 1e-7)
+        assert same_pose(again.solution, mode, mechanism.characteristic_length, 1e-7)
         assert not again.notes
 
 
@@ -314,19 +314,19 @@ def test_huge_values_end_in_a_status(solver, huge):
         result = symkin.solve(mechanism, **given_, solver=solver, check=False)
         json.dumps(result.to_dict(), allow_nan=False)
         if result.solution is not None:
-            scale = max(1.0, max(abs(v) for v in result.solution.position) / mechanism.size)
-            assert result.solution.residual <= 1e-8 * scale * mechanism.size
+            scale = max(1.0, max(abs(v) for v in result.solution.position) / mechanism.characteristic_length)
+            assert result.solution.residual <= 1e-8 * scale * mechanism.characteristic_length
 
 
 @pytest.mark.parametrize("name", SERIAL)
 def test_a_pose_out_of_reach_is_infeasible(name):
     """A tool pose ten times the arm away; the residual left is about the distance missing."""
     mechanism = symkin.load(name)
-    far = [10 * mechanism.size, 0, 0, 1, 0, 0, 0]
+    far = [10 * mechanism.characteristic_length, 0, 0, 1, 0, 0, 0]
     result = symkin.solve(mechanism, pose=far, check=False)
     if name == "gluon_6l3":
         assert result.status == "infeasible"
-        assert result.smallest_residual > mechanism.size
+        assert result.smallest_residual > mechanism.characteristic_length
     else:
         assert result.solution is not None  # its last joint slides without end
         assert closes(mechanism, result.solution)
@@ -451,7 +451,7 @@ def test_a_pose_nearly_on_the_motion_is_projected_with_a_note(make):
             assert result.solution.quaternion[1] == pytest.approx(0.0, abs=1e-15)
             assert list(result.solution.notes) == list(result.notes)
         else:
-            assert result.smallest_residual == pytest.approx(tilt * mechanism.size, rel=1e-3)
+            assert result.smallest_residual == pytest.approx(tilt * mechanism.characteristic_length, rel=1e-3)
             assert len(symkin.modes(mechanism, pose=pose)) == 0
 
 

@@ -45,14 +45,16 @@ def test_known_values_of_poses_are_those_of_single_poses(name, ranges, at):
     points = space.points((slice(0, 20),))
     known, off = space.known_values(points)
     givens = [given_from(mechanism, None, space.given(point)["pose"]) for point in points]
-    np.testing.assert_allclose(known, [given.values for given in givens], rtol=1e-12, atol=1e-12 * mechanism.size)
-    np.testing.assert_allclose(off, [given.off_motion for given in givens], atol=1e-12 * mechanism.size)
+    np.testing.assert_allclose(
+        known, [given.values for given in givens], rtol=1e-12, atol=1e-12 * mechanism.characteristic_length
+    )
+    np.testing.assert_allclose(off, [given.off_motion for given in givens], atol=1e-12 * mechanism.characteristic_length)
 
 
 def test_poses_are_one_of_two_things_swept_over(tmp_path):
     """`over` names what `poses` says yes or no to; the folders are the same."""
     mechanism = three_rrr("planar")
-    size = mechanism.size
+    size = mechanism.characteristic_length
     grid = {"x": np.linspace(-0.1, 0.1, 3) * size, "y": [0.0, 0.1 * size]}
     sweep(mechanism, grid, tmp_path / "over", over="poses", workers=0)
     sweep(mechanism, grid, tmp_path / "poses", poses=True, workers=0)

@@ -40,7 +40,7 @@ def check_same(mechanism, kind, points, tolerance=1e-9):
         expected = [[*s.position, *s.quaternion, *np.hstack(list(s.joints.values()))] for s in alone]
         if len(alone):
             difference = np.abs(modes_of(found, i) - np.array(expected))
-            assert difference.max() < tolerance * max(1.0, mechanism.size)
+            assert difference.max() < tolerance * max(1.0, mechanism.characteristic_length)
     assert total > 0
     return found
 
@@ -69,7 +69,7 @@ def test_direct_problem_as_modes(name, spread):
     """All modes at random inputs are those of `symkin.modes`, in the same order."""
     mechanism = symkin.load(name)
     found = check_same(mechanism, "direct", joints_about(mechanism, 6, spread))
-    assert found.residual.max() < 1e-9 * mechanism.size
+    assert found.residual.max() < 1e-9 * mechanism.characteristic_length
 
 
 @pytest.mark.slow
@@ -115,7 +115,7 @@ def test_results_do_not_depend_on_neighbours():
     points = joints_about(mechanism, 30, 40.0, seed=2)
     together, turned = enumerated(mechanism, "direct", points), enumerated(mechanism, "direct", points[::-1])
     engine = make_finder(mechanism, "direct", starts=300, seed=0, certify=False).engine
-    tolerance = 0.0 if engine == "compiled C" else 1e-9 * mechanism.size
+    tolerance = 0.0 if engine == "compiled C" else 1e-9 * mechanism.characteristic_length
     for i in range(0, 30, 3):
         alone = modes_of(enumerated(mechanism, "direct", [points[i]]), 0)
         for other in (modes_of(together, i), modes_of(turned, 29 - i)):
@@ -181,7 +181,7 @@ def test_certificates_where_asked():
     assert (proved.certified == 1).all()
     assert (proved.radius < 1e-6).all()
     assert (plain.certified == -1).all()
-    assert np.allclose(proved.position, plain.position, atol=1e-9 * mechanism.size)
+    assert np.allclose(proved.position, plain.position, atol=1e-9 * mechanism.characteristic_length)
 
 
 def test_limits_are_flags():

@@ -191,7 +191,9 @@ def test_a_point_off_the_plane_leaves_no_mirror(off):
     first = flat.limbs[0]
     assert isinstance(first, RodLimb)
     x, y, z = first.platform
-    bent = replace(flat, name="bent", limbs=(replace(first, platform=(x, y, z + off * flat.size)), *flat.limbs[1:]))
+    bent = replace(
+        flat, name="bent", limbs=(replace(first, platform=(x, y, z + off * flat.characteristic_length)), *flat.limbs[1:])
+    )
     assert len(find_symmetries(universal_system(), lengths_only(flat))) == 2
     assert len(find_symmetries(universal_system(), lengths_only(bent))) == 1
     assert distance_frames(known_values(build_problem(bent, "direct"), np.ones(6)).real.reshape(6, 7)) is None
@@ -262,7 +264,7 @@ def test_the_mirror_permutes_the_modes():
     assert np.array_equal(np.bincount(grouped.labels), [2, 2])
     for orbit in range(2):
         a, b = (found[int(i)].position for i in np.flatnonzero(grouped.labels == orbit))
-        np.testing.assert_allclose(a * np.array([1, 1, -1]), b, atol=1e-8 * problem.mechanism.size)
+        np.testing.assert_allclose(a * np.array([1, 1, -1]), b, atol=1e-8 * problem.mechanism.characteristic_length)
 
 
 def test_planar_roots_are_their_own_mirror_images():

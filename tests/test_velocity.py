@@ -86,7 +86,7 @@ def test_inverse_equals_differences_of_solved_configurations(name):
     equations = velocity_equations(case.mechanism)
     inverse = equations.at(case.values).inverse_jacobian
     for k, column in enumerate(equations.columns):
-        unit = 1.0 if column >= 3 else case.closure.size
+        unit = 1.0 if column >= 3 else case.closure.characteristic_length
         assert cases.agrees(inverse[:, column], partial(_rates_along_pose, case, k), unit)
 
 

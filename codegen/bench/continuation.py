@@ -56,7 +56,7 @@ class Walker:
         matrices[sign == 0] = np.eye(matrices.shape[1])
         steps = np.linalg.solve(matrices, -rows[..., None])[..., 0]
         lengths = np.linalg.norm(steps, axis=1)
-        steps *= np.minimum(1.0, 0.1 * self.system.size / np.maximum(lengths, 1e-300))[:, None]
+        steps *= np.minimum(1.0, 0.1 * self.system.characteristic_length / np.maximum(lengths, 1e-300))[:, None]
         return self.system.move(z, steps), sign, lengths
 
     def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -64,7 +64,7 @@ class Walker:
         `goals`, and the shortest step that each line needed, as a part of it: 0 where it met a singularity. A step is accepted
         where det keeps its sign and a second Newton step is below a tenth of the first; it is halved elsewhere, and doubled again
         up to 1/400."""
-        size, count = self.system.size, len(goals)
+        size, count = self.system.characteristic_length, len(goals)
         begin = np.broadcast_to(begin, goals.shape)
         z, done, step = np.array(np.broadcast_to(start, (count, start.shape[-1]))), np.zeros(count), np.full(count, _LONGEST)
         sign0 = self.newton(z, begin)[1]

@@ -196,7 +196,7 @@ class BlockPaths:
         polished = block.polish_many(candidates.points, here)
         points = canonical(block.unknowns, self._slices, polished.points)
         residual = block.residuals(points, here)
-        closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.size)
+        closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.characteristic_length)
         points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
         plain[owner[~(condition_of(extremes) < SUSPECT_CONDITION)]] = False
         plain[_owners_of_equal(block, points, owner)] = False
@@ -217,7 +217,9 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     mixed = f @ weights
     order = np.lexsort((mixed, owner))
     sorted_owner, gap = owner[order], np.diff(mixed[order])
-    near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(gap > DISTINCT_ROOTS * block.size * float(np.sum(np.abs(weights))))
+    near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(
+        gap > DISTINCT_ROOTS * block.characteristic_length * float(np.sum(np.abs(weights)))
+    )
     return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
 
 
@@ -229,7 +231,7 @@ def _weights(count: int) -> np.ndarray:
 def _has_equal(block: System, f: np.ndarray) -> bool:
     """Whether two of some roots' features (m, any) are one."""
     apart = np.max(np.abs(f[:, None] - f[None]), axis=2)
-    return bool(np.sum(apart <= DISTINCT_ROOTS * block.size) > len(f))
+    return bool(np.sum(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))
 
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:

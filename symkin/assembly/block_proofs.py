@@ -54,8 +54,10 @@ class BlockProver:
         from symkin.certificate.exact import knowns_of
 
         if self.bound is not None:
-            return certify_batch(self.bound.system, z, self.bound.knowns(known), instance, self.problem.closure.size)
-        return certify_batch(self.whole, z, knowns_of(self.problem, known), instance, self.problem.closure.size)
+            return certify_batch(
+                self.bound.system, z, self.bound.knowns(known), instance, self.problem.closure.characteristic_length
+            )
+        return certify_batch(self.whole, z, knowns_of(self.problem, known), instance, self.problem.closure.characteristic_length)
 
     def roots(
         self, ends: CertificateBatch | None, points: np.ndarray, owner: np.ndarray, known: np.ndarray, origin: np.ndarray
@@ -69,7 +71,9 @@ class BlockProver:
         z = algebraic_points(self.problem, self.whole, values)
         found = ends
         if found is None:
-            found = certify_batch(self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.size)
+            found = certify_batch(
+                self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.characteristic_length
+            )
         expected = origin if ends is not None and (origin >= 0).all() else None
         index, radius = found.find(z, owner, expected)
         complete = self._complete(found, np.bincount(owner, minlength=len(known)))

@@ -150,7 +150,9 @@ def _polished(block: System, known: np.ndarray, configurations: list[dict[str, n
     points: list[np.ndarray] = []
     members: list[np.ndarray] = []
     for z, is_suspect in zip(
-        ends[residuals <= CLOSURE_TOLERANCE * block.size], suspect[residuals <= CLOSURE_TOLERANCE * block.size], strict=True
+        ends[residuals <= CLOSURE_TOLERANCE * block.characteristic_length],
+        suspect[residuals <= CLOSURE_TOLERANCE * block.characteristic_length],
+        strict=True,
     ):
         (members if is_suspect and moves_freely(block, z, known) else points).append(z)
     found, smallest = np.array(points).reshape(len(points), block.width), float(np.min(residuals, initial=np.inf))

@@ -63,7 +63,7 @@ class Modes(Result):
     @cached_property
     def representatives(self) -> list[Solution]:
         """The first mode at each distinct pose."""
-        size = self.problem.closure.size
+        size = self.problem.closure.characteristic_length
         kept: list[Solution] = []
         known = np.zeros((0, 12))
         for mode in self.modes:

@@ -28,7 +28,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     """|R - R0|^2 + (|x - x0| / size)^2 of poses, with |R - R0|^2 = 8 (1 - (q.q0)^2)."""
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
-    step = (position - np.asarray(first.position)) / problem.closure.size
+    step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
     return np.asarray(np.round(turn + np.einsum("ni,ni->n", step, step), _DIGITS))
 
 

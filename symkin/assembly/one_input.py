@@ -84,7 +84,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
-        if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.size:
+        if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
             return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
         return Modes(
             problem,
@@ -100,7 +100,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         )
     conditions = problem.conditions
     off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
-    if off > CLOSURE_TOLERANCE * problem.closure.size:
+    if off > CLOSURE_TOLERANCE * problem.closure.characteristic_length:
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
     if not problem.blocks:
         search.refuse_unless_multistart(
@@ -122,7 +122,7 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
-    if smallest is not None and CLOSURE_TOLERANCE < smallest / problem.closure.size < _NEARLY_CLOSED:
+    if smallest is not None and CLOSURE_TOLERANCE < smallest / problem.closure.characteristic_length < _NEARLY_CLOSED:
         texts.append(
             f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
             'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'

@@ -90,7 +90,7 @@ class PlainModes:
 
     def _found(self, known: np.ndarray, certify: bool) -> Plain:
         constant = self._errors_without_unknowns(known)
-        places = np.flatnonzero((constant <= CLOSURE_TOLERANCE * self.problem.closure.size) & bool(self.parts))
+        places = np.flatnonzero((constant <= CLOSURE_TOLERANCE * self.problem.closure.characteristic_length) & bool(self.parts))
         known = known[places]
         blocks = [part.roots(known, certify=certify) for part in self.parts] if places.size else []
         good = np.ones(len(places), dtype=bool)

@@ -42,9 +42,9 @@ class Prover:
         whole, bound = whole_system(problem, block), bound_of(problem, system)
         found, values = None, given.values[None]
         if bound is not None:
-            found = certify(bound.system, ends, bound.knowns(values), problem.closure.size)
+            found = certify(bound.system, ends, bound.knowns(values), problem.closure.characteristic_length)
         elif whole is system and not system.limbs:
-            found = certify(whole, ends, knowns_of(problem, values), problem.closure.size)
+            found = certify(whole, ends, knowns_of(problem, values), problem.closure.characteristic_length)
         return Prover(problem, block, given, whole, bound, found)
 
     def not_real(self, count: int) -> np.ndarray:
@@ -61,7 +61,9 @@ class Prover:
         real = [algebraic_point(self.problem, self.whole, values) for values in named]
         found, columns = self.ends, np.array(real).T.reshape(self.whole.width, len(real))
         if found is None:
-            found = certify(self.whole, columns, knowns_of(self.problem, self.given.values[None]), self.problem.closure.size)
+            found = certify(
+                self.whole, columns, knowns_of(self.problem, self.given.values[None]), self.problem.closure.characteristic_length
+            )
         index, radius = found.batch.find(columns)
         theorem = None
         if self.bound is not None and proves(found, self.bound) and len(points) == int(np.sum(found.real == "real")):
@@ -82,4 +84,4 @@ class Prover:
         from symkin.certificate.independent_rows import prove_independent_rows
 
         known = exact_known(self.problem, self.given.values)
-        return prove_independent_rows(self.whole, z, known, self.problem.closure.size)
+        return prove_independent_rows(self.whole, z, known, self.problem.closure.characteristic_length)

@@ -306,7 +306,7 @@ def _estimate_by(method: str, problem: CalibrationProblem, z: np.ndarray, p: np.
 def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
     """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
     scatter = float(np.sqrt(result.state.cost / problem.readings.count))
-    known, size = problem.readings.known, problem.model.closure.size
+    known, size = problem.readings.known, problem.model.closure.characteristic_length
     return scatter < (_NEARLY_CONVERGED_RATIO if known else _NEARLY_CONVERGED_SHARE * size)
 
 

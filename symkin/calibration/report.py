@@ -146,7 +146,7 @@ class FitReport:
 
     def changes(self) -> list[Parameter]:
         """List the mechanism's parameters by the size of their change, angles times the size."""
-        size = self.fit.mechanism.size
+        size = self.fit.mechanism.characteristic_length
         own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
         return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
 

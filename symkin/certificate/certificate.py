@@ -93,7 +93,7 @@ class CertificateBatch:
     system: AlgebraicSystem
     knowns: Knowns
     instance: np.ndarray
-    size: float
+    characteristic_length: float
     given: np.ndarray
     certified: np.ndarray
     centre: np.ndarray
@@ -109,7 +109,7 @@ class CertificateBatch:
         real = self.real == "real"
         away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
         away[real] = spread(self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real])
-        return away * self.size * UP
+        return away * self.characteristic_length * UP
 
     @cached_property
     def _places(self) -> np.ndarray:
@@ -157,7 +157,7 @@ class CertificateBatch:
         found = away <= _FARTHEST
         index[some[found]] = roots[found]
         wide = spread(self.system, near[:, found].real, away[found], self.knowns, instance[some[found]])
-        radius[some[found]] = self.size * wide * UP
+        radius[some[found]] = self.characteristic_length * wide * UP
         return index, radius
 
     def _nearest(self, points: np.ndarray, instance: np.ndarray) -> np.ndarray:
@@ -195,7 +195,7 @@ def certify_batch(
     roots = _Roots(system, knowns, instance, given, near, quick.centre, quick.half_width, quick.is_real)
     roots.prove_open_points()
     roots.leave_out_far_ones()
-    return roots.collect(size or system.size)
+    return roots.collect(size or system.characteristic_length)
 
 
 @dataclass(eq=False)
@@ -253,7 +253,7 @@ class _Roots:
         if not found.all():
             centre = np.where(found, centre, self.given)
         return CertificateBatch(
-            system=self.system, knowns=self.knowns, instance=self.instance, size=size, given=self.given, certified=found,
+            system=self.system, knowns=self.knowns, instance=self.instance, characteristic_length=size, given=self.given, certified=found,
             centre=centre, ball=self.half, real=_REALITY[real + 2 * not_real_ones], pose=self._poses(found, of),
             distinct=distinct, reasons=self.reasons,
         )  # fmt: skip

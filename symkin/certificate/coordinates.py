@@ -88,7 +88,7 @@ def aligned(system: AlgebraicSystem, points: np.ndarray, centres: np.ndarray) ->
         if c.kind == "angle":
             points[i] += 2 * np.pi * np.round((centres[i] - points[i]).real / (2 * np.pi))
         elif c.least is not None:
-            other = 2 * c.least / system.size - points[i]
+            other = 2 * c.least / system.characteristic_length - points[i]
             points[i] = np.where(np.abs(other - centres[i]) < np.abs(points[i] - centres[i]), other, points[i])
     if system.projective:
         ray = list(system.projective)

@@ -28,7 +28,7 @@ def exact_known(problem: Problem, values: np.ndarray) -> tuple[Number, ...]:
     """Known values (length unit, radians) as the algebraic system of the problem takes them, as thin balls that hold the
     exact quotients by the size."""
     with precision(_BITS):
-        size = arb(problem.closure.size)
+        size = arb(problem.closure.characteristic_length)
         distances = _distances(problem)
         if distances is not None:
             joints = [arb(float(v)) for v in values]
@@ -57,7 +57,7 @@ def _disc_known(problem: Problem) -> tuple[DiscFunction, Discs]:
         return function, function.prepare(Discs.exact(scale[None]))
     size = ca.SX.sym("s")
     function = DiscFunction(build_tape(balls.z, size, balls.f / size, ("value",)))
-    return function, function.prepare(Discs.exact(np.array([[problem.closure.size]])))
+    return function, function.prepare(Discs.exact(np.array([[problem.closure.characteristic_length]])))
 
 
 @lru_cache(maxsize=128)
@@ -73,7 +73,7 @@ def _distances(problem: Problem) -> BallFunction | None:
 def exact_arm(problem: Problem, system: AlgebraicSystem) -> tuple[AlgebraicSystem, tuple[float, ...]]:
     """The rows of a serial arm's inverse problem, over the same unknowns as `system`, with the geometry p behind the pose in
     the known values; the nominal p. Axes are normalised within the rows: for any p the arm is one of the family."""
-    mechanism, size = problem.mechanism, system.size
+    mechanism, size = problem.mechanism, system.characteristic_length
     builder = RowBuilder(mechanism, "homogeneous", eliminate=bool(system.eliminated), bound=False)
     builder.build_rows()
     z = ca.vertcat(*(builder.coordinates[c.name][1] for c in system.unknowns))

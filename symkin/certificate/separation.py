@@ -57,7 +57,7 @@ def _mixed(system: AlgebraicSystem, box: Box, which: int) -> acb:
             elif c.least is None:
                 total += weight * x
             else:
-                length = x - arb(c.least) / arb(system.size)
+                length = x - arb(c.least) / arb(system.characteristic_length)
                 total += weight * (length * length)
         if not ray:
             return total
@@ -183,7 +183,7 @@ def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
     z, ray = system.z, list(system.projective)
     # the size and the least lengths are weights too: CasADi would round their quotients
     least = [complex(c.least or 0.0) for c in system.unknowns]
-    weights, rows = [1j, complex(system.size), *least], []
+    weights, rows = [1j, complex(system.characteristic_length), *least], []
     symbols = ca.SX.sym("w", len(weights) + _WEIGHTS * (len(system.unknowns) + 2 * len(ray)))
     for which in range(_WEIGHTS):
         total = ca.SX(0)

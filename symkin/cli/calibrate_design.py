@@ -221,7 +221,7 @@ def _noise(
 ) -> Noise:  # fmt: skip
     from symkin.calibration.design.simulation import Noise
 
-    lengths, angles = 1e-6 * m.size, quantity(_DEFAULT_ANGULAR_NOISE, "angle", m, "noise-joints")
+    lengths, angles = 1e-6 * m.characteristic_length, quantity(_DEFAULT_ANGULAR_NOISE, "angle", m, "noise-joints")
     if joints is not None:
         values = joint_quantities(joints, m, "noise-joints")
         for value, c in zip(values, m.actuated, strict=True):
@@ -230,8 +230,8 @@ def _noise(
     return Noise(
         lengths=lengths, angles=angles, group=noise_quantity(_or_default(group), "angle", m, "noise-group"),
         inclination=noise_quantity(_or_default(inclination), "angle", m, "noise-inclination"),
-        position=1e-5 * m.size if position is None else noise_quantity(position, "length", m, "noise-position"),
-        orientation=noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.size,
+        position=1e-5 * m.characteristic_length if position is None else noise_quantity(position, "length", m, "noise-position"),
+        orientation=noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"), distance=1e-5 * m.characteristic_length,
         uniform=shape is Shape.uniform,
     )  # fmt: skip
 

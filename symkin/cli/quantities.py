@@ -53,7 +53,7 @@ def check_noise(value: float, kind: str, mechanism: Mechanism, option: str) -> N
     readings."""
     m = mechanism
     most, given, unit = (
-        (_MAX_NOISE_SHARE * m.size, value, m.length_unit)
+        (_MAX_NOISE_SHARE * m.characteristic_length, value, m.length_unit)
         if kind == "length"
         else (_MAX_NOISE_SHARE, m.angle_out(value), m.angle_unit)
     )

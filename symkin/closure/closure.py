@@ -47,11 +47,6 @@ class Closure:
         """The mechanism's characteristic length, by which angles become lengths."""
         return self.mechanism.characteristic_length
 
-    @property
-    def size(self) -> float:
-        """Short name of `characteristic_length`."""
-        return self.characteristic_length
-
     @cached_property
     def slices(self) -> dict[str, slice]:
         """Where each coordinate stands in `variables`."""

@@ -48,7 +48,14 @@ class Geometry:
     def system(self, problem: Problem) -> System:
         """The problem's system over p."""
         bound, closure = problem.system, self.closure
-        return System(bound.unknowns, bound.unknown, bound.known, self.of(closure.rows), self.of(closure.errors), bound.size)
+        return System(
+            bound.unknowns,
+            bound.unknown,
+            bound.known,
+            self.of(closure.rows),
+            self.of(closure.errors),
+            bound.characteristic_length,
+        )
 
     def declaration(self, name: str, real: Real) -> str:
         """The struct and its nominal values, for the header."""

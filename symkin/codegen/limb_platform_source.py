@@ -161,7 +161,7 @@ class LimbPlatformSource:
         real, geometry = self.real, self.made.geometry
         function = ca.Function("conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True})
         emitter = Emitter(function, [indexed("c", int(conditions.known.shape[0])), geometry.names], real, prefix="v")
-        limit = real.literal(max(1e-6, 64 * real.epsilon) * conditions.size)
+        limit = real.literal(max(1e-6, 64 * real.epsilon) * conditions.characteristic_length)
         tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})" for i in range(int(conditions.rows.shape[0]))]
         return [
             "/* what the pose alone must satisfy */", *emitter.lines,

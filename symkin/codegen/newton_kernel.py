@@ -54,7 +54,7 @@ class Kernel:
     moved: ca.SX
     norm: ca.SX
     row_length: float
-    size: float
+    characteristic_length: float
     meaning: Meaning
     quaternion: int | None = None
 
@@ -114,11 +114,11 @@ def system_kernel(name: str, system: System, known: Sequence[Coordinate], geomet
         z, part = system.unknown[place], step[column : column + coordinate.freedom]
         if coordinate.kind == "quaternion":
             # a turn by w is exp(w / 2) q, to first order (1, w / 2) q; the step holds w times the size
-            q = multiply(ca.vertcat(1, (0.5 / system.size) * part), z)
+            q = multiply(ca.vertcat(1, (0.5 / system.characteristic_length) * part), z)
             inverse = 1 / ca.sqrt(dot(q, q))
             moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))
         else:
-            moved.append(z + (1 / system.size) * part if coordinate.is_angular else z + part)
+            moved.append(z + (1 / system.characteristic_length) * part if coordinate.is_angular else z + part)
         column += coordinate.freedom
     symbols = [system.unknown, system.known, geometry]
     return Kernel(
@@ -134,7 +134,7 @@ def system_kernel(name: str, system: System, known: Sequence[Coordinate], geomet
         moved=ca.vertcat(*moved),
         norm=dot(step, step),
         row_length=1.0,
-        size=system.size,
+        characteristic_length=system.characteristic_length,
         meaning=Meaning(
             state=listed(system.unknowns),
             known=listed(known),
@@ -161,7 +161,7 @@ def curvature(
         step = rng.normal(size=kernel.n) / np.where(scale > 0, scale, 1.0)
         unit = float(move(state, step, geometry)[1])
         step *= (
-            0.02 * kernel.size / np.sqrt(unit)
+            0.02 * kernel.characteristic_length / np.sqrt(unit)
         )  # a fiftieth of the size: far enough to see J change, near enough to stay local
         there, squared = move(state, step, geometry)
         change = (kernel.matrix(np.asarray(there).ravel(), k, geometry) - here) @ step

@@ -31,7 +31,7 @@ class Tuning:
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
     """Choose tolerances near what the type resolves."""
-    resolution = real.epsilon * kernel.size
+    resolution = real.epsilon * kernel.characteristic_length
     tolerance = resolution * (1.0 if real.name == "float" else 1e4)
     return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, kappa**2)
 

@@ -186,6 +186,6 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
         moved=ca.vertcat(position + velocity, *(turned[k] * inverse for k in range(4))),
         norm=dot(velocity, velocity) + 4 * size * size * dot(half, half),
         row_length=0.5 / float(np.mean(lengths)),
-        size=size,
+        characteristic_length=size,
         meaning=_ABSOLUTE if rods.home is None else _RELATIVE,
     )

@@ -65,7 +65,7 @@ def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
     for k in range(1, _STEPS + 1):
         known = start + k / _STEPS * (goal - start)
         moved = system.polish(z, known, 6)
-        if system.residual(moved, known) > CLOSURE_TOLERANCE * system.size or _jumped(direct, z, moved):
+        if system.residual(moved, known) > CLOSURE_TOLERANCE * system.characteristic_length or _jumped(direct, z, moved):
             return None
         z = moved
     return system.polish(z, goal, 6)

@@ -160,7 +160,7 @@ class BlockFollower:
             self.station = station_near(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))
             self.stop = BlockStop("limit", self.station.u, limit=met[1])
         left = self._closure_error(self.station)
-        if left > CLOSURE_TOLERANCE * self.system.problem.closure.size:
+        if left > CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length:
             self.station = self._opening(before, self.station)
             self.stop = BlockStop("open", self.station.u, residual=left)
         self._record()
@@ -182,7 +182,7 @@ class BlockFollower:
         low, high = closed.u, opened.u
         for _ in range(_HALVINGS):
             middle = station_near(self.interval, closed.row, closed.z, 0.5 * (low + high))
-            if self._closure_error(middle) <= CLOSURE_TOLERANCE * self.system.problem.closure.size:
+            if self._closure_error(middle) <= CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length:
                 closed, low = middle, middle.u
             else:
                 high = middle.u

@@ -120,7 +120,7 @@ def path_point(blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u:
         unknown[block.system.places] = block.system.unknown(block.at(u))
         half = block.station.half if block.station.u == u else None
         radius = None if half is None or radius is None else max(radius, float(np.max(half[:-1], initial=0.0)))
-    return PathPoint(row, u, unknown, None if radius is None else radius * problem.closure.size)
+    return PathPoint(row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length)
 
 
 # --- on what ground ---------------------------------------------------------------------------------------------------

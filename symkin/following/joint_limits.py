@@ -130,7 +130,7 @@ class LimitWatch:
         return Limit(c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns)
 
     def _unit(self, c: Coordinate) -> float:
-        return 1.0 if c.is_angular else self.problem.closure.size
+        return 1.0 if c.is_angular else self.problem.closure.characteristic_length
 
 
 def _turns(c: Coordinate, value: float) -> float:

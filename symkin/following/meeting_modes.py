@@ -143,7 +143,7 @@ def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.nd
 
 def _distances(problem: Problem, points: np.ndarray, unknown: np.ndarray) -> np.ndarray:
     away = features(problem.system, points) - features(problem.system, unknown[None])
-    return np.asarray(np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.size)
+    return np.asarray(np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.characteristic_length)
 
 
 def _is_turning(block: BlockFollower) -> bool:

@@ -147,7 +147,7 @@ def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
 
 
 def _path_system(problem: Problem, system: System) -> PathSystem:
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     y = ca.SX.sym("y", system.width + 1)
     scale = np.concatenate([np.full(c.width, size if c.kind == "length" else 1.0) for c in system.unknowns] or [np.zeros(0)])
     known, coefficients = _known(problem.known_coordinates, y[system.width])
@@ -194,5 +194,5 @@ def coefficient_scales(problem: Problem) -> np.ndarray:
     """What rounding in each of the coefficients is relative to, beside its value: the size for lengths, 1 for others."""
     out: list[float] = []
     for c in problem.known_coordinates:
-        out += [1.0] * 9 if c.kind == "quaternion" else [problem.closure.size if c.kind == "length" else 1.0] * 2
+        out += [1.0] * 9 if c.kind == "quaternion" else [problem.closure.characteristic_length if c.kind == "length" else 1.0] * 2
     return np.array(out)

@@ -90,7 +90,7 @@ def redundant_rows_bound(interval: Interval, y: np.ndarray) -> float:
     with precision(BITS):
         values = interval.series(0, balls(y, half))
         others = [upper(v) for i, v in enumerate(values) if i not in chosen]
-    return max(others, default=0.0) * system.problem.closure.size * UP
+    return max(others, default=0.0) * system.problem.closure.characteristic_length * UP
 
 
 @lru_cache(maxsize=128)

@@ -154,7 +154,7 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
         elif c.kind == "angle":
             off = abs(math.remainder(own[0] - wanted[0], 2 * math.pi))
         else:
-            off = abs(float(own[0] - wanted[0])) / (1.0 if c.is_angular else mechanism.size)
+            off = abs(float(own[0] - wanted[0])) / (1.0 if c.is_angular else mechanism.characteristic_length)
         if not off <= _OFF_START:
             shown = [mechanism.angle_out(float(v)) if c.is_angular else float(v) for v in (own[0], wanted[0])]
             raise InputError(

@@ -106,7 +106,7 @@ class Track(Result):
     def summary(self, most_rows: int | None = None) -> Summary:
         """Some samples with pose, smallest singular value and residual; then how it ended and on what ground."""
         mechanism = self.trajectory.mechanism
-        unit, size = mechanism.length_unit, mechanism.size
+        unit, size = mechanism.length_unit, mechanism.characteristic_length
         above = [f"{mechanism.name}, {self.trajectory.kind} problem, {len(self.samples)} samples"]
         below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
         if self.nearest is not None:

@@ -137,16 +137,16 @@ def _poses(mechanism: Mechanism, rows: Sequence[Sequence[float] | Pose]) -> tupl
     coordinates = build_problem(mechanism, "inverse").known_coordinates
     for number, row in enumerate(rows, start=1):
         values, off = pose_coordinates(mechanism, pose_from(row, f"pose of sample {number}"))
-        if off > _ON_MOTION * mechanism.size:
+        if off > _ON_MOTION * mechanism.characteristic_length:
             raise InputError(
                 f"pose of sample {number} lies off the platform's {mechanism.motion} motion by {off:.3g} "
-                f"{mechanism.length_unit}; allowed: {_ON_MOTION * mechanism.size:.3g}"
+                f"{mechanism.length_unit}; allowed: {_ON_MOTION * mechanism.characteristic_length:.3g}"
             )
         furthest = max(furthest, off)
         samples.append(_continued(coordinates, samples[-1], values) if samples else values)
     notes = (
         (f"poses were projected onto the platform's {mechanism.motion} motion, by {furthest:.3g} {mechanism.length_unit}",)
-        if furthest > 1e-12 * mechanism.size
+        if furthest > 1e-12 * mechanism.characteristic_length
         else ()
     )
     return np.array(samples), notes

@@ -29,7 +29,7 @@ class AlgebraicSystem:
     limb has its own branches there. `known_ray` are places in k of a quaternion of any length.
     """
 
-    size: float
+    characteristic_length: float
     unknowns: tuple[Coordinate, ...]
     z: ca.SX
     k: ca.SX
@@ -118,7 +118,7 @@ class AlgebraicSystem:
             if c.kind == "angle":
                 parts += [np.cos(z[i]), np.sin(z[i])]
             else:
-                parts.append(z[i] if c.least is None else (z[i] - c.least / self.size) ** 2)
+                parts.append(z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2)
         return parts
 
     def unit_rays(self, z: np.ndarray) -> np.ndarray:

@@ -64,4 +64,4 @@ def free_system(problem: Problem, block: System) -> System:
     """The rows of a block with its known coordinates unknown as well."""
     coordinates = (*block.unknowns, *problem.known_coordinates)
     variables = ca.vertcat(block.unknown, block.known)
-    return System(coordinates, variables, ca.SX(0, 1), block.rows, block.errors, problem.closure.size)
+    return System(coordinates, variables, ca.SX(0, 1), block.rows, block.errors, problem.closure.characteristic_length)

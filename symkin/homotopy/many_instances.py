@@ -129,6 +129,6 @@ def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndar
         gap -= 2.0 * np.pi * np.rint(gap.real / (2.0 * np.pi))
         return np.asarray(np.abs(gap))
     if c.least is not None:
-        least = c.least / system.size
+        least = c.least / system.characteristic_length
         gap = gap * (values[:, :, None] + values[:, None, :] - 2.0 * least)
     return np.asarray(np.abs(gap) / np.maximum(1.0, np.abs(values))[:, None, :])

@@ -123,7 +123,7 @@ def random_point(
         pose = problem.mechanism.reference_pose
         ray = _noise(4, rng, near) + (np.asarray(pose.quaternion) if near else 0.0)
         if len(system.projective) == 8:
-            t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.size + _noise(3, rng, near)])
+            t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.characteristic_length + _noise(3, rng, near)])
             ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
         z = np.concatenate([z, ray])
     return z, known_values(problem, random_known(problem, rng, near=near))

@@ -65,7 +65,7 @@ def chosen_distances(problem: Problem) -> tuple[int, ...]:
     arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
     lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
     lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
-    left = np.hstack([lines, np.cross(arms, lines) / problem.closure.size])
+    left = np.hstack([lines, np.cross(arms, lines) / problem.closure.characteristic_length])
     chosen: list[int] = []
     for _ in range(DISTANCES):
         best = int(np.argmax(np.linalg.norm(left, axis=1)))
@@ -97,7 +97,7 @@ def meet_all_distances(problem: Problem, z: np.ndarray, known: np.ndarray) -> np
     function = all_distances(problem)
     if function is None or function.numel_out(0) == 7 * DISTANCES:
         return np.ones(z.shape[1], dtype=bool)
-    numbers = np.asarray(function(known)).reshape(-1, 7) / problem.closure.size
+    numbers = np.asarray(function(known)).reshape(-1, 7) / problem.closure.characteristic_length
     system = universal_system()
     fine = np.ones(z.shape[1], dtype=bool)
     ray = z / np.linalg.norm(z[:4], axis=0)
@@ -114,7 +114,7 @@ def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None
     function = distance_function(problem)
     if function is None:
         return None
-    code, size = vectorise(function), problem.closure.size
+    code, size = vectorise(function), problem.closure.characteristic_length
 
     def data(joints: np.ndarray) -> np.ndarray:
         columns = np.asarray(joints, dtype=complex).reshape(len(joints), -1)

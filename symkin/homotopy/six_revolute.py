@@ -102,7 +102,7 @@ def arm_start(problem: Problem, pose: np.ndarray) -> tuple[np.ndarray, int]:
 
 def arm_data(problem: Problem, pose: np.ndarray) -> np.ndarray:
     """k of the universal system for an arm and a tool pose."""
-    mechanism, size = problem.mechanism, problem.closure.size
+    mechanism, size = problem.mechanism, problem.closure.characteristic_length
     axes = [np.array(joint.axis) for _, joint in mechanism.joints]
     points = [mechanism.places[joint.name] / size for _, joint in mechanism.joints]
     frames, links = [Pose(points[0], _quaternion_to(axes[0]))], []

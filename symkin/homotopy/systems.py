@@ -44,7 +44,7 @@ def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSyste
         eliminate=problem.kind == "inverse",
         replace_universal=replace_universal,
     )
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     known_role = KNOWN[problem.kind]
     symbols = {c.name: algebraic.joints[k] for k, c in enumerate(algebraic.coordinates)}
     unknowns = tuple(c for c in algebraic.coordinates if c.role != known_role)
@@ -116,7 +116,7 @@ def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], nam
     places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
     rows = [i for i in range(whole.count) if pattern[i, places].any()]
     return AlgebraicSystem(
-        whole.size, tuple(whole.unknowns[i] for i in places), whole.z[places], whole.k, whole.rows[rows, 0], (),
+        whole.characteristic_length, tuple(whole.unknowns[i] for i in places), whole.z[places], whole.k, whole.rows[rows, 0], (),
         tuple((c, value) for c, value in cut if c.name in names), known_ray=whole.known_ray,
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from symkin.spatial.rotation import conjugate, multiply
 
 def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
     """What a number of each coordinate is divided by: the size for lengths."""
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     parts = [np.full(c.width, 1.0 if c.is_angular or c.kind == "quaternion" else size) for c in coordinates]
     return np.concatenate([*parts, np.zeros(0)])
 
@@ -39,7 +39,7 @@ def real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.
 
 def many_real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
     """Coordinates (n, numbers) of the block from roots z (width, n) at k (known, n) that are real up to rounding."""
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     values = {c.name: z[i].real[:, None] * (1.0 if c.is_angular else size) for i, c in enumerate(system.unknowns)}
     if system.eliminated:
         angles = system.angles_eliminated(z.real.T, k.real.T)
@@ -67,7 +67,7 @@ def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str,
 
 def algebraic_points(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
     """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of `many_real_values`."""
-    size = problem.closure.size
+    size = problem.closure.characteristic_length
     z = [values[c.name].T / (1.0 if c.is_angular else size) for c in system.unknowns]
     if system.projective:
         z.append(pose_point({name: value.T for name, value in values.items() if name.startswith("pose.")}, size))

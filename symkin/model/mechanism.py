@@ -140,11 +140,6 @@ class Mechanism:
         lengths; where all of them coincide, that to the platform origin, or 1."""
         return self._spread(self.places) or 1.0
 
-    @property
-    def size(self) -> float:
-        """Short name of `characteristic_length`, as in messages and files."""
-        return self.characteristic_length
-
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
         reference = self.reference_pose

@@ -45,7 +45,7 @@ def levenberg_marquardt(
     cost = np.linalg.norm(values, axis=1)
     damping = np.full(count, 0.1)
     mark, since = cost.copy(), np.zeros(count, dtype=int)
-    floor = tolerance * system.size
+    floor = tolerance * system.characteristic_length
     active = np.flatnonzero(np.isfinite(cost) & (np.max(np.abs(values), axis=1, initial=0.0) > floor))
     iteration = 0
     for iteration in range(1, max_iterations + 1):  # noqa: B007 - the last value is reported
@@ -69,7 +69,7 @@ def levenberg_marquardt(
         if progress is not None:
             progress(count - active.size, count)
     largest = np.max(np.abs(values), axis=1, initial=0.0)
-    converged = np.isfinite(largest) & (largest <= np.maximum(floor, 1e-7 * system.size))
+    converged = np.isfinite(largest) & (largest <= np.maximum(floor, 1e-7 * system.characteristic_length))
     return Batch(points, largest, converged, iteration)
 
 

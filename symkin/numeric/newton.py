@@ -17,7 +17,7 @@ class Rows(Protocol):
     """Rows F(z; k) over points that tangent steps move; `size` is the length by which rows are judged."""
 
     @property
-    def size(self) -> float: ...
+    def characteristic_length(self) -> float: ...
 
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F (n, rows) and its derivatives along tangent steps (n, rows, freedom)."""
@@ -40,7 +40,7 @@ def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Po
     rounding or a step no longer shrinks them, at most `steps` times. Points where F or J is not finite stay."""
     rows, jacobians = system.linearise(z, known)
     sizes = np.sqrt(np.einsum("ni,ni->n", rows, rows))
-    floor = _ROUNDING * system.size
+    floor = _ROUNDING * system.characteristic_length
     finite = np.isfinite(jacobians).all(axis=(1, 2)) & np.isfinite(sizes)
     going = np.flatnonzero(finite & (sizes > floor))
     z = z.copy() if going.size else z

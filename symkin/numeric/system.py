@@ -32,7 +32,7 @@ class System:
     known: ca.SX
     rows: ca.SX
     errors: ca.SX
-    size: float
+    characteristic_length: float
 
     @cached_property
     def width(self) -> int:
@@ -59,10 +59,10 @@ class System:
                 q = self.unknown[place]
                 for k in range(3):
                     direction = [0.0, 0.0, 0.0, 0.0]
-                    direction[k + 1] = 0.5 / self.size
+                    direction[k + 1] = 0.5 / self.characteristic_length
                     basis[place, column + k] = multiply(direction, q)
             else:
-                basis[place.start, column] = 1 / self.size if coordinate.is_angular else 1.0
+                basis[place.start, column] = 1 / self.characteristic_length if coordinate.is_angular else 1.0
             column += coordinate.freedom
         return basis
 
@@ -128,7 +128,7 @@ class System:
         moved[:, plain] += step[:, columns] / units
         for place, column in turns:
             w, x, y, t = z[:, place].T
-            a, b, c = (0.5 / self.size) * step[:, column : column + 3].T
+            a, b, c = (0.5 / self.characteristic_length) * step[:, column : column + 3].T
             q = np.array(
                 [w - a * x - b * y - c * t, x + a * w + b * t - c * y, y - a * t + b * w + c * x, t + a * y - b * x + c * w]
             )
@@ -146,7 +146,7 @@ class System:
             else:
                 plain.append(place.start)
                 columns.append(column)
-                units.append(self.size if c.is_angular else 1.0)
+                units.append(self.characteristic_length if c.is_angular else 1.0)
             column += c.freedom
         return np.array(plain, dtype=int), np.array(columns, dtype=int), np.array(units), turns
 
@@ -184,7 +184,9 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
         unknown = ca.vertcat(*(system.unknown[system.slices[k]] for k in sorted(group)))
         rows = [i for i, used in enumerate(rows_of) if used & group]
         errors = [i for i, used in enumerate(errors_of) if used & group]
-        blocks.append(System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.size))
+        blocks.append(
+            System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
+        )
     return tuple(blocks)
 
 
@@ -192,7 +194,7 @@ def constant_rows(system: System) -> System:
     """The rows that no unknown enters: conditions on the given values alone."""
     rows = [i for i, used in enumerate(_incidence(system.rows, system)) if not used]
     errors = [i for i, used in enumerate(_incidence(system.errors, system)) if not used]
-    return System((), ca.SX(0, 1), system.known, system.rows[rows, 0], system.errors[errors, 0], system.size)
+    return System((), ca.SX(0, 1), system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
 
 
 def _incidence(rows: ca.SX, system: System) -> list[set[int]]:

@@ -60,4 +60,4 @@ def _weights(jacobian: Jacobian, names: Sequence[str]) -> list[float]:
         "z",
         *(c.name.removeprefix("pose.") for c in jacobian.closure.coordinates if c.kind == "length"),
     }
-    return [1.0 if name in lengths else jacobian.mechanism.size for name in names]
+    return [1.0 if name in lengths else jacobian.mechanism.characteristic_length for name in names]

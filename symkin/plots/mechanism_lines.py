@@ -222,9 +222,12 @@ def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
     points = dict(mechanism.places)
     held = [points[joint.name] for joint in joints if joint.type != "P"]
     others = any(isinstance(limb, RodLimb) or limb.rods for limb in mechanism.limbs)
-    if others or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.size:
+    if others or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.characteristic_length:
         return points
-    return {joint.name: points[joint.name] + mechanism.size * np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in joints}
+    return {
+        joint.name: points[joint.name] + mechanism.characteristic_length * np.array(joint.axis or (0.0, 0.0, 0.0))
+        for joint in joints
+    }
 
 
 # --- geometry ----------------------------------------------------------------------------------------------------

@@ -87,7 +87,7 @@ def _pose_text(solution: Solution) -> str:
     mechanism = solution.mechanism
     if mechanism.motion == "spherical":
         return f"quaternion {_list(_clean(solution.quaternion, 1.0))}"
-    text = f"{_list(_clean(solution.position, mechanism.size))} {mechanism.length_unit}"
+    text = f"{_list(_clean(solution.position, mechanism.characteristic_length))} {mechanism.length_unit}"
     if "pose.gamma" not in solution.values:
         return f"position {text}"
     (angle,) = _clean([mechanism.angle_out(solution.values["pose.gamma"])], 1.0)

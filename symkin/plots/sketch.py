@@ -101,10 +101,10 @@ class _Sheet:
         room = np.array([_WIDTH - 2 * _SIDE, _HEIGHT - _TOP - _BOTTOM - _SIDE])
         flat = layout.seen(np.vstack([layout.body.points, *(j.centre for j in layout.joints)]))
         low, high = flat.min(axis=0), flat.max(axis=0)
-        scale = float(np.min(room / np.maximum(high - low, 0.15 * layout.mechanism.size)))
+        scale = float(np.min(room / np.maximum(high - low, 0.15 * layout.mechanism.characteristic_length)))
         shift = np.array([0.5 * _WIDTH, _BOTTOM + 0.5 * (_HEIGHT - _TOP - _BOTTOM)]) - 0.5 * scale * (low + high)
         symbol = _symbol_size(layout, scale)
-        joints = apart(layout.joints, layout.mechanism.size, 1.05 * symbol / scale)
+        joints = apart(layout.joints, layout.mechanism.characteristic_length, 1.05 * symbol / scale)
         page = Page(_WIDTH, _HEIGHT - _TOP - _BOTTOM + 60.0)
         return _Sheet(figure, ax, layout, scale, shift, symbol, joints, page, [])
 
@@ -114,7 +114,7 @@ class _Sheet:
 
     def depth(self, point: np.ndarray) -> float:
         """Nearness to the eye, over the size: the order in which symbols cover each other."""
-        return float(np.asarray(point) @ self.layout.axes[2]) / self.layout.mechanism.size
+        return float(np.asarray(point) @ self.layout.axes[2]) / self.layout.mechanism.characteristic_length
 
     # --- bodies and links ------------------------------------------------------------------------------------------
 
@@ -139,7 +139,7 @@ class _Sheet:
             self._plate(corners, "platform", hatch=None)
             return
         for corner in corners:
-            if np.linalg.norm(corner - origin) > 1e-9 * self.layout.mechanism.size:
+            if np.linalg.norm(corner - origin) > 1e-9 * self.layout.mechanism.characteristic_length:
                 self._line(corner, origin, 5.0, COLOURS["platform edge"], "platform", 2.0)
 
     def _plate(self, corners: np.ndarray, name: str, hatch: str | None) -> None:
@@ -165,7 +165,7 @@ class _Sheet:
 
     def draw_links(self) -> None:
         for limb in self.layout.body.limbs:
-            for start, end in pairwise(_path(limb, self.joints, self.layout.mechanism.size)):
+            for start, end in pairwise(_path(limb, self.joints, self.layout.mechanism.characteristic_length)):
                 self._line(start, end, _LINK, COLOURS["link"], f"limb {limb.name}", 3.0)
             for rod in limb.rods:
                 width = _ROD if rod.kind == "rod" else _LINK
@@ -201,7 +201,9 @@ class _Sheet:
         pose = self.layout.body.pose
         position, rotation = np.asarray(pose.position), np.asarray(pose.rotation)
         name = "T" if self.layout.mechanism.serial else "P"
-        same = np.linalg.norm(position) < 1e-9 * self.layout.mechanism.size and np.allclose(rotation, np.eye(3), atol=1e-9)
+        same = np.linalg.norm(position) < 1e-9 * self.layout.mechanism.characteristic_length and np.allclose(
+            rotation, np.eye(3), atol=1e-9
+        )
         self._frame(np.zeros(3), np.eye(3), f"O = {name}" if same else "O", "")
         if not same:
             self._frame(position, rotation, name, "'")
@@ -322,7 +324,11 @@ def _heading(sheet: _Sheet) -> None:
         fontweight="bold", color=COLOURS["text"], parse_math=False,
     )  # fmt: skip
     unit = mechanism.length_unit
-    facts = ["kinematic sketch at the reference configuration", f"lengths in {unit}", f"size {mechanism.size:.5g} {unit}"]
+    facts = [
+        "kinematic sketch at the reference configuration",
+        f"lengths in {unit}",
+        f"size {mechanism.characteristic_length:.5g} {unit}",
+    ]
     text = textwrap.fill("; ".join([*facts, *layout.notes]), 120)
     sheet.ax.text(
         0.5 * _WIDTH, _HEIGHT - 62.0, text, ha="center", va="top", fontsize=9.5, color=COLOURS["quiet"], parse_math=False,

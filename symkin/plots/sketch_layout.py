@@ -68,8 +68,8 @@ def make_layout(mechanism: Mechanism) -> Layout:
     """The sketch of a mechanism at its reference; a platform on rods in its base's plane is raised, and a note says so."""
     body, notes = _body(mechanism)
     joints = _marks(mechanism, body)
-    normal = plane_normal(joints, body, mechanism.size)
-    axes = _view_onto(normal) if normal is not None else _best_view(joints, mechanism.size)
+    normal = plane_normal(joints, body, mechanism.characteristic_length)
+    axes = _view_onto(normal) if normal is not None else _best_view(joints, mechanism.characteristic_length)
     return Layout(
         mechanism, body, joints, _dimensions(mechanism, body), (*notes, *_circle_notes(mechanism, body)), normal is not None, axes
     )
@@ -81,9 +81,9 @@ def _body(mechanism: Mechanism) -> tuple[MechanismLines, tuple[str, ...]]:
     if not rods or mechanism.motion not in ("spatial", "schoenflies", "translation"):
         return body, ()
     ends = np.vstack([body.base, body.platform])
-    if np.ptp(ends @ _thin(ends)) > _SAME * mechanism.size or len(mechanism.limbs) < 3:
+    if np.ptp(ends @ _thin(ends)) > _SAME * mechanism.characteristic_length or len(mechanism.limbs) < 3:
         return body, ()
-    height = _RAISED * mechanism.size
+    height = _RAISED * mechanism.characteristic_length
     reference = mechanism.reference_pose
     raised = Pose(np.asarray(reference.position) + height * _thin(ends), reference.quaternion)
     return lines_at(mechanism, {}, raised), (f"platform raised by {height:.4g} {mechanism.length_unit} from its reference",)
@@ -217,7 +217,7 @@ def _dimensions(mechanism: Mechanism, body: MechanismLines) -> tuple[Dimension, 
     """Lengths of links and rods, each once: that of a link between joints, of a rod that is no leg, between two base joints."""
     found: dict[str, Dimension] = {}
     for segment in _rigid(mechanism, body):
-        if segment.length > 0.01 * mechanism.size:
+        if segment.length > 0.01 * mechanism.characteristic_length:
             text = f"{segment.length:.5g}"
             found.setdefault(text, Dimension(text, 0.5 * (segment.start + segment.end)))
     return tuple(found.values())
@@ -225,7 +225,10 @@ def _dimensions(mechanism: Mechanism, body: MechanismLines) -> tuple[Dimension, 
 
 def _rigid(mechanism: Mechanism, body: MechanismLines) -> list[Segment]:
     links = [s for lines in body.limbs for s in (*lines.segments, *lines.rods) if s.kind in ("link", "rod")]
-    corners = [np.unique(np.round(points / mechanism.size, 9), axis=0) * mechanism.size for points in (body.base, body.platform)]
+    corners = [
+        np.unique(np.round(points / mechanism.characteristic_length, 9), axis=0) * mechanism.characteristic_length
+        for points in (body.base, body.platform)
+    ]
     return links + [Segment(c[0], c[1], "link") for c in corners if len(c) == 2 and not mechanism.serial]
 
 
@@ -238,7 +241,7 @@ def _circle_notes(mechanism: Mechanism, body: MechanismLines) -> tuple[str, ...]
     ends = np.array([end for k in alike for end in body.limbs[k].ends])
     found = []
     for name, points in (("base", body.base[alike]), ("platform", ends)):
-        radius = _radius(points, mechanism.size)
+        radius = _radius(points, mechanism.characteristic_length)
         if radius is not None:
             found.append(f"{name} joints on a circle of {radius:.5g} {mechanism.length_unit}")
     return tuple(found)

@@ -251,7 +251,11 @@ def _base(attributes: Mapping[str, Any]) -> list[str]:
         return _base_pose(mechanism, attributes["base"], attributes["axes"])
     units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
     values = dict(zip(units, attributes["base"], strict=False))
-    return [f"{n} = {plain(values[n], mechanism.size):.5g} {unit}" for n, unit in units.items() if n not in attributes["axes"]]
+    return [
+        f"{n} = {plain(values[n], mechanism.characteristic_length):.5g} {unit}"
+        for n, unit in units.items()
+        if n not in attributes["axes"]
+    ]
 
 
 def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
@@ -264,7 +268,9 @@ def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[st
             numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
             found.append(f"orientation ({numbers}){turn_text(swept)}")
         elif name in ("x", "y", "z") and name not in swept:
-            found.append(f"{name} = {plain(base['xyz'.index(name)], mechanism.size):.5g} {mechanism.length_unit}")
+            found.append(
+                f"{name} = {plain(base['xyz'.index(name)], mechanism.characteristic_length):.5g} {mechanism.length_unit}"
+            )
         elif name == "gamma" and "gamma" not in swept:
             turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
             angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))

@@ -65,7 +65,10 @@ def within_limits(closure: Closure, values: np.ndarray) -> np.ndarray | None:
         return None
     inside = np.ones(len(values), dtype=bool)
     for c, (low, high) in limited:
-        slack, value = LIMIT_SLACK * (1.0 if c.is_angular else closure.size), values[:, closure.slices[c.name].start]
+        slack, value = (
+            LIMIT_SLACK * (1.0 if c.is_angular else closure.characteristic_length),
+            values[:, closure.slices[c.name].start],
+        )
         inside &= (low - slack <= value) & (value <= high + slack)
     return inside
 

@@ -32,7 +32,7 @@ def _heading(mechanism: Mechanism) -> str:
     if mechanism.source:
         lines.append(f"source: {mechanism.source}")
     lines.append(
-        f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {mechanism.size:.6g}"
+        f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {mechanism.characteristic_length:.6g}"
     )
     return "\n".join(lines)
 

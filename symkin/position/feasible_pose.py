@@ -62,7 +62,7 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
         return None
     problem = build_problem(mechanism, "inverse")
     joints = _nearest_joints(problem, pose)
-    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.size:
+    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
         return None
     whole, z = _whole(problem), np.concatenate([joints, pose])
     for _ in range(_STEPS):
@@ -70,9 +70,9 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
         if step is None:
             return None
         z = whole.move(z[None], step[None])[0]
-        if float(np.max(np.abs(step))) < 1e-13 * whole.size:
+        if float(np.max(np.abs(step))) < 1e-13 * whole.characteristic_length:
             break
-    if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.size:
+    if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.characteristic_length:
         return None
     found = z[len(joints) :]
     return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))
@@ -87,7 +87,7 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
             np.tile(here, (_STARTS, 1)),
-            block.size * rng.normal(size=(_STARTS, block.freedom)) * (np.arange(_STARTS) > 0)[:, None],
+            block.characteristic_length * rng.normal(size=(_STARTS, block.freedom)) * (np.arange(_STARTS) > 0)[:, None],
         )
         batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
         largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)
@@ -116,7 +116,7 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
 
 def _difference(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Tangent vector (length unit) from the pose b to the pose a."""
-    size, parts, begin = problem.closure.size, [], 0
+    size, parts, begin = problem.closure.characteristic_length, [], 0
     for c in problem.known_coordinates:
         place = slice(begin, begin + c.width)
         begin += c.width
@@ -135,7 +135,14 @@ def _whole(problem: Problem) -> System:
     """All rows with joints and pose unknown, joints first."""
     system = problem.system
     both = ca.vertcat(system.unknown, system.known)
-    return System((*system.unknowns, *problem.known_coordinates), both, ca.SX(0, 1), system.rows, system.errors, system.size)
+    return System(
+        (*system.unknowns, *problem.known_coordinates),
+        both,
+        ca.SX(0, 1),
+        system.rows,
+        system.errors,
+        system.characteristic_length,
+    )
 
 
 def _take(problem: Problem, values: np.ndarray) -> np.ndarray:

@@ -202,7 +202,7 @@ def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np
     n = position.shape[1]
     if mechanism.motion == "spatial":
         return np.concatenate([position, quaternion]).T, np.zeros(n)
-    reference, size = mechanism.reference_pose, mechanism.size
+    reference, size = mechanism.reference_pose, mechanism.characteristic_length
     delta = multiply(quaternion, conjugate(reference.quaternion))
     turn = 2.0 * np.arctan2(delta[3], delta[0])
     turn = turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
@@ -225,7 +225,7 @@ def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.nd
     """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4,
     n), and how far those that are more than rounding lie off them, 0 for others."""
     values, off = poses_coordinates(mechanism, position, quaternion)
-    off = np.where(off < _ON_MOTION * mechanism.size, 0.0, off)
+    off = np.where(off < _ON_MOTION * mechanism.characteristic_length, 0.0, off)
     if ties_poses(mechanism):
         for i in np.flatnonzero(off == 0.0):
             values[i], off[i], _ = _feasible(mechanism, values[i])
@@ -236,8 +236,8 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     pose = pose_from(given)
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
-    if 0.0 < off < _ON_MOTION * mechanism.size:
-        if off > 1e-12 * mechanism.size:
+    if 0.0 < off < _ON_MOTION * mechanism.characteristic_length:
+        if off > 1e-12 * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by {off:.3g} {mechanism.length_unit}",
             )
@@ -257,7 +257,7 @@ def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, flo
     if nearest is None:
         return values, 0.0, ()
     frame, unit = "tool" if mechanism.serial else "platform", mechanism.length_unit
-    if nearest.distance <= PROJECTED * mechanism.size:
+    if nearest.distance <= PROJECTED * mechanism.characteristic_length:
         note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
         return nearest.values, 0.0, note
     there = ", ".join(f"{v:.7g}" for v in _pose_numbers(mechanism, nearest.values))

@@ -72,7 +72,7 @@ class _Recorder(ca.Callback):  # type: ignore[misc]  # CasADi is untyped here
 @lru_cache(maxsize=32)
 def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Recorder]:
     system = problem.system
-    scaled = system.rows / system.size
+    scaled = system.rows / system.characteristic_length
     norms = [
         ca.sumsqr(system.unknown[place]) - 1
         for c, place in zip(system.unknowns, system.slices, strict=True)

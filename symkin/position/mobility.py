@@ -163,28 +163,30 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     generic = ranks[best]
     reference = closure.reference
     limbs, values = _limb_screws(closure, candidates[best]), candidates[best]
-    is_closed = system.residual(reference, nothing) <= CLOSURE_TOLERANCE * closure.size
+    is_closed = system.residual(reference, nothing) <= CLOSURE_TOLERANCE * closure.characteristic_length
     reference_rank = Rank.of(system.linearise_one(reference, nothing)[1]) if is_closed else None
     at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
         there = _limb_screws(closure, reference)
         at_reference = [s.counts for s in there] == [s.counts for s in limbs]
         limbs, values = (there, reference) if at_reference else (limbs, values)
-    constraints = _row_space(np.vstack([limb.constraints for limb in limbs]), closure.size)
+    constraints = _row_space(np.vstack([limb.constraints for limb in limbs]), closure.characteristic_length)
     jacobian = system.linearise_one(candidates[best], nothing)[1]
     unknown = [k for k, c in enumerate(_per_freedom(closure.coordinates)) if c.role != "actuated"]
     return Mobility(
         closure=closure,
         values=values,
         at_reference=at_reference,
-        closed=system.residual(values, nothing) <= CLOSURE_TOLERANCE * closure.size,
+        closed=system.residual(values, nothing) <= CLOSURE_TOLERANCE * closure.characteristic_length,
         freedoms=system.freedom,
         rows=int(closure.rows.shape[0]),
         rank=generic,
         direct_rank=Rank.of(jacobian[:, unknown]),
         limbs=limbs,
         platform_constraints=constraints,
-        platform_twists=_row_space(reciprocal_system(constraints, closure.size), closure.size) if len(constraints) else np.eye(6),
+        platform_twists=_row_space(reciprocal_system(constraints, closure.characteristic_length), closure.characteristic_length)
+        if len(constraints)
+        else np.eye(6),
         gruebler=gruebler_kutzbach(mechanism),
         reference_rank=reference_rank,
     )
@@ -222,7 +224,7 @@ def implied_motion(mechanism: Mechanism) -> Motion | None:
 def whole_system(closure: Closure) -> System:
     """The closure with every coordinate unknown."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-    return System(closure.coordinates, closure.variables, ca.SX(0, 1), rows, errors, closure.size)
+    return System(closure.coordinates, closure.variables, ca.SX(0, 1), rows, errors, closure.characteristic_length)
 
 
 def gruebler_kutzbach(mechanism: Mechanism) -> int:
@@ -249,12 +251,12 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     system = whole_system(closure)
     rng = np.random.default_rng(seed)
     begin = np.tile(closure.reference, (24, 1))
-    radii = np.repeat([0.03, 0.1, 0.3], 8)[:, None] * closure.size
+    radii = np.repeat([0.03, 0.1, 0.3], 8)[:, None] * closure.characteristic_length
     starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
     ends = system.polish_many(batch.points[batch.converged], nothing).points
-    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.size])
+    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.characteristic_length])
     return closed or [closure.reference]
 
 
@@ -279,7 +281,9 @@ def _limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]
         systems = []
         for kept in (joints, passive):
             wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE, relative=True) @ twist_rows
-            systems.append(_row_space(_at_base_origin(wrenches, position, closure.size), closure.size))
+            systems.append(
+                _row_space(_at_base_origin(wrenches, position, closure.characteristic_length), closure.characteristic_length)
+            )
         screws.append(LimbScrews(limb.name, systems[0], systems[1]))
     return tuple(screws)
 

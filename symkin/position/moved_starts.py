@@ -65,7 +65,7 @@ def is_singular(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
 
 def nearly_closes(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
     system = problem.system
-    return system.residual(system.unit(z), known) <= NEAR_CLOSING * system.size
+    return system.residual(system.unit(z), known) <= NEAR_CLOSING * system.characteristic_length
 
 
 def moved_starts(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -73,7 +73,7 @@ def moved_starts(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.n
     system, rng = problem.system, np.random.default_rng(0)
     rows = []
     for distance in DISTANCES:
-        steps = distance * system.size * rng.normal(size=(DIRECTIONS, system.freedom))
+        steps = distance * system.characteristic_length * rng.normal(size=(DIRECTIONS, system.freedom))
         points = _within_limits(problem, system.fold(system.move(np.tile(start, (DIRECTIONS, 1)), steps)))
         best = np.argsort(-_ratios(problem, points, known), kind="stable")[:KEPT]
         rows += [points[k] for k in best]

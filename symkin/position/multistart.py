@@ -64,7 +64,7 @@ def one_by_one(
         z = system.wrap(system.unit(path[-1])) if np.all(np.isfinite(path[-1])) else path[-1]
         left = system.residual(z, given.values) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
-        if left <= 1e-6 * system.size:
+        if left <= 1e-6 * system.characteristic_length:
             ends.append(z)
         if progress is not None:
             progress(k, starts)

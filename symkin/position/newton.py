@@ -43,14 +43,14 @@ class Newton:
         path, largest = [start], _largest(rows, start, known)
         with steps.borrowed() as step:
             for _ in range(self.max_iterations):
-                if largest <= self.tolerance * system.size:
+                if largest <= self.tolerance * system.characteristic_length:
                     break
                 z = np.asarray(step(path[-1], data)).ravel()
                 path.append(z)
                 previous, largest = largest, _largest(rows, z, known)
                 if not np.isfinite(largest):
                     break
-                if largest >= previous and largest <= 1e-9 * system.size:
+                if largest >= previous and largest <= 1e-9 * system.characteristic_length:
                     break
         return path
 
@@ -62,7 +62,7 @@ def _largest(rows: ca.Function, z: np.ndarray, known: np.ndarray) -> float:
 def flat_rows(system: System) -> ca.SX:
     """Closure rows and, for each quaternion, size (|q|^2 - 1) / 2."""
     norms = [
-        0.5 * system.size * (ca.sumsqr(system.unknown[place]) - 1)
+        0.5 * system.characteristic_length * (ca.sumsqr(system.unknown[place]) - 1)
         for c, place in zip(system.unknowns, system.slices, strict=True)
         if c.kind == "quaternion"
     ]

@@ -44,12 +44,12 @@ def limbs(mechanism: Mechanism) -> tuple[System, ...]:
     known = [closure.variables[closure.slices[c.name]] for role in ("actuated", "pose") for c in closure.role(role)]
     unknown = [closure.variables[closure.slices[c.name]] for c in passive]
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-    return split_blocks(System(passive, ca.vertcat(*unknown), ca.vertcat(*known), rows, errors, closure.size))
+    return split_blocks(System(passive, ca.vertcat(*unknown), ca.vertcat(*known), rows, errors, closure.characteristic_length))
 
 
 def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
     near = levenberg_marquardt(part, here[None], known)
-    if near.largest_row[0] <= 1e-6 * part.size:
+    if near.largest_row[0] <= 1e-6 * part.characteristic_length:
         return np.asarray(near.points[0])
     points = np.vstack([near.points, levenberg_marquardt(part, _starts(part, here), known).points])
     errors = np.linalg.norm(part.linearise(points, known)[0], axis=1)
@@ -57,7 +57,7 @@ def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
     least = float(errors.min())
     if not np.isfinite(least):
         return here
-    good = np.flatnonzero(errors <= _AS_GOOD * least + 1e-6 * part.size)
+    good = np.flatnonzero(errors <= _AS_GOOD * least + 1e-6 * part.characteristic_length)
     return np.asarray(points[min(good, key=lambda k: _distance(part, here, points[k]))])
 
 
@@ -76,7 +76,9 @@ def _starts(part: System, here: np.ndarray) -> np.ndarray:
 
 def _distance(part: System, a: np.ndarray, b: np.ndarray) -> float:
     """Largest difference of a coordinate: angles without whole turns (rad), lengths by the size."""
-    return max(_apart(c, a[place], b[place], part.size) for c, place in zip(part.unknowns, part.slices, strict=True))
+    return max(
+        _apart(c, a[place], b[place], part.characteristic_length) for c, place in zip(part.unknowns, part.slices, strict=True)
+    )
 
 
 def _apart(c: Coordinate, a: np.ndarray, b: np.ndarray, size: float) -> float:

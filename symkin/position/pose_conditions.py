@@ -49,11 +49,13 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
     place = closure.variables[closure.variables.shape[0] - pose.shape[0] :]
     rows, errors = (ca.substitute(closure.bound(e), place, pose) for e in (closure.rows, closure.errors))
     coordinates = tuple(Coordinate(f"varied.{n}", "length" if n in "xyz" else "angle", "pose") for n in names)
-    together = System((*joints, *coordinates), ca.vertcat(unknown, varied), ca.SX(0, 1), rows, errors, closure.size)
+    together = System(
+        (*joints, *coordinates), ca.vertcat(unknown, varied), ca.SX(0, 1), rows, errors, closure.characteristic_length
+    )
     rng = np.random.default_rng(seed)
     found = _closed(together, _starts(closure, together, box, rng))
-    alone = System(joints, unknown, varied, rows, errors, closure.size)
-    units = np.array([1.0 if c.is_angular else closure.size for c in coordinates])
+    alone = System(joints, unknown, varied, rows, errors, closure.characteristic_length)
+    units = np.array([1.0 if c.is_angular else closure.characteristic_length for c in coordinates])
     return any(_follows(alone, z, units, rng) for z in found) if found else None
 
 
@@ -87,7 +89,7 @@ def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator
     for k, (name, low, high) in enumerate(box, start=len(joints)):
         starts[:, k] = rng.uniform(low, high, _STARTS)
         starts[1::2, k] = at_rest.get(name, 0.0)
-    radii = np.tile([0.03, 0.1, 0.3], _STARTS // 3)[:, None] * closure.size
+    radii = np.tile([0.03, 0.1, 0.3], _STARTS // 3)[:, None] * closure.characteristic_length
     steps = radii * rng.normal(size=(_STARTS, system.freedom))
     return system.move(starts, steps)
 
@@ -96,7 +98,7 @@ def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
     ends = system.polish_many(batch.points[batch.converged], nothing).points
-    return list(ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.size])[:_TRIED]
+    return list(ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.characteristic_length])[:_TRIED]
 
 
 def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:
@@ -104,9 +106,9 @@ def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Ge
     joints, varied = z[: system.width], z[system.width :]
     step = _STEP * units * rng.choice([-1.0, 1.0], len(units)) * rng.uniform(0.5, 1.0, len(units))
     for target in (varied + step, varied - step):
-        spread = _STEP * system.size * rng.normal(size=(_FOLLOWING, system.freedom))
+        spread = _STEP * system.characteristic_length * rng.normal(size=(_FOLLOWING, system.freedom))
         batch = levenberg_marquardt(system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target)
         ends = system.polish_many(batch.points[batch.converged], target).points
-        if (system.residuals(ends, target) <= CLOSURE_TOLERANCE * system.size).any():
+        if (system.residuals(ends, target) <= CLOSURE_TOLERANCE * system.characteristic_length).any():
             return True
     return False

@@ -68,7 +68,7 @@ class Problem:
         rng = np.random.default_rng(1)
         ranks = []
         for _ in range(2):
-            values = random_values(self.closure.coordinates, self.closure.size, rng)
+            values = random_values(self.closure.coordinates, self.closure.characteristic_length, rng)
             _, jacobian = self.system.linearise_one(
                 self.select_values(values, self.system.unknowns), self.select_values(values, self.known_coordinates)
             )
@@ -137,7 +137,7 @@ def build_problem(mechanism: Mechanism, kind: Kind) -> Problem:
         _stack(closure, closure.role(KNOWN[kind])),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
-        closure.size,
+        closure.characteristic_length,
     )
     return Problem(closure, kind, system)
 

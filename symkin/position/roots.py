@@ -85,11 +85,11 @@ def features(system: System, points: np.ndarray) -> np.ndarray:
         part = points[:, place]
         if c.kind == "quaternion":
             outer = part[:, :, None] * part[:, None, :]
-            columns.append(system.size * outer.reshape(len(part), 16))
+            columns.append(system.characteristic_length * outer.reshape(len(part), 16))
         elif c.kind == "angle":
-            columns += [system.size * np.cos(part), system.size * np.sin(part)]
+            columns += [system.characteristic_length * np.cos(part), system.characteristic_length * np.sin(part)]
         else:
-            columns.append(system.size * part if c.kind == "turns" else part)
+            columns.append(system.characteristic_length * part if c.kind == "turns" else part)
     return np.hstack(columns)
 
 
@@ -111,7 +111,7 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     """Merge ends, polish the representatives to full precision, drop what fails the check, merge again. Roots of a
     continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
     ends = system.wrap(system.fold(ends))
-    first, labels = merge(features(system, ends), 1e-5 * system.size)
+    first, labels = merge(features(system, ends), 1e-5 * system.characteristic_length)
     hits = np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
     polished = system.polish_many(ends[first[order]], known)
@@ -120,7 +120,7 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     counts, continuum, smallest, singular = [], [], np.inf, 0
     for z, left, is_singular, count in zip(polished.points, residuals.tolist(), suspect.tolist(), hits[order], strict=True):
         smallest = min(smallest, left)
-        if left > CLOSURE_TOLERANCE * system.size:
+        if left > CLOSURE_TOLERANCE * system.characteristic_length:
             continue
         if is_singular and moves_freely(system, z, known):
             continuum.append(z)
@@ -146,14 +146,14 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
     f = features(system, points)
     found = system.conditions(points, known)
     singular = found > SUSPECT_CONDITION
-    first, labels = merge(f[~singular], DISTINCT_ROOTS * system.size)
+    first, labels = merge(f[~singular], DISTINCT_ROOTS * system.characteristic_length)
     everything = np.full(len(points), -1)
     everything[~singular] = labels
     chosen = np.flatnonzero(~singular)[first].tolist()
     if not continuum_met:
         for i in sorted(np.flatnonzero(singular), key=lambda i: -found[i]):
             if everything[i] < 0:
-                tolerance = min(_DIGITS_LEFT * found[i] * np.finfo(float).eps, 1e-3) * system.size
+                tolerance = min(_DIGITS_LEFT * found[i] * np.finfo(float).eps, 1e-3) * system.characteristic_length
                 same = (np.max(np.abs(f - f[i]), axis=1) <= tolerance) & singular & (everything < 0)
                 everything[same] = len(chosen)
                 chosen.append(int(i))
@@ -175,9 +175,9 @@ def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
 
 def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: np.ndarray) -> bool:
     here = features(system, z[None])
-    begin = system.move(z[None], 1e-3 * system.size * direction[None])
+    begin = system.move(z[None], 1e-3 * system.characteristic_length * direction[None])
     end = system.polish(begin[0], known, steps=30)
-    if system.residual(end, known) > CLOSED_CONFIGURATION * system.size:
+    if system.residual(end, known) > CLOSED_CONFIGURATION * system.characteristic_length:
         return False
     moved = np.max(np.abs(features(system, end[None]) - here))
     return bool(moved > 0.1 * np.max(np.abs(features(system, begin) - here)))

@@ -189,7 +189,10 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
 
 def _judge_root(problem: Problem, end: np.ndarray, known: np.ndarray) -> bool:
     system = problem.system
-    return bool(np.all(np.isfinite(end))) and system.residual(system.wrap(system.unit(end)), known) <= 1e-6 * system.size
+    return (
+        bool(np.all(np.isfinite(end)))
+        and system.residual(system.wrap(system.unit(end)), known) <= 1e-6 * system.characteristic_length
+    )
 
 
 def _iterates(problem: Problem, solver: Solver, start: np.ndarray, known: np.ndarray) -> list[np.ndarray]:
@@ -207,7 +210,7 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= CLOSURE_TOLERANCE * system.size:
+    if left <= CLOSURE_TOLERANCE * system.characteristic_length:
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
@@ -224,7 +227,11 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
     system = problem.system
     z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
-    return (solution, solution.residual) if solution.residual <= CLOSURE_TOLERANCE * system.size else (None, solution.residual)
+    return (
+        (solution, solution.residual)
+        if solution.residual <= CLOSURE_TOLERANCE * system.characteristic_length
+        else (None, solution.residual)
+    )
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:

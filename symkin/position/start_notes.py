@@ -28,7 +28,7 @@ def start_notes(found: Solution, kind: Kind, start: Joints | Pose) -> tuple[str,
         away = max((abs(d) for c, d in pairs if not c.is_angular), default=0.0)
         turns = [abs(math.remainder(mechanism.angle_in(d), 2 * math.pi)) for c, d in pairs if c.is_angular]
         angle = max(turns, default=0.0)
-    if away <= _FAR * mechanism.size and angle <= _FAR:
+    if away <= _FAR * mechanism.characteristic_length and angle <= _FAR:
         return ()
     parts = [f"{away:.3g} {mechanism.length_unit}"] if away > 0.0 else []
     parts += [f"{mechanism.angle_out(angle):.3g} {mechanism.angle_unit}"] if angle > 0.0 else []

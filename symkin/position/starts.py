@@ -38,7 +38,7 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
         return problem.select_values(values, problem.system.unknowns)
     if start is not None:
         coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
-        if off > 1e-6 * mechanism.size:
+        if off > 1e-6 * mechanism.characteristic_length:
             raise InputError(
                 f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}"
             )
@@ -60,7 +60,7 @@ def random_starts(problem: Problem, system: System, given: Given, count: int, rn
     uniform, the first start at the reference; within `limits` where given."""
     closure = problem.closure
     lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"]
-    reach = 1.5 * max([closure.size, *lengths])
+    reach = 1.5 * max([closure.characteristic_length, *lengths])
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
         reference = closure.reference[closure.slices[c.name]]

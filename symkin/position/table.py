@@ -31,7 +31,10 @@ def _coordinate_columns(kind: str, solutions: Sequence[Solution]) -> dict[str, l
 def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
     mechanism = solutions[0].mechanism
     unit = mechanism.length_unit
-    columns = {f"{axis}, {unit}": [_length(mechanism.size, s.position[i]) for s in solutions] for i, axis in enumerate("xyz")}
+    columns = {
+        f"{axis}, {unit}": [_length(mechanism.characteristic_length, s.position[i]) for s in solutions]
+        for i, axis in enumerate("xyz")
+    }
     if mechanism.motion in ("schoenflies", "planar"):
         values = [mechanism.angle_out(s.values["pose.gamma"]) for s in solutions]
         return columns | {f"gamma, {mechanism.angle_unit}": [_fixed(v, 3) for v in values]}
@@ -44,7 +47,7 @@ def _joint_columns(kind: str, solutions: Sequence[Solution]) -> dict[str, list[s
     """Joint coordinates that are one number; for a direct problem the passive ones."""
     mechanism = solutions[0].mechanism
     given = {c.name for c in mechanism.actuated} if kind == "direct" else set()
-    digits = 3 if mechanism.size > 10 else 5
+    digits = 3 if mechanism.characteristic_length > 10 else 5
     rows = [s.joints for s in solutions]
     names = [name for name, value in rows[0].items() if name not in given and isinstance(value, float)]
     return {name: [_fixed(row[name], digits) for row in rows] for name in names}

@@ -60,4 +60,4 @@ def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solu
         return None
     batch = levenberg_marquardt(system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60)
     solution = make_solution(problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes)
-    return solution if solution.residual <= CLOSURE_TOLERANCE * problem.closure.size else None
+    return solution if solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length else None

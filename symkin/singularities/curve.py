@@ -39,7 +39,7 @@ class Curve:
 def correct(system: System, z: np.ndarray) -> np.ndarray | None:
     """Gauss-Newton by least-norm steps to a zero of all rows; None where it is not reached."""
     found = system.polish_many(z[None], np.zeros(0), steps=_MOST_CORRECTIONS)
-    return found.points[0] if np.max(np.abs(found.rows), initial=0.0) <= CORRECTED * system.size else None
+    return found.points[0] if np.max(np.abs(found.rows), initial=0.0) <= CORRECTED * system.characteristic_length else None
 
 
 def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
@@ -88,12 +88,12 @@ def distance(system: System, a: np.ndarray, b: np.ndarray, leading: int | None =
     for c, place in zip(system.unknowns[:leading], system.slices[:leading], strict=True):
         if c.kind == "quaternion":
             cosine = np.abs(np.sum(a[..., place] * b[..., place], axis=-1))
-            total += (2.0 * system.size) ** 2 * np.maximum(0.0, 2.0 - 2.0 * cosine)
+            total += (2.0 * system.characteristic_length) ** 2 * np.maximum(0.0, 2.0 - 2.0 * cosine)
             continue
         gap = a[..., place.start] - b[..., place.start]
         if c.kind == "angle":
             gap = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
-        total += (gap * (system.size if c.is_angular else 1.0)) ** 2
+        total += (gap * (system.characteristic_length if c.is_angular else 1.0)) ** 2
     return np.sqrt(total)
 
 
@@ -102,14 +102,14 @@ Step = tuple[np.ndarray, np.ndarray]
 
 def _one_way(system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int) -> tuple[list[Step], bool]:
     path: list[Step] = [(start, direction)]
-    length = min(window.cap(direction), _LONGEST_STEP * system.size)
+    length = min(window.cap(direction), _LONGEST_STEP * system.characteristic_length)
     while len(path) < most:
         z, t = path[-1]
-        length = min(length, window.cap(t), _LONGEST_STEP * system.size)
+        length = min(length, window.cap(t), _LONGEST_STEP * system.characteristic_length)
         found = _step(system, z, t, length)
         if found is None:
             length /= 2
-            if length < _SHORTEST_STEP * system.size:
+            if length < _SHORTEST_STEP * system.characteristic_length:
                 break
             continue
         path.append(found)

@@ -105,8 +105,8 @@ def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np
         if c.kind == "quaternion":
             p, q = a[place], b[place] * np.sign(a[place] @ b[place])
             relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
-            difference[column : column + 3] = 2 * system.curve.size * relative
+            difference[column : column + 3] = 2 * system.curve.characteristic_length * relative
         else:
-            difference[column] = (b[place] - a[place])[0] * (system.curve.size if c.is_angular else 1.0)
+            difference[column] = (b[place] - a[place])[0] * (system.curve.characteristic_length if c.is_angular else 1.0)
         column += c.freedom
     return float(difference @ ahead)

@@ -126,7 +126,7 @@ class Loci(Result):
                 held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
             elif name not in plane.names:
                 value = float(self.solution.values[c.name])
-                shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.size)
+                shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.characteristic_length)
                 more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
                 held.append(f"{name} = {more}{shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")
         return "held: " + ", ".join(held) if held else "nothing else is held"

@@ -83,7 +83,7 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
     """A traced curve in the mechanism's units; `cusps` are numbers of its points."""
     mechanism = system.plane.mechanism
     factors = np.array([mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in system.plane.coordinates])
-    w = curve.points[:, system.uv.stop :] / system.curve.size
+    w = curve.points[:, system.uv.stop :] / system.curve.characteristic_length
     kind = "passive" if system.loss.is_passive(curve.points[:, : system.uv.stop], w) else system.kind
     values, _ = system.curve.linearise(curve.points, np.zeros(0))
     names = (*(c.name for c in system.free), *system.plane.names)

@@ -77,14 +77,14 @@ def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np
     """Closed configurations (n, width of free coordinates, u, v) from random steps off the plane's configuration."""
     part = system.closed
     begin = np.tile(system.centre, (starts, 1))
-    radii = np.resize(_RADII, starts)[:, None] * part.size
+    radii = np.resize(_RADII, starts)[:, None] * part.characteristic_length
     begin = part.move(begin, radii * rng.normal(size=(starts, part.freedom)))
     begin[:, system.uv] = rng.uniform(window[:, 0], window[:, 1], (starts, 2))
     if not part.rows.shape[0]:
         return begin
     batch = levenberg_marquardt(part, begin, np.zeros(0), max_iterations=60)
     ends = part.fold(batch.points[batch.converged])
-    return np.array([z for z in ends if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.size])
+    return np.array([z for z in ends if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.characteristic_length])
 
 
 def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> np.ndarray:
@@ -150,7 +150,7 @@ def _curve_through(system: LocusSystem, seed: np.ndarray, view: Window, again: b
 def _tracing_window(system: LocusSystem, window: np.ndarray) -> Window:
     """The window for tracing: steps of at most 1/150 of its sides in the plane."""
     sides = window[:, 1] - window[:, 0]
-    scale = np.array([system.curve.size if c.is_angular else 1.0 for c in system.plane.coordinates])
+    scale = np.array([system.curve.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates])
 
     def cap(t: np.ndarray) -> float:
         speed = float(np.max(np.abs(t[system.uv_columns]) / (scale * sides)))

@@ -165,7 +165,7 @@ class LocusSystem:
     def lift(self, closed: np.ndarray) -> tuple[np.ndarray, float]:
         """A closed configuration with each w of `RankLoss.vectors` (r, width), and the smallest singular value."""
         vectors, singular = self.loss.vectors(closed)
-        return np.hstack([np.tile(closed, (len(vectors), 1)), self.curve.size * vectors]), float(singular[0])
+        return np.hstack([np.tile(closed, (len(vectors), 1)), self.curve.characteristic_length * vectors]), float(singular[0])
 
     def through(self, z: np.ndarray) -> tuple[LocusSystem, np.ndarray]:
         """The equations for tracing from a seed, and the seed in them: these, with rows chosen at the seed where they are chosen
@@ -203,7 +203,7 @@ def _system(
     plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows: list[int], columns: list[int], generic: list[np.ndarray]
 ) -> LocusSystem:
     """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
-    closure, size = plane.closure, plane.closure.size
+    closure, size = plane.closure, plane.closure.characteristic_length
     per_freedom = [c for c in closure.coordinates for _ in range(c.freedom)]
     alone = plane.of_pose and kind == "type 1"
     names = {per_freedom[k].name for k in columns}
@@ -223,7 +223,7 @@ def _system(
 
 def _curve(closed: System, jacobian: ca.SX, loss: RankLoss) -> System:
     """F = 0, what says that J loses rank, and the length of w."""
-    w, size = ca.SX.sym("w", loss.rank), closed.size
+    w, size = ca.SX.sym("w", loss.rank), closed.characteristic_length
     weights = tuple(Coordinate(f"w.{k}", "length", "passive") for k in range(loss.rank))
     rows = ca.vertcat(closed.rows, loss.equations(jacobian, w), (ca.dot(w, w) / size - size) / 2)
     return System((*closed.unknowns, *weights), ca.vertcat(closed.unknown, w), closed.known, rows, rows, size)

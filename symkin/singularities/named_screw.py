@@ -23,7 +23,7 @@ class NamedScrew:
     kind: Literal["twist", "wrench"]
     vector: np.ndarray
     length_unit: str
-    size: float
+    characteristic_length: float
 
     @staticmethod
     def of(kind: Literal["twist", "wrench"], vector: np.ndarray, length_unit: str, size: float) -> NamedScrew:
@@ -60,7 +60,7 @@ class NamedScrew:
         """rotation, translation, screw; force, couple, wrench."""
         if self.is_pure_moment:
             return "translation" if self.kind == "twist" else "couple"
-        if abs(self.pitch or 0.0) <= SINGULAR_VALUE * self.size:
+        if abs(self.pitch or 0.0) <= SINGULAR_VALUE * self.characteristic_length:
             return "rotation" if self.kind == "twist" else "force"
         return "screw" if self.kind == "twist" else "wrench"
 
@@ -76,7 +76,7 @@ class NamedScrew:
         along = f"along {_triple(self.direction, 1.0)}"
         if self.point is None or self.pitch is None:
             return f"{self.name} {along}"
-        line = f"through {_triple(self.point, self.size)} {along}"
+        line = f"through {_triple(self.point, self.characteristic_length)} {along}"
         match self.name:
             case "rotation":
                 return f"rotation about the axis {line}"
@@ -90,23 +90,23 @@ class NamedScrew:
 def named_twist(solution: Solution, motion: np.ndarray) -> NamedScrew:
     """From (velocity of the platform origin; size times angular velocity)."""
     mechanism = solution.mechanism
-    turn = motion[3:] / mechanism.size
+    turn = motion[3:] / mechanism.characteristic_length
     vector = np.concatenate([turn, motion[:3] + np.cross(solution.position, turn)])
-    return NamedScrew.of("twist", vector, mechanism.length_unit, mechanism.size)
+    return NamedScrew.of("twist", vector, mechanism.length_unit, mechanism.characteristic_length)
 
 
 def named_wrench(solution: Solution, covector: np.ndarray) -> NamedScrew:
     """From the wrench's work on (velocity of the platform origin; size times angular velocity)."""
     mechanism = solution.mechanism
     force = covector[:3]
-    vector = np.concatenate([force, mechanism.size * covector[3:] + np.cross(solution.position, force)])
-    return NamedScrew.of("wrench", vector, mechanism.length_unit, mechanism.size)
+    vector = np.concatenate([force, mechanism.characteristic_length * covector[3:] + np.cross(solution.position, force)])
+    return NamedScrew.of("wrench", vector, mechanism.length_unit, mechanism.characteristic_length)
 
 
 def joint_rates(solution: Solution, rates: np.ndarray) -> dict[str, float]:
     """Rates by joint name in the mechanism's units, the largest 1, from lengths and angles times the size."""
     mechanism = solution.mechanism
-    scales = [mechanism.angle_out(1.0 / mechanism.size) if c.is_angular else 1.0 for c in mechanism.actuated]
+    scales = [mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0 for c in mechanism.actuated]
     values = rates * np.array(scales)
     largest = np.flatnonzero(np.abs(values) > (1 - SINGULAR_VALUE) * np.abs(values).max())[0]
     values = values / values[largest]

@@ -106,5 +106,5 @@ def _about_point(closure: Closure, values: np.ndarray, output: Output) -> np.nda
     """(6, 6): from (velocity of the platform's origin; size times angular velocity) to the same about the output's point."""
     arm = np.asarray(pose_of(closure, values).rotation) @ np.array(output.point)
     shift = np.eye(6)
-    shift[:3, 3:] = np.cross(np.eye(3), arm).T / closure.size
+    shift[:3, 3:] = np.cross(np.eye(3), arm).T / closure.characteristic_length
     return shift

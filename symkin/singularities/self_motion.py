@@ -40,7 +40,7 @@ def has_self_motion(system: LocusSystem, z: np.ndarray) -> bool:
 
 def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
     """Configurations (n, width) at finite steps along the null direction with u and v held, roughly closed."""
-    points, length = [begin], _STEP * closed.size
+    points, length = [begin], _STEP * closed.characteristic_length
     direction = sense * _null_space(closed, begin)[-1]
     for _ in range(_COUNT):
         z = _moved(closed, points[-1], length * direction)
@@ -75,7 +75,7 @@ def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
         values, jacobians = closed.linearise(points, np.zeros(0))
         if not (np.isfinite(values).all() and np.isfinite(jacobians).all()):
             return None
-        if float(np.abs(values).max(initial=0.0)) <= CORRECTED * closed.size:
+        if float(np.abs(values).max(initial=0.0)) <= CORRECTED * closed.characteristic_length:
             return points
         rows = values.shape[1]
         matrix = np.zeros((count * rows, count * freedom + 2))
@@ -91,12 +91,12 @@ def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
 def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) -> bool:
     closed, count = system.closed, len(system.free)
     steps = distance(closed, chain[1:], chain[:-1], count)
-    length = _STEP * closed.size
-    scale = np.array([closed.size if c.is_angular else 1.0 for c in system.plane.coordinates])
+    length = _STEP * closed.characteristic_length
+    scale = np.array([closed.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates])
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
     reached = float(distance(closed, chain[-1], chain[0], count))
     return (
         bool(np.all(steps >= _LEAST_DISTANCE * length))
         and reached >= 0.5 * _COUNT * _LEAST_DISTANCE * length
-        and strayed <= _MOST_DRIFT * closed.size
+        and strayed <= _MOST_DRIFT * closed.characteristic_length
     )

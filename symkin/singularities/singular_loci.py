@@ -105,7 +105,7 @@ def _check_pose(plane: Plane) -> None:
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
     """Sides (2, 2) in inside units."""
     if ranges is None:
-        half = [np.pi if c.is_angular else 0.5 * plane.closure.size for c in plane.coordinates]
+        half = [np.pi if c.is_angular else 0.5 * plane.closure.characteristic_length for c in plane.coordinates]
         sides = np.array([[m - h, m + h] for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)])
     else:
         sides = np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == 2 else np.zeros((0, 2))

@@ -125,7 +125,7 @@ class Singularity(Result):
             "mechanism": mechanism.name,
             "length_unit": mechanism.length_unit,
             "angle_unit": mechanism.angle_unit,
-            "size": mechanism.size,
+            "size": mechanism.characteristic_length,
             "output": None if self.output is None else self.output.to_dict(),
             "configuration": self.solution.to_dict(),
             "kinds": list(self.kinds),
@@ -174,7 +174,7 @@ class Singularity(Result):
         counts = self.permanent_freedoms
         beyond = {kind: f" (from more than the {count} everywhere)" for kind, count in counts.items()}
         distances = ", ".join(f"{kind} {plain(value):.3g}{beyond.get(kind, '')}" for kind, value in self.distances.items())
-        size = self.solution.mechanism.size
+        size = self.solution.mechanism.characteristic_length
         return f"distance (0 singular; rows of unit length, angles times the size {size:.6g}): {distances}"
 
     def _map_line(self) -> str:
@@ -187,9 +187,11 @@ class Singularity(Result):
 def _solution_line(solution: Solution) -> str:
     """Pose, joints, residual and condition, rounding noise as 0."""
     mechanism = solution.mechanism
-    position = ", ".join(f"{plain(float(v), mechanism.size):.6g}" for v in solution.position)
+    position = ", ".join(f"{plain(float(v), mechanism.characteristic_length):.6g}" for v in solution.position)
     quaternion = ", ".join(f"{plain(float(v), least=5e-7):.6f}" for v in solution.quaternion)
-    joints = ", ".join(f"{k} = {plain(v, mechanism.size):.6g}" for k, v in solution.joints.items() if isinstance(v, float))
+    joints = ", ".join(
+        f"{k} = {plain(v, mechanism.characteristic_length):.6g}" for k, v in solution.joints.items() if isinstance(v, float)
+    )
     return (
         f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); {joints}; residual "
         f"{solution.residual:.1e}, condition {solution.condition:.3g}"

@@ -64,7 +64,7 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
             ca.SX(6, 0),
             actuated,
             (closure.mechanism.limbs[0].name,) * 6,
-            np.repeat([1.0, closure.size], 3),
+            np.repeat([1.0, closure.characteristic_length], 3),
             Pose(position, quaternion),
             True,
         )
@@ -74,7 +74,7 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
     joints = tangent_jacobian(rows, closure, closure.role("actuated")), tangent_jacobian(rows, closure, closure.role("passive"))
     return Differential(
         twist[kept, :], joints[1][kept, :], joints[0][kept, :], tuple(builder.sources[k].limb for k in kept),
-        np.array([1 / closure.size if builder.sources[k].relation == "distance" else 1.0 for k in kept]), closure.pose, False,
+        np.array([1 / closure.characteristic_length if builder.sources[k].relation == "distance" else 1.0 for k in kept]), closure.pose, False,
     )  # fmt: skip
 
 
@@ -197,8 +197,10 @@ def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
         return list(range(rows.shape[0]))
     evaluate = ca.Function("rows", [closure.variables], [closure.bound(rows)])
     rng = np.random.default_rng(0)
-    samples = [np.asarray(evaluate(random_values(closure.coordinates, closure.size, rng))).ravel() for _ in range(3)]
-    return np.flatnonzero(np.max(np.abs(samples), axis=0) > _VANISHING * closure.size).tolist()
+    samples = [
+        np.asarray(evaluate(random_values(closure.coordinates, closure.characteristic_length, rng))).ravel() for _ in range(3)
+    ]
+    return np.flatnonzero(np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length).tolist()
 
 
 def motion_columns(closure: Closure) -> list[int]:

@@ -124,7 +124,7 @@ def variables_of(
 
 def _scales(closure: Closure) -> Matrices:
     """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for lengths."""
-    size = closure.size
+    size = closure.characteristic_length
     passive, actuated = (
         np.array([size if c.is_angular or c.kind == "quaternion" else 1.0 for c in closure.role(role) for _ in range(c.freedom)])
         for role in ("passive", "actuated")

@@ -144,7 +144,9 @@ def along_pose(c: Case, k: int, s: float) -> np.ndarray:
     system = whole_system(c.closure)
     first = sum(x.freedom for x in c.closure.coordinates if x.role != "pose")
     step = np.zeros((1, system.freedom))
-    scale = [c.closure.size if x.is_angular or x.kind == "quaternion" else 1.0 for x in pose for _ in range(x.freedom)]
+    scale = [
+        c.closure.characteristic_length if x.is_angular or x.kind == "quaternion" else 1.0 for x in pose for _ in range(x.freedom)
+    ]
     step[0, first + k] = s * scale[k]
     moved = system.move(c.values[None], step)[0]
     known = problem.select_values(moved, problem.known_coordinates)
@@ -182,4 +184,4 @@ def agrees(expected: np.ndarray, measured: Any, unit: float) -> bool:
 
 def step_of(c: Case, k: int) -> float:
     """The unit of steps of actuated joint k: 1 rad, or the size."""
-    return 1.0 if c.mechanism.actuated[k].is_angular else c.closure.size
+    return 1.0 if c.mechanism.actuated[k].is_angular else c.closure.characteristic_length

@@ -147,7 +147,7 @@ def closes(mechanism: Mechanism, solution: Any) -> bool:
     """Every limb reaches the solution's pose with the solution's joint values."""
     platform = frame(solution.position, solution.quaternion)
     gap = max(limb_gap(mechanism, limb, platform, solution.values) for limb in mechanism.limbs)
-    return gap <= 1e-8 * max(1.0, mechanism.size)
+    return gap <= 1e-8 * max(1.0, mechanism.characteristic_length)
 
 
 # --- equality of poses and of sets of modes ------------------------------------------------------------------------
@@ -227,7 +227,7 @@ def evaluated(closure: Closure, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Rows and errors of a closure at a vector of its variables, over the size."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
     function = ca.Function("closure", [closure.variables], [rows, errors])
-    return tuple(np.asarray(part).ravel() / closure.size for part in function(values))  # type: ignore[return-value]
+    return tuple(np.asarray(part).ravel() / closure.characteristic_length for part in function(values))  # type: ignore[return-value]
 
 
 def differences(f: Callable[[np.ndarray], np.ndarray], width: int, step: float) -> np.ndarray:

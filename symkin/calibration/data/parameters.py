@@ -63,7 +63,7 @@ def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
     coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
     variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
     both = ca.Function("left_out", [variables, table], [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)])
-    rng, size = np.random.default_rng(0), closure.size
+    rng, size = np.random.default_rng(0), closure.characteristic_length
     largest, slopes = np.zeros(len(builder.rows)), np.zeros((len(builder.rows), len(builder.table.names)))
     for _ in range(3):
         rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
@@ -203,6 +203,6 @@ def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[s
     held += [(name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters]
     for name, end, k in held:
         value = getattr(rods[name], end)["xyz".index(k)]
-        if abs(value) > 1e-9 * mechanism.size:
+        if abs(value) > 1e-9 * mechanism.characteristic_length:
             raise InputError(f"joint frames: {name}.{end}.{k} = {value:g} must be 0; give the joints in these frames first")
     return tuple(f"{name}.{end}.{k}" for name, end, k in held)

@@ -233,7 +233,7 @@ class _Task:
         slopes, frames = pose_slopes(self.mechanism, tests, self.names)
         self.length = lever(self.mechanism)
         self.pose = less_frames(slopes, frames, self.length) if options.aligned else slopes
-        self.prior = 1.0 / (_PRIOR_SIGMA * self.mechanism.size) ** 2
+        self.prior = 1.0 / (_PRIOR_SIGMA * self.mechanism.characteristic_length) ** 2
         self.directions = np.eye(len(self.names))
         self.seed = int(self.rng.integers(2**31))
 

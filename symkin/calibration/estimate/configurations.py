@@ -69,11 +69,13 @@ def _newton(
     largest = np.full(len(z), np.inf)
     for _ in range(steps.count):
         rows, rows_z = linearise(z)
-        largest = np.max(np.abs(rows), axis=1, initial=0.0) / system.size
+        largest = np.max(np.abs(rows), axis=1, initial=0.0) / system.characteristic_length
         if not np.any(largest > steps.tolerance):
             break
         step = -solve_systems(rows_z, rows[:, :, None])[:, :, 0]
-        step *= np.minimum(1.0, steps.longest * system.size / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
+        step *= np.minimum(1.0, steps.longest * system.characteristic_length / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[
+            :, None
+        ]
         z = np.where((largest > steps.tolerance)[:, None], system.move(z, np.nan_to_num(step)), z)
     return z, largest
 
@@ -161,7 +163,7 @@ def _solve_from_many(
     """Find the solution of one configuration that is nearest to its first start, or None."""
     system: System = model.system
     rng = np.random.default_rng([seed, k])
-    steps = 0.2 * model.closure.size * rng.normal(size=(_RANDOM_STARTS, system.freedom))
+    steps = 0.2 * model.closure.characteristic_length * rng.normal(size=(_RANDOM_STARTS, system.freedom))
     starts = np.vstack([starts, system.move(np.tile(starts[:1], (_RANDOM_STARTS, 1)), steps)])
     batch = levenberg_marquardt(system, starts, np.concatenate([measurements.joints[k], p]))
     good = batch.points[batch.converged]
@@ -226,7 +228,7 @@ class JointsOfPose:
         unknown = closure.variables[: self.width]
         pose = closure.variables[self.width : self.width + sum(c.width for c in known)]
         rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-        self._system = System(unknowns, unknown, pose, rows, errors, closure.size)
+        self._system = System(unknowns, unknown, pose, rows, errors, closure.characteristic_length)
 
     def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Solve for the joints by Newton from those in the values; and tell which configurations closed."""
@@ -246,5 +248,7 @@ def all_coordinates(closure: Closure, home: Pose, *, held: bool) -> System:
         wanted = Pose(ca.SX.zeros(3), multiply(tilted, ca.SX(ca.DM(home.quaternion))))
         quaternion = closure.bound(closure.pose.quaternion)
         up = ca.SX(ca.DM([0.0, 0.0, 1.0]))
-        rows = ca.vertcat(rows, closure.size * (Pose(up, quaternion).inverse().turn(up) - wanted.inverse().turn(up)))
-    return System(closure.coordinates, closure.variables, known, rows, rows, closure.size)
+        rows = ca.vertcat(
+            rows, closure.characteristic_length * (Pose(up, quaternion).inverse().turn(up) - wanted.inverse().turn(up))
+        )
+    return System(closure.coordinates, closure.variables, known, rows, rows, closure.characteristic_length)

@@ -80,7 +80,7 @@ def _unit_variance(problem: CalibrationProblem, state: State) -> float:
 
 def _rounding_residual(problem: CalibrationProblem) -> float:
     """A residual that arithmetic leaves."""
-    return _ROUNDING_RESIDUAL * problem.model.closure.size * float(np.max(problem.readings.weight, initial=0.0))
+    return _ROUNDING_RESIDUAL * problem.model.closure.characteristic_length * float(np.max(problem.readings.weight, initial=0.0))
 
 
 @dataclass(eq=False)

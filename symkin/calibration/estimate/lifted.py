@@ -76,7 +76,7 @@ def build_program(problem: CalibrationProblem, state: State, covariance: np.ndar
         ca.sum1(z[place, :] ** 2) - 1 for c, place in zip(model.system.unknowns, model.system.slices, strict=True) if c.width == 4
     ]
     held = ca.mtimes(ca.DM(null_directions(error_free_design(problem, state)).T), step)
-    constraints = ca.vertcat(ca.vec(rows) / model.closure.size, *(ca.vec(u) for u in unit), held)
+    constraints = ca.vertcat(ca.vec(rows) / model.closure.characteristic_length, *(ca.vec(u) for u in unit), held)
     unknown = ca.vertcat(step, ca.vec(z), ca.vec(means))
     weight = 1.0 / max(readings.count, 1)
     if problem.prior is not None:

@@ -136,7 +136,7 @@ class ConfigurationModel:
     @property
     def lengths(self) -> np.ndarray:
         """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for lengths."""
-        return np.where(self.angular, self.closure.size, 1.0)
+        return np.where(self.angular, self.closure.characteristic_length, 1.0)
 
     @property
     def observes_through_frames(self) -> bool:
@@ -210,10 +210,15 @@ def _build_model(
     quaternion = ca.SX.sym("measured", 4)
     readings, columns = _readings(pose, quaternion, kinds, distances)
     system = System(
-        system.unknowns, system.unknown, ca.vertcat(readings_of_joints, parameters), system.rows, system.errors, closure.size
+        system.unknowns,
+        system.unknown,
+        ca.vertcat(readings_of_joints, parameters),
+        system.rows,
+        system.errors,
+        closure.characteristic_length,
     )
     types = tuple(table[n][1] for n in names)
-    scales = np.array([1.0 if kind == "length" else 1.0 / closure.size for kind in types])
+    scales = np.array([1.0 if kind == "length" else 1.0 / closure.characteristic_length for kind in types])
     return ConfigurationModel(
         mechanism=mechanism, closure=closure, system=system, names=names, kinds=types,
         nominal=np.array([table[n][0] for n in names]), scales=scales, joints=readings_of_joints, parameters=parameters,
@@ -230,7 +235,7 @@ def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.
     before = [*(closure.variables[closure.slices[c.name]] for c in actuated), closure.parameters]
     after = [*(symbols[f"{c.name}.scale"] * readings[k] for k, c in enumerate(actuated)), _parameter_values(closure, symbols)]
     rows, errors = ca.substitute([closure.rows, closure.errors], [ca.vertcat(*before)], [ca.vertcat(*after)])
-    return System(unknowns, unknown, ca.vertcat(readings, parameters), rows, errors, closure.size), readings
+    return System(unknowns, unknown, ca.vertcat(readings, parameters), rows, errors, closure.characteristic_length), readings
 
 
 def _parameter_values(closure: Closure, symbols: dict[str, ca.SX]) -> ca.SX:

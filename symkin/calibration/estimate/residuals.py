@@ -103,7 +103,7 @@ class Readings:
 
 
 def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
-    count, size = len(measurements), model.closure.size
+    count, size = len(measurements), model.closure.characteristic_length
     values, sigma, known = [], [], True
     for kind in dict.fromkeys(k for k, _ in model.columns if k != "distance"):
         width = sum(k == kind for k, _ in model.columns)

@@ -189,7 +189,7 @@ class _Search:
     def _step(self) -> tuple[np.ndarray, float]:
         """Return the next step and its length, of the size, before its acceleration."""
         step = damped_step(self.state, self.null_space, self.damping)
-        length = float(np.max(np.abs(step), initial=0.0)) / self.problem.model.closure.size
+        length = float(np.max(np.abs(step), initial=0.0)) / self.problem.model.closure.characteristic_length
         return (self._accelerated(step) if self.damping > 0.0 and length < _MAX_PARAMETER_STEP else step), length
 
     def _accelerated(self, step: np.ndarray) -> np.ndarray:
@@ -275,7 +275,7 @@ def _move_towards_nominal(
     problem: CalibrationProblem, result: Estimate, method: str, free: Callable[[State], np.ndarray]
 ) -> tuple[Estimate, bool]:
     """Move a fit along the directions that are `free` of it until it is nearest to nominal; and tell whether it got there."""
-    model, size = problem.model, problem.model.closure.size
+    model, size = problem.model, problem.model.closure.characteristic_length
     slack = MINIMUM_TOLERANCE if problem.readings.known else 1e-12 * result.state.linearised.vector.size
     for _ in range(_MAX_FRAME_CORRECTIONS):
         directions = free(result.state)

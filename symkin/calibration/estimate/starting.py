@@ -163,7 +163,7 @@ def _choose_modes(
 def _doubtful(problem: CalibrationProblem, gaps: np.ndarray, judged: np.ndarray) -> np.ndarray:
     """Tell which configurations (n,) may stand in another mode."""
     read = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
-    size, known = problem.model.closure.size, gaps[read & np.isfinite(gaps)]
+    size, known = problem.model.closure.characteristic_length, gaps[read & np.isfinite(gaps)]
     usual = float(np.median(known)) if len(known) else np.inf
     return np.asarray(judged & ~(gaps <= min(_MAX_READING_GAP * size, max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * size))))
 

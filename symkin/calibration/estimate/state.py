@@ -123,9 +123,9 @@ def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form
     state = evaluate(problem, p, z, form, covariance)
     for _ in range(2):
         largest = np.max(np.abs(state.pending), initial=0.0)
-        if not 1e-15 * problem.model.closure.size < largest < np.inf:
+        if not 1e-15 * problem.model.closure.characteristic_length < largest < np.inf:
             break
-        if largest > PREDICTION_TOLERANCE * problem.model.closure.size:
+        if largest > PREDICTION_TOLERANCE * problem.model.closure.characteristic_length:
             z, _ = newton_configurations(problem.model, z, problem.measurements.joints, p)
             state = evaluate(problem, p, z, form, covariance)
         state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
@@ -142,7 +142,7 @@ def state_after(
     trial = evaluate(problem, p, z, form, covariance)
     if not np.all(np.isfinite(trial.pending)):
         return None
-    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTION_TOLERANCE * model.closure.size:
+    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTION_TOLERANCE * model.closure.characteristic_length:
         z, solved = newton_configurations(model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE)
         if not solved.all():
             return None
@@ -227,7 +227,7 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
     readings, model = problem.readings, problem.model
     if not readings.groups:
         return problem, z
-    joints, size = problem.measurements.joints, model.closure.size
+    joints, size = problem.measurements.joints, model.closure.characteristic_length
     columns, inside = readings.columns, readings.inside
     first, apart = readings.first[readings.group[inside]], readings.group < 0
     units = np.array([1.0 / size if c.is_angular else 1.0 for c in model.closure.role("actuated")])

@@ -75,7 +75,9 @@ class Workspace:
     @staticmethod
     def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
         """Make the default workspace: 0.15 of the size and 20 deg about home."""
-        return Workspace(mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.size] * 3), **options)
+        return Workspace(
+            mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.characteristic_length] * 3), **options
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the description alone: what closes configurations holds functions, and is made again where it is needed."""
@@ -164,7 +166,7 @@ class Workspace:
         starts = np.tile(closure.reference, (len(inclinations), 1))
         if self.mechanism.serial:
             for c in closure.role("actuated"):
-                low, high = c.limits or _default_range(c, self.mechanism.size)
+                low, high = c.limits or _default_range(c, self.mechanism.characteristic_length)
                 starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
             return self.solver.with_tool(starts)
         at_home = self.home
@@ -295,4 +297,4 @@ def lever(mechanism: Mechanism) -> float:
     from their middle; where they coincide, a quarter of the size."""
     points = platform_points(mechanism)
     spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
-    return spread if spread > 1e-9 * mechanism.size else 0.25 * mechanism.size
+    return spread if spread > 1e-9 * mechanism.characteristic_length else 0.25 * mechanism.characteristic_length

@@ -229,7 +229,7 @@ def _difference(problem: CalibrationProblem, state: State, found: Mechanism, val
 
 def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> str | None:
     """Say which row comes out otherwise from the file than in the fit, None where none does."""
-    readings, size = problem.readings, problem.model.closure.size
+    readings, size = problem.readings, problem.model.closure.characteristic_length
     ours = problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions).readings
     units = np.where(problem.model.angular, 1.0, size)
     gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
@@ -268,7 +268,7 @@ def _outside_limits(model: ConfigurationModel, m: Measurements, z: np.ndarray) -
     for c in model.closure.role("passive"):
         if c.width == 1:
             values = z[:, places[c.name]]
-            off = _beyond_limits(c, values, model.closure.size) | (values < _least(c))
+            off = _beyond_limits(c, values, model.closure.characteristic_length) | (values < _least(c))
             if off.any():
                 yield f"the passive joint {c.name} would be outside its limits at {_row_names(m, off)}"
 

@@ -154,7 +154,7 @@ def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Seq
             e = model.evaluate(np.nan_to_num(z[rows]), part.measurements.joints, p, part.quaternions)
             fit = linearise("means", part.readings, np.nan_to_num(e.readings), np.zeros((*e.readings.shape, 1)))
             squares[rows] = np.nan_to_num(np.sum(fit.residuals**2, axis=1), nan=1e300)
-    size = model.closure.size
+    size = model.closure.characteristic_length
     squares = np.where(solved, squares, problem.readings.values.shape[1] * size**2)
     return rms_of_better_part(squares)
 
@@ -173,7 +173,7 @@ def _joints_at_rest(case: Case) -> Iterator[Finding]:
     another unit, beside its value."""
     m, joints = case.mechanism, case.measurements.joints
     mean, spread = np.abs(np.mean(joints, axis=0)), np.std(joints, axis=0)
-    most = np.array([1.0 if c.is_angular else min(m.size, 10.0 * mean[k]) for k, c in enumerate(m.actuated)])
+    most = np.array([1.0 if c.is_angular else min(m.characteristic_length, 10.0 * mean[k]) for k, c in enumerate(m.actuated)])
     if len(joints) < 2 or not np.all(spread <= _REST_SPREAD * most):
         return
     said = []
@@ -194,7 +194,7 @@ def _units_of_all_joints(case: Case) -> Iterator[Finding]:
         columns = _columns_of_kind(m, angular=angular)
         if not columns or np.any(np.ptp(joints[:, columns], axis=0) == 0.0):
             continue
-        values = joints[:, columns] / (1.0 if angular else m.size)
+        values = joints[:, columns] / (1.0 if angular else m.characteristic_length)
         names, of = ", ".join(m.actuated[k].name for k in columns), "rad" if angular else "of the mechanism's size"
         for factor, text in factors.items():
             if _decades_out_of_proportion(values) - _decades_out_of_proportion(values * factor) >= 1.0:

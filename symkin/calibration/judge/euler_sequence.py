@@ -226,7 +226,7 @@ class _TrialStart:
 def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
     """Return what each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their
     standard deviations."""
-    units = np.where(problem.model.angular, 1.0, problem.model.closure.size)
+    units = np.where(problem.model.angular, 1.0, problem.model.closure.characteristic_length)
     return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1))
 
 
@@ -248,5 +248,5 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)
     return _TrialStart(
         measurements=measurements, p=p, z=z, solved=solved,
-        misfit=float(np.linalg.norm(gap)) + model.closure.size * float(np.sum(~solved)),
+        misfit=float(np.linalg.norm(gap)) + model.closure.characteristic_length * float(np.sum(~solved)),
     )  # fmt: skip

@@ -84,7 +84,7 @@ def screen_readings(
         if judged.statistic[m] < share * max((o.statistic for o in found), default=0.0):
             break
         outlier = _outlier(problem, model, judged, m, probability)
-        if only_rounding(outlier.kind, np.array(outlier.shift), problem.mechanism.size):
+        if only_rounding(outlier.kind, np.array(outlier.shift), problem.mechanism.characteristic_length):
             break
         if len(found) >= most or model.degrees <= least:
             return Screening((), unchecked, tuple(found))

@@ -97,7 +97,7 @@ def _misfit_reason(fit: Calibration, beyond: str, at_nominal: float, suspicions:
             f"{beyond}, although {largest.name} moved by {100 * _relative_change(fit, largest):.0f} % {how}: no geometry near the nominal one fits "
             "these readings"
         )
-    misfit = residual_misfit(fit.residuals, fit.mechanism.size)
+    misfit = residual_misfit(fit.residuals, fit.mechanism.characteristic_length)
     if misfit > _UNEXPLAINED_SHARE * at_nominal:
         unit = fit.mechanism.length_unit
         return (
@@ -142,7 +142,7 @@ def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
 def describe_other_machine(fit: Calibration, departure: Departure, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
     m = fit.mechanism
-    size, free = m.size, [p for p in fit.parameters if not p.held]
+    size, free = m.characteristic_length, [p for p in fit.parameters if not p.held]
     largest = sorted(free, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))[:_NAMED_CHANGES]
     changes = ", ".join(
         f"{p.name} {m.angle_out(p.change):+.3g} {m.angle_unit}" if p.kind == "angle"
@@ -188,13 +188,13 @@ def _noise_excess(fit: Calibration) -> str | None:
     if fit.p_value is not None and fit.degrees > 0:
         times = math.sqrt(fit.chi_square / fit.degrees)
         return f"the residuals are {times:.3g} times as large as the noise stated" if times > MAX_NOISE_RATIO else None
-    share = residual_misfit(fit.residuals, fit.mechanism.size) / fit.mechanism.size
+    share = residual_misfit(fit.residuals, fit.mechanism.characteristic_length) / fit.mechanism.characteristic_length
     return f"the residuals are {100 * share:.2g} % of the size" if share > _MAX_RESIDUAL_SHARE else None
 
 
 def _relative_change(fit: Calibration, p: Parameter) -> float:
     """Return the change of a parameter over the size (lengths), in radians or plain."""
-    return abs(p.change) / (fit.mechanism.size if p.kind == "length" else 1.0)
+    return abs(p.change) / (fit.mechanism.characteristic_length if p.kind == "length" else 1.0)
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def _pose_sigma_at(fit: Calibration, identified: Mechanism, made: ClosedConfigur
     scaled = fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
     variance = np.einsum("nkp,pq,nkq->nk", slopes, scaled, slopes)
     sigma = np.sqrt(np.maximum(variance, 0.0))
-    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / (_NOMINAL_ERROR * fit.mechanism.size)
+    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / (_NOMINAL_ERROR * fit.mechanism.characteristic_length)
     blind = bool(np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0) > np.clip(spread, *_UNDETERMINED_SLOPES))
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)

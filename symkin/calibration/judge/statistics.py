@@ -349,7 +349,7 @@ def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
         departure = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
-    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.size
+    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.characteristic_length
     return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
 
 
