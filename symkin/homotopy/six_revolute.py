@@ -17,8 +17,9 @@ from symkin.caching import lru_cache
 from symkin.closure.pose_forms import HomogeneousPose
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
-from symkin.homotopy.monodromy import Fibre, Looping, fibre
+from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.tracker import TrackSettings, track
+from symkin.homotopy.universal_start import compute_start, read_start
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
@@ -71,21 +72,13 @@ def _link(numbers: ca.SX) -> Pose:
 @lru_cache(maxsize=1)
 def universal_start() -> Fibre:
     """16 roots of a random complex arm and pose; carried as data, `compute_universal_start` makes them."""
-    data = np.load(DATA)
-    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+    return read_start(DATA)
 
 
 def compute_universal_start(seed: int = 0) -> Fibre:
     """Monodromy in links and pose until the bound of 16 is reached."""
     system = universal_arm()
-
-    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
-        return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
-
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=BOUND, needed=1e9))
-    if found is None or found.z.shape[1] != BOUND:
-        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
-    return found
+    return compute_start(system, lambda rng: complex_normal(system.width, rng), BOUND, seed)
 
 
 def arm_start(problem: Problem, pose: np.ndarray) -> tuple[np.ndarray, int]:

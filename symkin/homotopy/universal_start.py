@@ -1,4 +1,5 @@
-"""The start of every platform held by six distances.
+"""Starts that serve every mechanism of a kind: read as data, or computed until a bound is reached. That of every platform held
+by six distances.
 
 With lengths and all points complex and random there are 40 roots, the most that any such platform has (Ronga and Vust
 1992). They are tracked to any machine; those of special machines that run to e.e = 0 are at infinity.
@@ -6,12 +7,13 @@ With lengths and all points complex and random there are 40 roots, the most that
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from symkin.caching import lru_cache
-from symkin.homotopy.algebraic import complex_normal
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
 from symkin.homotopy.engine import track
 from symkin.homotopy.monodromy import Fibre, Looping, fibre
@@ -28,22 +30,36 @@ _FADING = 1e-4
 @lru_cache(maxsize=1)
 def universal_start() -> Fibre:
     """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
-    data = np.load(DATA)
-    return Fibre(data["z"], data["k"], np.zeros(BOUND, dtype=int), float("inf"), 0, 0)
+    return read_start(DATA)
 
 
 def compute_universal_start(seed: int = 0) -> Fibre:
     """Monodromy in lengths and geometry until the bound of 40 is reached."""
 
-    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
+    def point(rng: np.random.Generator) -> np.ndarray:
         e = complex_normal(4, rng)
         t = np.concatenate([[0.0], complex_normal(3, rng)])
-        return np.concatenate([e, 0.5 * multiply(t, e)]), complex_normal(42, rng)
+        return np.concatenate([e, 0.5 * multiply(t, e)])
 
-    system = universal_system()
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=BOUND, needed=1e9))
-    if found is None or found.z.shape[1] != BOUND:
-        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {BOUND} roots were found; try another seed")
+    return compute_start(universal_system(), point, BOUND, seed)
+
+
+def read_start(path: Path) -> Fibre:
+    """A start that is carried as data: z (width, n), k of the system."""
+    data = np.load(path)
+    return Fibre(data["z"], data["k"], np.zeros(data["z"].shape[1], dtype=int), float("inf"), 0, 0)
+
+
+def compute_start(system: AlgebraicSystem, point: Callable[[np.random.Generator], np.ndarray], bound: int, seed: int) -> Fibre:
+    """All roots of a random complex instance, `bound` by theorem: monodromy from a random `point` on the system's unknowns.
+    Raises RuntimeError where fewer are found."""
+
+    def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
+        return point(rng), complex_normal(int(system.k.shape[0]), rng)
+
+    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=bound, needed=1e9))
+    if found is None or found.z.shape[1] != bound:
+        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {bound} roots were found; try another seed")
     return found
 
 
