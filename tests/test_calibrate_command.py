@@ -8,17 +8,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.command_line import run
 from symkin.cli.app import main
 
 FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml", "manifest.json"}
-
-
-def run(capsys, *arguments):
-    """Exit status, stdout and stderr."""
-    with pytest.raises(SystemExit) as ended:
-        main([str(a) for a in arguments])
-    said = capsys.readouterr()
-    return ended.value.code or 0, said.out, said.err
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.csv_cells import rewritten
 from symkin import InputError
 from symkin.calibration.data.columns import SEQUENCES
 from symkin.calibration.data.files import read_measurements, write_measurements
@@ -29,14 +30,6 @@ def measured():
     groups = group_numbers(24, 6)
     made = random_configurations(Workspace.about(TRUE), groups, QUIET, rng)
     return simulate_readings(TRUE, made, groups, ("inclination", "pose"), QUIET, rng)
-
-
-def rewritten(path, change):
-    """The file with its cells changed: `change(header, rows)`."""
-    header, *rows = [line.split(",") for line in path.read_text().splitlines()]
-    change(header, rows)
-    path.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
-    return path
 
 
 @pytest.mark.parametrize("sequence", [None, "ZYX", "xyz", "YZY"])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.command_line import run
 from helpers.inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_geometry
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.parameters import joint_frames, with_parameters
@@ -21,19 +22,10 @@ from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.state import evaluate_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.judge.statistics import LinearModel, determined_directions, linear_model
-from symkin.cli.app import main
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
 DISTANCES = {"a": "0.4,0.3,0:0,0,0", "b": "0.1,0,0:1,0,10cm", "c": "0,0.6,0.05:0,1,0"}
-
-
-def run(capsys, *arguments):
-    """Exit status, stdout and stderr."""
-    with pytest.raises(SystemExit) as ended:
-        main([str(a) for a in arguments])
-    said = capsys.readouterr()
-    return ended.value.code or 0, said.out, said.err
 
 
 # --- the structure of groups ---------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.csv_cells import rewritten
 from symkin import InputError
 from symkin.calibration.data.files import read_measurements, write_measurements
 from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
@@ -57,14 +58,6 @@ def refused(path, mechanism, measurements, **options):
     assert not report.usable
     assert report.suspicions
     return report.verdict
-
-
-def rows_changed(path, change):
-    """The file with `change(header, rows)` applied to its cells."""
-    header, *rows = [line.split(",") for line in path.read_text().splitlines()]
-    change(header, rows)
-    path.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
-    return path
 
 
 # --- fits that are none --------------------------------------------------------------------------------------------
@@ -156,7 +149,7 @@ def test_copies_of_rows_are_left_out(tmp_path, grouped):
     def twice(header, rows):
         rows += [[row[0], f"{float(row[1]):.17e}", *row[2:]] for row in rows]
 
-    again = fit_file(RODS, read_measurements(rows_changed(path, twice), RODS))
+    again = fit_file(RODS, read_measurements(rewritten(path, twice), RODS))
     assert again.fit.degrees == once.fit.degrees
     np.testing.assert_allclose(again.sigma.position, once.sigma.position, rtol=1e-6)
     assert any("line 42 of line 2" in note for note in again.notes)
@@ -171,7 +164,7 @@ def test_one_posture_again_and_again_is_refused(tmp_path, grouped):
         rows[:] = [rows[0]] * 10
 
     with pytest.raises(InputError, match="all rows are copies of line 2"):
-        fit_file(RODS, read_measurements(rows_changed(path, same), RODS))
+        fit_file(RODS, read_measurements(rewritten(path, same), RODS))
 
 
 @pytest.mark.slow
@@ -183,7 +176,7 @@ def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
     def empty(header, rows):
         rows[4][0] = ""
 
-    report = fit_file(RODS, read_measurements(rows_changed(path, empty), RODS))
+    report = fit_file(RODS, read_measurements(rewritten(path, empty), RODS))
     assert "39 of 40 postures" in report.summary()
     assert report.to_dict()["silent"] == ["line 6"]
     assert any("line 6 holds no reading" in note for note in report.fit.notes)

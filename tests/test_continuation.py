@@ -1,18 +1,17 @@
 """Continuation: the algebraic closure, the tracker's roots, generic counts, and completeness that says no more than it
 knows."""
 
-import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
 
 import symkin
+from helpers.known_roots import DIETMAIER, dietmaier
 from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
-from symkin import Joint, Limb, Mechanism, Pose, RodLimb
+from symkin import Joint, Limb, Mechanism, Pose
 from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
 from symkin.closure.numpy_code import vectorise
 from symkin.homotopy import start_store
@@ -22,16 +21,6 @@ from symkin.homotopy.systems import algebraic_systems
 from symkin.homotopy.universal_start import BOUND, universal_start
 from symkin.homotopy.values import algebraic_point, known_values, real_values
 from symkin.position.problem import build_problem
-
-DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())
-
-
-def dietmaier() -> Mechanism:
-    """The platform with 40 real modes: P. Dietmaier, The Stewart-Gough platform of general geometry can have 40 real
-    postures, Advances in Robot Kinematics 1998, 1-10."""
-    pairs = zip(DATA["base"], DATA["platform"], strict=True)
-    return Mechanism("dietmaier1998", [RodLimb(f"leg{i}", b, p) for i, (b, p) in enumerate(pairs, start=1)])
-
 
 # --- the algebraic closure ----------------------------------------------------------------------------------------
 
@@ -111,7 +100,7 @@ def test_the_universal_start_has_forty_distinct_roots():
 @pytest.mark.parametrize(
     ("mechanism", "given", "complex_count", "real"),
     [
-        (dietmaier(), {"joints": DATA["legs"]}, 40, 40),
+        (dietmaier(), {"joints": DIETMAIER["legs"]}, 40, 40),
         (symkin.load("zhang2009"), {}, 28, 4),
         (symkin.load("zhao2000"), {}, 4, 4),
         (symkin.load("zhao2000_links"), {}, 32, 16),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from helpers import hexapod_log
+from helpers.hexapods import matrices
 from symkin.calibration.data.measurements import Distance, Measurements
 from symkin.calibration.design.simulation import Noise, random_configurations, simulate_readings
 from symkin.calibration.estimate.workspace import Workspace
@@ -21,17 +22,6 @@ END, BASE = np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, -0.02])
 def poses() -> Measurements:
     """Whole poses of the machine that the file describes."""
     return hexapod_log.unstated(hexapod_log.log(np.random.default_rng(2), 24))
-
-
-def rotations(q: np.ndarray) -> np.ndarray:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
-    w, x, y, z = q.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
 
 
 def with_joints(change):
@@ -51,13 +41,13 @@ def positions_only(change):
 
 
 def distances_in_millimetres(m):
-    ends = m.position + rotations(m.orientation) @ END
+    ends = m.position + matrices(m.orientation) @ END
     values = 1e3 * np.linalg.norm(ends - BASE, axis=1)
     return replace(m, position=None, orientation=None, distances=[Distance(END, BASE, values)])
 
 
 def inclinations_exchanged(m):
-    r = rotations(m.orientation)
+    r = matrices(m.orientation)
     alpha, beta = np.arctan2(r[:, 2, 1], r[:, 2, 2]), -np.arcsin(r[:, 2, 0])
     return replace(m, position=None, orientation=None, inclination=np.column_stack([beta, alpha]))
 
