@@ -201,7 +201,15 @@ class BlockPaths:
         plain[owner[~(condition_of(extremes) < SUSPECT_CONDITION)]] = False
         plain[_owners_of_equal(block, points, owner)] = False
         counts = counts << len(replaced_universal_joints(self.problem))
-        return BlockRoots(points, owner, residual[closed], extremes, plain, counts, None), candidates.origin[closed]
+        return BlockRoots(
+            points=points,
+            owner=owner,
+            residual=residual[closed],
+            extremes=extremes,
+            plain=plain,
+            complex_count=counts,
+            proofs=None,
+        ), candidates.origin[closed]
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:

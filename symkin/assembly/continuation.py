@@ -95,9 +95,10 @@ def _block_roots(
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
+    poses = complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k))
     roots = Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)) * 2 ** len(replaced_universal_joints(problem)),
+        complex_count=poses * 2 ** len(replaced_universal_joints(problem)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
         missing=_missing(ends),
     )  # fmt: skip

@@ -70,16 +70,21 @@ def from_modes(found: Modes, code: str | None = None) -> ModeTable:
     width = len(joint_labels(closure))
     unresolved = -1 if found.unresolved_paths is None else found.unresolved_paths
     return ModeTable(
-        np.array([len(found)]), np.array([COMPLETENESS.index(code or found.completeness)]), np.array([unresolved]),
-        np.array([found.positive_dimensional]), np.array([-1 if found.complex_count is None else found.complex_count]),
-        np.array([s.position for s in found]).reshape(-1, 3), np.array([s.quaternion for s in found]).reshape(-1, 4),
-        np.array([_joints(s) for s in found]).reshape(-1, width),
-        np.array([s.residual for s in found]), np.array([s.condition for s in found]),
-        np.array([_flag(s.within_limits) for s in found], dtype=int),
-        np.array([_flag(s.certified) for s in found], dtype=int),
-        np.array([np.nan if s.radius is None else s.radius for s in found]),
-        np.array([variables_of(closure, s) for s in found]).reshape(-1, closure.reference.size),
-    )  # fmt: skip
+        count=np.array([len(found)]),
+        completeness=np.array([COMPLETENESS.index(code or found.completeness)]),
+        unresolved=np.array([unresolved]),
+        continuum=np.array([found.positive_dimensional]),
+        complex_count=np.array([-1 if found.complex_count is None else found.complex_count]),
+        position=np.array([s.position for s in found]).reshape(-1, 3),
+        quaternion=np.array([s.quaternion for s in found]).reshape(-1, 4),
+        joints=np.array([_joints(s) for s in found]).reshape(-1, width),
+        residual=np.array([s.residual for s in found]),
+        condition=np.array([s.condition for s in found]),
+        within_limits=np.array([_flag(s.within_limits) for s in found], dtype=int),
+        certified=np.array([_flag(s.certified) for s in found], dtype=int),
+        radius=np.array([np.nan if s.radius is None else s.radius for s in found]),
+        values=np.array([variables_of(closure, s) for s in found]).reshape(-1, closure.reference.size),
+    )
 
 
 def nothing(closure: Closure, code: str, count: int) -> ModeTable:
@@ -87,10 +92,21 @@ def nothing(closure: Closure, code: str, count: int) -> ModeTable:
     empty, width = np.zeros(0), len(joint_labels(closure))
     flags = np.zeros(0, dtype=int)
     return ModeTable(
-        np.array([count]), np.array([COMPLETENESS.index(code)]), np.array([-1]), np.array([False]), np.array([-1]),
-        np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, width)), empty, empty, flags, flags, empty,
-        np.zeros((0, closure.reference.size)),
-    )  # fmt: skip
+        count=np.array([count]),
+        completeness=np.array([COMPLETENESS.index(code)]),
+        unresolved=np.array([-1]),
+        continuum=np.array([False]),
+        complex_count=np.array([-1]),
+        position=np.zeros((0, 3)),
+        quaternion=np.zeros((0, 4)),
+        joints=np.zeros((0, width)),
+        residual=empty,
+        condition=empty,
+        within_limits=flags,
+        certified=flags,
+        radius=empty,
+        values=np.zeros((0, closure.reference.size)),
+    )
 
 
 def concatenated(tables: Sequence[ModeTable]) -> ModeTable:

@@ -137,9 +137,17 @@ def _plain_modes(prepared: PlainModes, plain: Plain, number: int, part: slice, g
     t, problem = plain.table, prepared.problem
     notes = (*given.notes, *prepared.notes, *prepared.theorems(plain.complete[number]))
     listed = SolutionList(
-        problem.closure, t.values[part], t.position[part], t.quaternion[part], t.residual[part], t.condition[part],
-        t.within_limits[part], t.certified[part], t.radius[part], given.notes,
-    )  # fmt: skip
+        closure=problem.closure,
+        values=t.values[part],
+        position=t.position[part],
+        quaternion=t.quaternion[part],
+        residual=t.residual[part],
+        condition=t.condition[part],
+        within_limits=t.within_limits[part],
+        certified=t.certified[part],
+        radius=t.radius[part],
+        notes=given.notes,
+    )
     return Modes(
         problem=problem,
         given=given.echo,

@@ -87,13 +87,13 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
             return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
         return Modes(
-            problem,
-            given.echo,
-            (solution,),
-            "proved",
-            "forward",
-            None,
-            0.0,
+            problem=problem,
+            given=given.echo,
+            modes=(solution,),
+            completeness="proved",
+            method="forward",
+            seed=None,
+            elapsed_s=0.0,
             complex_count=1,
             unresolved_paths=0,
             notes=(*given.notes, note),
@@ -108,7 +108,16 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         )
         solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
         return Modes(
-            problem, given.echo, (solution,), "proved", method, seed, 0.0, complex_count=1, unresolved_paths=0, notes=given.notes
+            problem=problem,
+            given=given.echo,
+            modes=(solution,),
+            completeness="proved",
+            method=method,
+            seed=seed,
+            elapsed_s=0.0,
+            complex_count=1,
+            unresolved_paths=0,
+            notes=given.notes,
         )
     return None
 
@@ -132,15 +141,23 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     counts = [b.complex_count for b in blocks]
     sampled = [b for b in blocks if b.hits is not None]
     return Modes(
-        problem, given.echo, tuple(found), _completeness(blocks), method, seed, 0.0,
+        problem=problem,
+        given=given.echo,
+        modes=tuple(found),
+        completeness=_completeness(blocks),
+        method=method,
+        seed=seed,
+        elapsed_s=0.0,
         starts=max((b.starts for b in blocks if b.starts is not None), default=None),
         estimated_unseen=_unseen(blocks) if sampled else None,
         next_new=max((b.next_new for b in sampled), default=None),
         complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
         unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
-        smallest_residual=smallest, positive_dimensional=bool(continuum), notes=tuple(texts),
+        smallest_residual=smallest,
+        positive_dimensional=bool(continuum),
+        notes=tuple(texts),
         engine=", ".join(dict.fromkeys(b.engine for b in blocks if b.engine is not None)) or None,
-    )  # fmt: skip
+    )
 
 
 def _completeness(blocks: list[Roots]) -> Completeness:

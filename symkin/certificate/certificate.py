@@ -192,7 +192,16 @@ def certify_batch(
     given = in_phase(system, np.asarray(z, dtype=complex))
     near = (np.abs(given.imag).max(axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
     quick = enclose_all(system, given, near, knowns, instance)
-    roots = _Roots(system, knowns, instance, given, near, quick.centre, quick.half_width, quick.is_real)
+    roots = _Roots(
+        system=system,
+        knowns=knowns,
+        instance=instance,
+        given=given,
+        near=near,
+        centre=quick.centre,
+        half=quick.half_width,
+        real=quick.is_real,
+    )
     roots.prove_open_points()
     roots.leave_out_far_ones()
     return roots.collect(size or system.characteristic_length)
@@ -253,10 +262,19 @@ class _Roots:
         if not found.all():
             centre = np.where(found, centre, self.given)
         return CertificateBatch(
-            system=self.system, knowns=self.knowns, instance=self.instance, characteristic_length=size, given=self.given, certified=found,
-            centre=centre, ball=self.half, real=_REALITY[real + 2 * not_real_ones], pose=self._poses(found, of),
-            distinct=distinct, reasons=self.reasons,
-        )  # fmt: skip
+            system=self.system,
+            knowns=self.knowns,
+            instance=self.instance,
+            characteristic_length=size,
+            given=self.given,
+            certified=found,
+            centre=centre,
+            ball=self.half,
+            real=_REALITY[real + 2 * not_real_ones],
+            pose=self._poses(found, of),
+            distinct=distinct,
+            reasons=self.reasons,
+        )
 
     def _features(self, real: np.ndarray) -> Features:
         """Of the numbers within discs that hold the boxes."""

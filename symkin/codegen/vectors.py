@@ -59,7 +59,16 @@ def build_vectors(kind: Kind) -> Vectors:
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
         )
     joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
-    return Vectors(joints, guesses, poses, inverse, np.array(jacobians), bounds, home, singular)
+    return Vectors(
+        joints=joints,
+        guesses=guesses,
+        poses=poses,
+        inverse=inverse,
+        jacobians=np.array(jacobians),
+        bounds=bounds,
+        home=home,
+        singular=singular,
+    )
 
 
 def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:

@@ -355,7 +355,15 @@ def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, st
         with np.load(io.BytesIO(content)) as data:
             if str(data["reason"]):
                 return None, str(data["reason"])
-            kept = Fibre(data["z"], data["k"], data["orbits"], float(data["evidence"]), 0, int(data["seed"]), _mirrors_in(data))
+            kept = Fibre(
+                z=data["z"],
+                k=data["k"],
+                orbits=data["orbits"],
+                evidence=float(data["evidence"]),
+                loops=0,
+                seed=int(data["seed"]),
+                mirrors=_mirrors_in(data),
+            )
         with np.errstate(all="ignore"):
             return (kept, "") if _is_start(system, kept) else None
     except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, MemoryError, BadZipFile, zlib.error):

@@ -116,9 +116,15 @@ def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], nam
     places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
     rows = [i for i in range(whole.count) if pattern[i, places].any()]
     return AlgebraicSystem(
-        whole.characteristic_length, tuple(whole.unknowns[i] for i in places), whole.z[places], whole.k, whole.rows[rows, 0], (),
-        tuple((c, value) for c, value in cut if c.name in names), known_ray=whole.known_ray,
-    )  # fmt: skip
+        characteristic_length=whole.characteristic_length,
+        unknowns=tuple(whole.unknowns[i] for i in places),
+        z=whole.z[places],
+        k=whole.k,
+        rows=whole.rows[rows, 0],
+        projective=(),
+        eliminated=tuple((c, value) for c, value in cut if c.name in names),
+        known_ray=whole.known_ray,
+    )
 
 
 def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float) -> list[float]:

@@ -161,21 +161,29 @@ class _Builder:
         if serial and table.actuated is False:
             raise MechanismError(f"joint {table.name!r}: actuated = false; all joints of a serial arm are actuated")
         return Joint(
-            table.name,
-            table.type,
-            table.point or (0.0, 0.0, 0.0),
-            table.axis,
-            table.axis2,
-            table.pitch,
-            serial or bool(table.actuated),
-            self.angle(table.zero) if angular else table.zero,
-            self.range(table.limits, f"joint {table.name!r}", angular=angular),
+            name=table.name,
+            type=table.type,
+            point=table.point or (0.0, 0.0, 0.0),
+            axis=table.axis,
+            axis2=table.axis2,
+            pitch=table.pitch,
+            actuated=serial or bool(table.actuated),
+            zero=self.angle(table.zero) if angular else table.zero,
+            limits=self.range(table.limits, f"joint {table.name!r}", angular=angular),
         )
 
     def dh_row(self, table: Any, k: int) -> DHRow:
         name = table.name or f"q{k}"
         limits = self.range(table.limits, f"dh row {name!r}", angular=table.type == "R")
-        return DHRow(name, table.type, self.angle(table.theta), table.d, table.a, self.angle(table.alpha), limits)
+        return DHRow(
+            name=name,
+            type=table.type,
+            theta=self.angle(table.theta),
+            d=table.d,
+            a=table.a,
+            alpha=self.angle(table.alpha),
+            limits=limits,
+        )
 
     def range(self, limits: list[float] | None, where: str, *, angular: bool) -> list[float] | None:
         interval(limits, f"{where}: limits")

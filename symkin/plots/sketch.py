@@ -106,7 +106,9 @@ class _Sheet:
         symbol = _symbol_size(layout, scale)
         joints = apart(layout.joints, layout.mechanism.characteristic_length, 1.05 * symbol / scale)
         page = Page(_WIDTH, _HEIGHT - _TOP - _BOTTOM + 60.0)
-        return _Sheet(figure, ax, layout, scale, shift, symbol, joints, page, [])
+        return _Sheet(
+            figure=figure, ax=ax, layout=layout, scale=scale, shift=shift, symbol=symbol, joints=joints, page=page, labels=[]
+        )
 
     def at(self, point: np.ndarray) -> np.ndarray:
         """A point of the base frame, or several, in pixels."""

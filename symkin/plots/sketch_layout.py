@@ -71,7 +71,13 @@ def make_layout(mechanism: Mechanism) -> Layout:
     normal = plane_normal(joints, body, mechanism.characteristic_length)
     axes = _view_onto(normal) if normal is not None else _best_view(joints, mechanism.characteristic_length)
     return Layout(
-        mechanism, body, joints, _dimensions(mechanism, body), (*notes, *_circle_notes(mechanism, body)), normal is not None, axes
+        mechanism=mechanism,
+        body=body,
+        joints=joints,
+        dimensions=_dimensions(mechanism, body),
+        notes=(*notes, *_circle_notes(mechanism, body)),
+        planar=normal is not None,
+        axes=axes,
     )
 
 

@@ -111,16 +111,16 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
     solution, left = _verified(problem, path[-1], given, status, left)
     status = "infeasible" if status == "ok" and solution is None else status
     return SolveResult(
-        problem,
-        given.echo,
-        status,  # type: ignore[arg-type]
-        solution,
-        len(path) - 1,
-        tuple(_history(problem, path, given.values)),
-        None if solution is not None else left,
-        name,
-        time.perf_counter() - begin,
-        given.notes,
+        problem=problem,
+        given=given.echo,
+        status=status,  # type: ignore[arg-type]
+        solution=solution,
+        iterations=len(path) - 1,
+        history=tuple(_history(problem, path, given.values)),
+        smallest_residual=None if solution is not None else left,
+        method=name,
+        elapsed_s=time.perf_counter() - begin,
+        notes=given.notes,
     )
 
 

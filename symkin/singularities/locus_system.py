@@ -90,7 +90,16 @@ def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
     build = _pose_values if of_pose else _joint_values
     values, coordinates = build(closure, solution, names, u)
     free = closure.role("actuated", "passive") if of_pose else closure.role("passive", "pose")
-    return Plane(closure, solution, (names[0], names[1]), coordinates, u, values, free, of_pose)
+    return Plane(
+        closure=closure,
+        solution=solution,
+        names=(names[0], names[1]),
+        coordinates=coordinates,
+        symbols=u,
+        values=values,
+        free=free,
+        of_pose=of_pose,
+    )
 
 
 def _pose_values(
@@ -218,7 +227,9 @@ def _system(
         [k for k, column in enumerate(columns) if per_freedom[column].role == role],
     )  # fmt: skip
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
-    return LocusSystem(plane, kind, limb, free, _curve(closed, jacobian, loss), closed, loss)
+    return LocusSystem(
+        plane=plane, kind=kind, limb=limb, free=free, curve=_curve(closed, jacobian, loss), closed=closed, loss=loss
+    )
 
 
 def _curve(closed: System, jacobian: ca.SX, loss: RankLoss) -> System:

@@ -60,22 +60,27 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
         twist, actuated, pose = _of_arm(builder)
         twist, actuated, position, quaternion = ca.substitute([twist, actuated, pose.position, pose.quaternion], ours, theirs)
         return Differential(
-            twist,
-            ca.SX(6, 0),
-            actuated,
-            (closure.mechanism.limbs[0].name,) * 6,
-            np.repeat([1.0, closure.characteristic_length], 3),
-            Pose(position, quaternion),
-            True,
+            twist=twist,
+            passive=ca.SX(6, 0),
+            actuated=actuated,
+            limbs=(closure.mechanism.limbs[0].name,) * 6,
+            weights=np.repeat([1.0, closure.characteristic_length], 3),
+            pose=Pose(position, quaternion),
+            explicit=True,
         )
     rows, twist = builder.pose.settled([ca.vertcat(*builder.rows), builder.twist_columns()])
     rows, twist = ca.substitute([rows, twist], ours, theirs)
     kept = _kept_rows(closure, rows)
     joints = tangent_jacobian(rows, closure, closure.role("actuated")), tangent_jacobian(rows, closure, closure.role("passive"))
     return Differential(
-        twist[kept, :], joints[1][kept, :], joints[0][kept, :], tuple(builder.sources[k].limb for k in kept),
-        np.array([1 / closure.characteristic_length if builder.sources[k].relation == "distance" else 1.0 for k in kept]), closure.pose, False,
-    )  # fmt: skip
+        twist=twist[kept, :],
+        passive=joints[1][kept, :],
+        actuated=joints[0][kept, :],
+        limbs=tuple(builder.sources[k].limb for k in kept),
+        weights=np.array([1 / closure.characteristic_length if builder.sources[k].relation == "distance" else 1.0 for k in kept]),
+        pose=closure.pose,
+        explicit=False,
+    )
 
 
 def tangent_jacobian(expression: ca.SX, closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:

@@ -232,7 +232,16 @@ def _built(mechanism: Mechanism, kind: JacobianKind, parameters: bool) -> Jacobi
     expression: ca.SX = getattr(expressions, kind)
     rows, columns = labels(equations, kind)
     inputs, numbers = variables_read(equations, expression)
-    return Jacobian(equations, kind, expression, inputs, numbers if parameters else (), rows, columns, expressions)
+    return Jacobian(
+        equations=equations,
+        kind=kind,
+        expression=expression,
+        inputs=inputs,
+        parameters=numbers if parameters else (),
+        rows=rows,
+        columns=columns,
+        expressions=expressions,
+    )
 
 
 def _check_defined(equations: VelocityEquations, kind: JacobianKind) -> None:
