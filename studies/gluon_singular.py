@@ -22,7 +22,7 @@ from symkin.singularities.classification import classify, singularity
 from symkin.singularities.loci import Loci
 from symkin.singularities.locus import picture_distance
 from symkin.singularities.singular_loci import singular_loci
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.screw import exponential, move_screw, reciprocal_product, revolute_screw
 
 SEED = 6

@@ -30,7 +30,7 @@ from symkin.singularities.loci import Loci
 from symkin.singularities.locus import Locus, picture_distance
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.singular_loci import singular_loci
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 from zhao2000_model import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 A_RADIUS, C_RADIUS = (float(np.linalg.norm(points[0])) for points in (BASE, PLATFORM))

@@ -27,8 +27,8 @@ from symkin.spatial.pose import Pose
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.assembly.mode_list import Modes
     from symkin.assembly.modes import modes
+    from symkin.assembly.modes_result import Modes
     from symkin.calibration.calibrate import calibrate
     from symkin.calibration.data.measurements import Measurements
     from symkin.calibration.design.planning import plan_measurements
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from symkin.singularities.classification import singularity
     from symkin.singularities.loci import Loci
     from symkin.singularities.singular_loci import singular_loci
-    from symkin.singularities.singularity import Singularity
+    from symkin.singularities.singularity_result import Singularity
     from symkin.sweeps.run import sweep
     from symkin.velocity.jacobian import Jacobian, jacobian
 
@@ -101,9 +101,9 @@ _LATER = {
     "Measurements": "symkin.calibration.data.measurements",
     "Mobility": "symkin.position.mobility",
     "ModeGraph": "symkin.following.mode_graph",
-    "Modes": "symkin.assembly.mode_list",
+    "Modes": "symkin.assembly.modes_result",
     "Newton": "symkin.position.newton",
-    "Singularity": "symkin.singularities.singularity",
+    "Singularity": "symkin.singularities.singularity_result",
     "Solution": "symkin.position.solution",
     "SolveError": "symkin.position.solve_result",
     "SolveResult": "symkin.position.solve_result",

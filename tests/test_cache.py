@@ -15,8 +15,8 @@ from helpers.samples import five_bar
 from symkin.errors import InputError
 from symkin.homotopy import start_store
 from symkin.homotopy.systems import algebraic_systems
-from symkin.numeric import cache
-from symkin.numeric.cache import keep, read_kept
+from symkin.numeric import cache_folder
+from symkin.numeric.cache_folder import keep, read_kept
 from symkin.position.problem import build_problem
 
 
@@ -102,7 +102,7 @@ def test_a_fifo_or_a_device_does_not_block(folder):
     place.unlink()
     os.mkfifo(place)
     (folder / "key-0123456789abcdef.npz").symlink_to("/dev/zero")
-    code = "import sys, pathlib; from symkin.numeric.cache import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
+    code = "import sys, pathlib; from symkin.numeric.cache_folder import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
     code += "; print(keep(f, 'key', '.npz', b'content').read_bytes())"
     done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split() == ["[]", "b'content'"]
@@ -128,10 +128,10 @@ def test_a_full_disk_leaves_nothing_behind(monkeypatch, tmp_path):
         return Full()
 
     with monkeypatch.context() as patch:
-        patch.setattr(cache.os, "fdopen", full)
+        patch.setattr(cache_folder.os, "fdopen", full)
         assert keep(tmp_path, "key", ".npz", b"content") is None
     with monkeypatch.context() as patch:
-        patch.setattr(cache.os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+        patch.setattr(cache_folder.os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
         assert keep(tmp_path, "key", ".npz", b"content") is None
     assert list(tmp_path.iterdir()) == []
 
@@ -171,13 +171,13 @@ def test_a_cache_of_no_size_keeps_nothing(monkeypatch, folder):
 def test_a_size_that_is_none_is_refused(monkeypatch, text):
     monkeypatch.setenv("SYMKIN_CACHE_SIZE", text)
     with pytest.raises(InputError, match="SYMKIN_CACHE_SIZE"):
-        cache.cache_size()
+        cache_folder.cache_size()
 
 
 WRITE = """
 import sys
 from pathlib import Path
-from symkin.numeric.cache import keep, read_kept
+from symkin.numeric.cache_folder import keep, read_kept
 from symkin.homotopy.systems import algebraic_systems
 from symkin.position.problem import build_problem
 for k in range(200):

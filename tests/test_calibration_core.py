@@ -21,9 +21,9 @@ from symkin import InputError
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.data.measurements import Distance, Measurements
 from symkin.calibration.data.parameters import joint_frames, nominal_parameters, with_parameters
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.mapped_functions import map_functions
-from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import build_calibration, default_parameters
 from symkin.calibration.estimate.residuals import FORMS
 from symkin.calibration.estimate.state import evaluate

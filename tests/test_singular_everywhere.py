@@ -14,7 +14,7 @@ from symkin import InputError, Joint, Limb, Mechanism
 from symkin.position.problem import build_problem
 from symkin.position.solution_list import make_solution
 from symkin.singularities.classification import classify, singularity
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 
 
 def equal_upu() -> Mechanism:

@@ -27,7 +27,7 @@ from symkin import InputError, Joint, Limb, Mechanism, SolveError
 from symkin.closure.closure import build_closure
 from symkin.position.mobility import whole_system
 from symkin.singularities.classification import singularity
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.screw import reciprocal_product
 from symkin.velocity.equations import variables_of
 

@@ -26,7 +26,7 @@ from symkin import Mechanism, SolveError
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.classification import classify, singularity
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 
 
 @pytest.mark.parametrize("seed", range(3))

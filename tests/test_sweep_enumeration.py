@@ -8,9 +8,9 @@ import pytest
 import symkin
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism
-from symkin.assembly.finder import make_finder
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes import modes_at_need
+from symkin.assembly.modes_at_points import make_finder
 from symkin.model.file import parse
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply

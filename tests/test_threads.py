@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from symkin.caching import cached_property, lru_cache, not_waiting
+from symkin.computed_once import cached_property, lru_cache, not_waiting
 
 WORK = Path(__file__).parent / "helpers" / "thread_work.py"
 
@@ -153,7 +153,7 @@ def test_a_thread_that_holds_a_lock_does_not_wait_for_one_that_wants_it():
 
 
 def test_no_cache_of_functools_is_used():
-    """They may compute a value twice, and give two threads two sets of symbols; `symkin.caching` has what stands for them."""
+    """They may compute a value twice, and give two threads two sets of symbols; `symkin.computed_once` has what stands for them."""
     package = Path(__file__).parent.parent / "symkin"
     pattern = re.compile(r"^from functools import .*(cache|cached_property)|functools\.cache", re.M)
     assert [p.name for p in package.rglob("*.py") if pattern.search(p.read_text())] == []

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.assembly.block_proofs import BlockProver, RootProofs, block_prover
-from symkin.caching import cached_property, lru_cache
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import complex_count, real_candidates

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.systems import whole_system
 from symkin.homotopy.values import algebraic_points

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.assembly.mode_list import Modes
+from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure
 from symkin.position.solution import Solution
 from symkin.velocity.equations import variables_of

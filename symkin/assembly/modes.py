@@ -9,8 +9,8 @@ from typing import Any, overload
 
 import numpy as np
 
-from symkin.assembly.mode_list import Modes
 from symkin.assembly.mode_table import COMPLETENESS
+from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search

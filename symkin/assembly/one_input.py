@@ -10,8 +10,8 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.continuation import by_continuation
-from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.modes_result import Completeness, Modes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress

@@ -14,13 +14,13 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths, BlockRoots
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, joint_values_out
-from symkin.caching import cached_property, lru_cache
+from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of, unsuitable
-from symkin.numeric.cache import cache_folder
+from symkin.numeric.cache_folder import cache_folder
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE

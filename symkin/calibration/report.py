@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.model import ANGULAR
+from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 from flint import ctx
 
-from symkin.caching import cached_property, lru_cache
+from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import BallFunction, Number, Part, Ring, raise_constants
 

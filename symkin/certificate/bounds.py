@@ -18,7 +18,7 @@ import numpy as np
 from symkin.certificate.certificate import Certificates
 from symkin.certificate.exact import exact_arm, knowns_of
 from symkin.certificate.knowns import Knowns
-from symkin.closure.graph import instructions
+from symkin.closure.expression_graph import instructions
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.six_revolute import is_six_revolute

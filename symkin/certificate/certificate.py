@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.coordinates import aligned, in_phase, spread
 from symkin.certificate.discs import Discs
@@ -25,6 +24,7 @@ from symkin.certificate.krawczyk import Box, box_about
 from symkin.certificate.open_points import prove_points
 from symkin.certificate.quick_test import enclose_all
 from symkin.certificate.separation import Features, are_apart, are_not_real, distinct_boxes, features, is_pose, not_real
+from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 

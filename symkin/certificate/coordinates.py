@@ -6,10 +6,10 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.caching import lru_cache
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, BallFunction, Number, precision, upper
 from symkin.spatial.rotation import conjugate, multiply

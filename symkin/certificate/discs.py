@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.certificate import disc_arithmetic
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.tape import Code, Tape
+from symkin.computed_once import cached_property
 
 
 @dataclass(frozen=True, eq=False)

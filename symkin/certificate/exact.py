@@ -10,11 +10,11 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.caching import lru_cache
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
 from symkin.closure.rows import RowBuilder
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import distance_function, is_universal
 from symkin.homotopy.values import coordinate_scale

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 from flint import arb
 
-from symkin.caching import lru_cache
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.certificate import certify
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, UP, Number, precision, upper
 from symkin.position.solution import PartialProof

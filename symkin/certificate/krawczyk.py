@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from flint import acb_mat, arb_mat, ctx
 
-from symkin.caching import cached_property, lru_cache
 from symkin.certificate.ball_system import BallSystem
+from symkin.computed_once import cached_property, lru_cache
 from symkin.numeric.balls import COMPLEX, Number, Ring, precision, upper
 
 _INFLATION = 2.5

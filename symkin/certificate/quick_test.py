@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.certificate.disc_arithmetic import LARGEST, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)

@@ -14,11 +14,11 @@ import casadi as ca
 import numpy as np
 from flint import acb, arb
 
-from symkin.caching import lru_cache
 from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.krawczyk import Box
 from symkin.certificate.tape import build_tape
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import Number, precision
 

@@ -13,8 +13,8 @@ from enum import IntEnum
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
-from symkin.closure.graph import instructions
+from symkin.closure.expression_graph import instructions
+from symkin.computed_once import cached_property
 from symkin.numeric.balls import Part, derive, raise_constants
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.closure.rows import PoseForm, ReplacedUniversalJoint, Row, RowBuilder
+from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from symkin.closure.graph import instructions
+from symkin.closure.expression_graph import instructions
 
 _BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _UNARY = {

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.closure.graph import rebuilt
+from symkin.closure.expression_graph import rebuilt
 
 _NOISE = 4e-15
 """Rounding of trigonometry and square roots in double precision, of numbers about 1; relative for others. cos(pi / 2) is 6e-17;

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
-from symkin.closure.graph import walk
+from symkin.closure.expression_graph import walk
 from symkin.closure.snapping import snap
+from symkin.computed_once import cached_property
 
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import casadi as ca
 
-from symkin.closure.graph import walk
+from symkin.closure.expression_graph import walk
 
 ATOM, POWER, PRODUCT, SUM = 3, 2, 1, 0
 """How tightly a text binds."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.closure import Closure
 from symkin.codegen.c_emitter import Real
+from symkin.computed_once import cached_property
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem

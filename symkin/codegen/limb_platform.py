@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
@@ -21,6 +20,7 @@ from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, configurations
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
@@ -16,6 +15,7 @@ from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
+from symkin.computed_once import cached_property
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.text import c_comment

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, copy_loop, fill
 from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
 from symkin.codegen.newton_kernel import Kernel
+from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
 _COMMENT_WIDTH = 118

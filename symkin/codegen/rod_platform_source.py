@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, fill
@@ -16,6 +15,7 @@ from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_platform import RodPlatform, sampled
+from symkin.computed_once import cached_property
 from symkin.model.limb import RodLimb
 from symkin.spatial.backend import cross, dot
 

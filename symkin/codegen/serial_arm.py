@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
@@ -19,6 +18,7 @@ from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.options import Options
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

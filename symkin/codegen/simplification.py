@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from symkin.closure.graph import rebuilt
+from symkin.closure.expression_graph import rebuilt
 from symkin.closure.snapping import snap
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from symkin.assembly.mode_list import Completeness, Modes
 from symkin.assembly.modes import modes_at_need
+from symkin.assembly.modes_result import Completeness, Modes
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from symkin.assembly.mode_list import Modes
 from symkin.assembly.modes import modes
+from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.following.meeting_modes import mode_number
 from symkin.following.track import track

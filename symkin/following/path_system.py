@@ -13,8 +13,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
-from symkin.closure.graph import instructions
+from symkin.closure.expression_graph import instructions
+from symkin.computed_once import cached_property, lru_cache
 from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate
 from symkin.numeric.balls import BallFunction, raise_constants

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.following.follow import PathPoint
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.linear_algebra import singular_values

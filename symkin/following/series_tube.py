@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_series, ctx
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.following.ball_matrices import identity, inverse_with, matrix
 from symkin.following.cubic import Cubic
 from symkin.following.step_certificate import HELD_WIDTH, LARGEST_FILL, Interval, Tube

@@ -18,7 +18,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.following.path_system import PathSystem
 from symkin.numeric.tolerances import RANK_TOLERANCE
 

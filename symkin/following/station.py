@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.certificate.independent_rows import most_independent
+from symkin.computed_once import lru_cache
 from symkin.following.ball_matrices import balls
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, coefficients, least_squares
 from symkin.following.step_certificate import BITS, Interval

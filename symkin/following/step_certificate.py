@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.following.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
 from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem, coefficient_scales

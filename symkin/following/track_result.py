@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.following.sample import Sample
 from symkin.following.stop import Stop
 from symkin.following.trajectory import Trajectory

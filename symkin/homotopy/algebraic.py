@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.numpy_code import vectorise
+from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
 

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.lane_code import closure_source
 from symkin.homotopy.tracker import Tracked, TrackSettings
 from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
-from symkin.numeric.cache import cache_folder
+from symkin.numeric.cache_folder import cache_folder
 from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 DATA = Path(__file__).resolve().parent / "data"

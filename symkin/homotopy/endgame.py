@@ -16,8 +16,8 @@ from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import Germ, circle, follow, gaps, separations
 from symkin.homotopy.ends import Ends, SingularRoots
 from symkin.homotopy.engine import aligned, newton, track
-from symkin.homotopy.local import ROWS, is_no_pose, lie_on_sets, look, polish
 from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.point_checks import ROWS, is_no_pose, lie_on_sets, look, polish
 from symkin.homotopy.tracker import Tracked, TrackSettings
 from symkin.numeric.tolerances import MULTIPLE_ROOT_SHARE, RANK_TOLERANCE, ROOT_POLISHED
 

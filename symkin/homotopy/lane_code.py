@@ -14,8 +14,8 @@ from math import isfinite
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
-from symkin.closure.graph import walk
+from symkin.closure.expression_graph import walk
+from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 

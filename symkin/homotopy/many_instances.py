@@ -10,13 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import gaps
 from symkin.homotopy.endgame import BESIDE, RETURNED
 from symkin.homotopy.engine import aligned, newton, track
-from symkin.homotopy.local import is_no_pose, look
 from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.point_checks import is_no_pose, look
 from symkin.homotopy.symmetry import Orbits
 from symkin.numeric.tolerances import RANK_TOLERANCE
 

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from symkin.caching import lru_cache
 from symkin.closure.numpy_code import vectorise
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 _DEGREES = (1, 2, 4, 8, 16, 32, 64)

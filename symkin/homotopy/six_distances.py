@@ -11,10 +11,10 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import build_algebraic_closure
 from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem

@@ -13,8 +13,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.pose_forms import HomogeneousPose
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
 from symkin.homotopy.monodromy import Fibre

@@ -19,8 +19,8 @@ from zipfile import BadZipFile
 import casadi as ca
 import numpy as np
 
-from symkin.caching import computing, lru_cache
-from symkin.closure.graph import instructions
+from symkin.closure.expression_graph import instructions
+from symkin.computed_once import computing, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.branches import uncovered
@@ -37,7 +37,7 @@ from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
 from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angles, known_values
-from symkin.numeric.cache import cache_folder, discard, keep, read_kept
+from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System

@@ -8,8 +8,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import AlgebraicClosure, build_algebraic_closure
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system
 from symkin.homotopy.universal_joints import replaced_universal_joints

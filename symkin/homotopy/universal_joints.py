@@ -13,8 +13,8 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import build_algebraic_closure
+from symkin.computed_once import lru_cache
 from symkin.homotopy.values import pose_point
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem

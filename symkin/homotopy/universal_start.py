@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
 from symkin.homotopy.engine import track

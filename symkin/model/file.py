@@ -16,7 +16,7 @@ from symkin.model.joint import Joint, interval
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
-from symkin.model.other_classes import JOINT_TYPES, class_not_described, is_second_platform, second_platform
+from symkin.model.undescribed_mechanisms import JOINT_TYPES, class_not_described, is_second_platform, second_platform
 from symkin.text import shown
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
-from symkin.model.other_classes import ACTUATED
+from symkin.model.undescribed_mechanisms import ACTUATED
 
 JointType = Literal["R", "P", "H", "C", "U", "S"]
 Kind = Literal["length", "angle", "turns", "quaternion"]

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.joint import Coordinate, Joint, finite, vector3

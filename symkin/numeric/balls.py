@@ -18,8 +18,8 @@ from typing import Any, Literal
 import casadi as ca
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
-from symkin.caching import cached_property, set_waiting
-from symkin.closure.graph import instructions, rebuilt
+from symkin.closure.expression_graph import instructions, rebuilt
+from symkin.computed_once import cached_property, set_waiting
 
 Number = Any
 """A ball: arb or acb."""

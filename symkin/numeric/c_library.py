@@ -20,8 +20,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from symkin.caching import lru_cache
-from symkin.numeric.cache import keep, read_kept
+from symkin.computed_once import lru_cache
+from symkin.numeric.cache_folder import keep, read_kept
 
 FLAGS = ("-O2", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math", "-w")
 """No -ffast-math: a path that fails is seen by its NaN."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.pool import Pool
 
 _LARGEST_BLOCK = 256

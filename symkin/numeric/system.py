@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.mapped import Mapped

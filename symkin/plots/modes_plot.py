@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.assembly.mode_list import Modes
+from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.plots.mechanism_lines import lines_at, reference_lines
 from symkin.plots.panel_figure import Panel, panel_figure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from symkin.plain_number import plain
 from symkin.plots.mechanism_lines import lines_at
 from symkin.plots.panel_figure import Panel, panel_figure
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from symkin.caching import not_waiting
+from symkin.computed_once import not_waiting
 
 COLOURS = {
     "text": "#1f2933",

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import Closure
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.tolerances import LIMIT_SLACK, ROUNDED_COMPONENT

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank

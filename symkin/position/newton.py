@@ -8,7 +8,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.numeric.system import System
 from symkin.pool import Pool
 from symkin.position.problem import Problem

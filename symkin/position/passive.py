@@ -7,8 +7,8 @@ import math
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import build_closure
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt

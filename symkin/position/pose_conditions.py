@@ -10,8 +10,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt

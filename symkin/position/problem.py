@@ -12,8 +12,8 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.closure.closure import Closure, build_closure, random_values
+from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank

@@ -33,7 +33,7 @@ from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equa
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import Output, OutputEquations, make_output, output_equations, output_twists
-from symkin.singularities.singularity import Singularity
+from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 from symkin.velocity.equations import variables_of

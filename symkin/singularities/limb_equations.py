@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import Closure
+from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.mobility import whole_system

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import SINGULAR_VALUE
 

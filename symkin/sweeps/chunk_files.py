@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 
 COMPRESSION_LEVEL = 0
 """Level of Zstandard with which arrays over the points are made and written; 0 is its own default."""

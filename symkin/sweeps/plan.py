@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from symkin._version import __version__
-from symkin.assembly.finder import ModeFinder, make_finder
+from symkin.assembly.modes_at_points import ModeFinder, make_finder
 from symkin.assembly.search import MOST_STARTS
-from symkin.caching import cached_property, lru_cache
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Kind

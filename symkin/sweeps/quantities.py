@@ -1,7 +1,7 @@
 """What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
 
 `modes`: all of them; `conditioning`: their distances from singularities of type 1 and type 2 (see
-`symkin.singularities.singularity`), their condition numbers, and the least and largest of these at each point; `reach`: how
+`symkin.singularities.singularity_result`), their condition numbers, and the least and largest of these at each point; `reach`: how
 many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
 modes of any point, and filled up with its `fill`.
 """

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.sweeps.chunk_files import chunk_files, digest_of, write_chunk
 from symkin.sweeps.interrupts import interrupts_held

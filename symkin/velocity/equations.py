@@ -15,8 +15,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import closed_configurations

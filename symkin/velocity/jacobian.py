@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.closure.closure import Closure
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism

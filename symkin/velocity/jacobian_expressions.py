@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.closure.closure import Closure
+from symkin.computed_once import cached_property
 from symkin.position.mobility import closed_configurations
 from symkin.velocity.differential import Differential, pose_rates
 from symkin.velocity.elimination import back_substituted, cofactors, factored, nonzero_rows, shortest, without_span

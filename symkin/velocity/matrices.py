@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.solve_result import SolveError
 from symkin.velocity.limb_ranks import LimbStructure, Matrices, span_projector

@@ -9,9 +9,9 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.caching import lru_cache
 from symkin.closure.closure import build_closure, random_values
 from symkin.closure.rows import RowBuilder
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.dh import DHTable
 from symkin.model.joint import Joint

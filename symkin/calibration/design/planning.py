@@ -18,8 +18,8 @@ from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
 from symkin.calibration.design.simulation import Noise, check_readings, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations
-from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.residuals import build_readings, whitening
 from symkin.calibration.estimate.workspace import Workspace, lever

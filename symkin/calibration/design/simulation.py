@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
-from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism

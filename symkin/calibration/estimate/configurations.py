@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.model import ConfigurationModel, solve_systems
+from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt

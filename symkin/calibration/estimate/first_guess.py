@@ -20,8 +20,8 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import known_poses, start_points
-from symkin.calibration.estimate.model import ConfigurationModel
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings, linearise
 from symkin.spatial.rotation import (

@@ -16,10 +16,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, computing
+from symkin.computed_once import cached_property, computing
 from symkin.homotopy.compiled import OFF
 from symkin.numeric.c_library import CompilerError, find_compilers, load_library
-from symkin.numeric.cache import cache_folder
+from symkin.numeric.cache_folder import cache_folder
 
 _INTERPRETED_BEFORE_COMPILING = 30000
 """A library is compiled when each of its instructions has been interpreted this often: about as long as compiling it."""

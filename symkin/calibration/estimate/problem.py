@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import bound_by_motion, written_freedoms
-from symkin.calibration.estimate.model import ConfigurationModel, build_model
+from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
 from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
 

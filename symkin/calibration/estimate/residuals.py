@@ -15,9 +15,9 @@ from typing import Literal
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.model import ANGULAR, ConfigurationModel
+from symkin.calibration.estimate.configuration_model import ANGULAR, ConfigurationModel
+from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 
 Form = Literal["means", "differences", "maximum likelihood"]

@@ -16,6 +16,7 @@ import numpy as np
 from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
+from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
@@ -23,7 +24,6 @@ from symkin.calibration.estimate.configurations import (
     newton_configurations,
     solve_configurations,
 )
-from symkin.calibration.estimate.model import ConfigurationModel
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.workspace import home_pose, states_reference

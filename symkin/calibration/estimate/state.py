@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.calibration.estimate.configuration_model import Evaluation, solve_systems
 from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, determinant_signs, newton_configurations
-from symkin.calibration.estimate.model import Evaluation, solve_systems
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
 from symkin.numeric.tolerances import RANK_TOLERANCE

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model, solve_systems
 from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     JointsOfPose,
@@ -26,8 +26,8 @@ from symkin.calibration.estimate.configurations import (
     determinant_signs,
     with_pose,
 )
-from symkin.calibration.estimate.model import ConfigurationModel, build_model, solve_systems
 from symkin.closure.closure import build_closure
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb

@@ -16,8 +16,8 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
+from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
 from symkin.calibration.estimate.configurations import newton_configurations
-from symkin.calibration.estimate.model import ConfigurationModel, build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.solver import Estimate

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements, spread_rows
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings
 from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance

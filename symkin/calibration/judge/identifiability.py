@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.state import State, design, error_free_state, spectrum
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import CLEAR_GAP

@@ -14,7 +14,7 @@ from operator import matmul
 import numpy as np
 
 from symkin.calibration.data.parameters import AXES, Velocity, vector_values, vector_velocity, written_freedoms
-from symkin.calibration.estimate.model import ConfigurationModel
+from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.model.dh import DHTable
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.calibration.estimate.model import ANGULAR
+from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.statistics import LinearModel, chi_square_tail, f_tail

@@ -27,8 +27,8 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, newton_configurations
-from symkin.calibration.estimate.model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.estimate.workspace import lever, platform_points

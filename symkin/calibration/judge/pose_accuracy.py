@@ -9,8 +9,8 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
-from symkin.calibration.estimate.model import build_model
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
 from symkin.calibration.judge.plausibility import platform_poses

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import ParameterKind, with_parameters
-from symkin.calibration.estimate.model import ANGULAR
+from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
 from symkin.calibration.judge.statistics import SIGNIFICANCE
+from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import finite
 from symkin.result import Result, Summary

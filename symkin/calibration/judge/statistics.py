@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.caching import cached_property
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Readings, deviations, group_basis, group_sum, neighbours, whitening
 from symkin.calibration.estimate.state import (
@@ -36,6 +35,7 @@ from symkin.calibration.estimate.state import (
     joint_covariance_at,
     spectrum,
 )
+from symkin.computed_once import cached_property
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 

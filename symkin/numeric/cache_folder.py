@@ -16,7 +16,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from symkin.caching import lru_cache
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 
 SIZE = 500.0

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from symkin.caching import cached_property
+from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, finite, heading
 from symkin.position.table import given_text, solution_columns

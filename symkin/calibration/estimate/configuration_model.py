@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.caching import cached_property, lru_cache
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, nominal_parameters
 from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
