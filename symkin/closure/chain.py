@@ -86,6 +86,14 @@ class Chain:
 
     steps: tuple[Step, ...]
 
+    @property
+    def weight(self) -> ca.SX:
+        """Of a pose of its own (see `pose_forms`): a chain has none."""
+        return ca.SX(1)
+
+    def extended(self, steps: Sequence[Step]) -> Chain:
+        return Chain(self.steps + tuple(steps))
+
     def move(self, p: ca.SX) -> ca.SX:
         for step in reversed(self.steps):
             p = step.move(p)
@@ -106,7 +114,8 @@ class Chain:
 
 @dataclass(frozen=True)
 class PlatformSide:
-    """What hangs on the platform: joints beyond a cut, then the pose. Values are weighted by the pose's weight N."""
+    """What hangs on a body that floats, the platform or another: its pose, then joints from it outward. Values are weighted by the
+    pose's weight N."""
 
     pose: PlatformPose
     reference: Pose
@@ -115,6 +124,9 @@ class PlatformSide:
     @property
     def weight(self) -> ca.SX:
         return self.pose.weight
+
+    def extended(self, steps: Sequence[Step]) -> PlatformSide:
+        return replace(self, steps=self.steps + tuple(steps))
 
     def local(self, p: ca.SX) -> ca.SX:
         """A point of the reference configuration, moved by the joints, in the platform frame."""
@@ -131,6 +143,10 @@ class PlatformSide:
     @property
     def quaternion(self) -> ca.SX:
         return multiply(multiply(self.pose.quaternion, conjugate(self.reference.quaternion)), Chain(self.steps).quaternion)
+
+
+Side = Chain | PlatformSide
+"""Where a link is: joints from the base, or from a body that floats."""
 
 
 @dataclass(frozen=True)
@@ -181,5 +197,7 @@ class JointSymbols:
                 return (Turn(point, axis, values[0], values[1]),)
             case "U":
                 return (Turn(point, axis, values[0]), Turn(point, self.axis2, values[1]))
-            case _:
+            case "S":
                 return (Ball(point, values[0]),)
+            case _:
+                return ()

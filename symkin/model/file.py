@@ -6,17 +6,19 @@ Every mistake becomes one line: file, key path, value, what is allowed.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.joint import Joint, interval
-from symkin.model.limb import Limb, Rod, RodLimb
+from symkin.model.foreign_keys import JOINT_TYPES, foreign_key, is_second_platform, second_platform
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
+from symkin.model.joint import PLATFORM, Joint, interval
+from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
-from symkin.model.undescribed_mechanisms import JOINT_TYPES, class_not_described, is_second_platform, second_platform
 from symkin.text import shown
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
@@ -93,11 +95,7 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
     for k, raw in enumerate(table.limb):
         model = JointLimbTable if "joint" in raw or "rod" in raw else RodLimbTable
         limbs.append(_validated(model, raw, ("limb", k), context))
-    forms = [key for key in ("limb", "dh", "joint") if getattr(table, key)]
-    if len(forms) != 1:
-        what = "the mechanism has no limb" if not forms else f"the file has {' and '.join(forms)}"
-        raise MechanismError(f"{what}; exactly one of [[limb]], [dh] and [[joint]] is needed")
-    _check_frames(forms[0], table, limbs)
+    _check_frames(_form(table, limbs), table, limbs)
     options: dict[str, Any] = {
         "length_unit": table.length_unit,
         "angle_unit": table.angle_unit,
@@ -108,9 +106,29 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
     return _Builder(table.angle_unit).mechanism(table, limbs, options)
 
 
+def _form(table: Any, limbs: Sequence[Any]) -> str:
+    """What the file describes: "limb", "dh", "joint" (a serial arm) or "graph"."""
+    linked = [joint for joint in table.joint if joint.links is not None]
+    other_limbs = any(tuple(limb.links) != LIMB_LINKS for limb in limbs)
+    if linked or table.rod or table.coupling or table.link or other_limbs:
+        if table.dh is not None:
+            raise MechanismError("dh: a serial arm by DH stands alone; describe its joints with links in a graph")
+        alone = next((joint for joint in table.joint if joint.links is None), None)
+        if alone is not None:
+            raise MechanismError(
+                f"joint {alone.name!r}: links is missing; every [[joint]] of a graph names the two links that it joins"
+            )
+        return "graph"
+    forms = [key for key in ("limb", "dh", "joint") if getattr(table, key)]
+    if len(forms) != 1:
+        what = "the mechanism has no limb" if not forms else f"the file has {' and '.join(forms)}"
+        raise MechanismError(f"{what}; exactly one of [[limb]], [dh] and [[joint]] is needed, or [[joint]] with links")
+    return forms[0]
+
+
 def _check_class(data: dict[str, Any]) -> None:
-    """Refuse classes of mechanisms that the format does not describe by what they are, before single keys."""
-    found = class_not_described(data)
+    """Refuse what other formats write by what it asks for, before single keys."""
+    found = foreign_key(data)
     if found is not None:
         raise MechanismError(f"{_key_path(data, found[0], ())}: {found[1]}")
 
@@ -130,23 +148,61 @@ class _Builder:
         if table.dh is not None:
             rows = [self.dh_row(row, k) for k, row in enumerate(table.dh.rows, start=1)]
             return serial_arm_from_dh(table.name, DHTable(table.dh.convention, rows), **options)
-        frame = table.tool if table.joint else table.platform
+        serial = bool(table.joint) and table.joint[0].links is None
+        frame = table.tool if serial else table.platform
         if frame is not None:
             options |= {
                 "motion": getattr(frame, "motion", "spatial"),
                 "platform_position": frame.position,
                 "platform_quaternion": frame.quaternion,
             }
-        if table.joint:
+            if getattr(frame, "link", None) is not None:
+                options["platform_link"] = frame.link
+        if serial:
             chain = Limb(table.name, [self.joint(j, serial=True) for j in table.joint])
             return Mechanism(table.name, [chain], serial=True, **options)
-        return Mechanism(table.name, [self.limb(limb) for limb in limbs], **options)
+        options |= {
+            "link_joints": [LinkJoint(self.joint(j), j.links) for j in table.joint],
+            "link_rods": [self.link_rod(rod) for rod in table.rod],
+            "link_points": [LinkPoint(link.name, name, at) for link in table.link for name, at in link.points.items()],
+        }
+        found = Mechanism(table.name, [self.limb(limb) for limb in limbs], **options)
+        if not table.coupling:
+            return found
+        kinds = {c.name: c.is_angular for joint in found.all_joints for c in joint.coordinates} | {
+            c.name: c.is_angular for c in found.actuated
+        }
+        return replace(found, couplings=tuple(self.coupling(entry, kinds) for entry in table.coupling))
 
     def limb(self, table: Any) -> Limb | RodLimb:
         if hasattr(table, "base"):
-            return RodLimb(table.name, table.base, table.platform, table.offset, table.limits, table.type)
+            return RodLimb(table.name, table.base, table.platform, table.offset, table.limits, table.type, table.links)
         rods = [self.rod(table.name, k, rod) for k, rod in enumerate(table.rod)]
-        return Limb(table.name, [self.joint(joint) for joint in table.joint], rods)
+        return Limb(table.name, [self.joint(joint) for joint in table.joint], rods, table.links)
+
+    def link_rod(self, table: Any) -> LinkRod:
+        return LinkRod(
+            name=table.name,
+            links=table.links,
+            start=table.from_,
+            end=table.to,
+            length=table.length,
+            actuated=table.actuated,
+            offset=table.offset,
+            limits=table.limits,
+        )
+
+    def coupling(self, table: Any, is_angular: Mapping[str, bool]) -> Coupling:
+        """Numbers from the file's units: with u the unit of each coordinate, q / u = sum f q' / u' + offset."""
+        unit = {name: self.angle(1.0) if angular else 1.0 for name, angular in is_angular.items()}
+        own = unit.get(table.joint, 1.0)
+        if isinstance(table.of, str):
+            powers = None
+            if table.polynomial is not None:
+                powers = [own * c / unit.get(table.of, 1.0) ** k for k, c in enumerate(table.polynomial)]
+            return Coupling(table.joint, table.of, own * table.offset, powers)
+        terms = {name: own * factor / unit.get(name, 1.0) for name, factor in table.of.items()}
+        return Coupling(table.joint, terms, own * table.offset, table.polynomial)
 
     def rod(self, limb: str, k: int, table: Any) -> Rod:
         try:
@@ -155,7 +211,7 @@ class _Builder:
             raise MechanismError(f"limb {limb!r}, rod[{k}]: {error}") from None
 
     def joint(self, table: Any, *, serial: bool = False) -> Joint:
-        if table.point is None and table.type != "P":
+        if table.point is None and table.type not in ("P", "weld"):
             raise MechanismError(f"joint {table.name!r}: point is missing; a joint of type {table.type} needs it")
         angular = table.type in ("R", "H")
         if serial and table.actuated is False:
@@ -200,12 +256,19 @@ def _example(table: Any) -> Example | None:
 
 
 def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
-    if table.platform is not None and form != "limb":
+    if table.platform is not None and form not in ("limb", "graph"):
         raise MechanismError("platform: a serial arm has none; [tool] is allowed with [[joint]]")
     if table.tool is not None and form != "joint":
         raise MechanismError(f"tool: allowed with [[joint]] only; with [{form}] the last frame is the platform or tool")
+    linked = table.platform is not None and table.platform.link is not None
+    if linked and form != "graph":
+        raise MechanismError("platform.link: allowed with [[joint]] that have links; limbs end on the platform")
+    if form == "graph" and table.platform is not None and not linked and not any(limb.links[1] == PLATFORM for limb in limbs):
+        raise MechanismError("platform.link is missing; in a graph of links it names the one that carries the platform frame")
     if form == "limb" and table.platform is None and any(hasattr(limb, "joint") for limb in limbs):
         raise MechanismError("platform is missing; limbs of joints need [platform] with its position at the reference")
+    if form == "graph":
+        return
     placed = table.platform is None or "position" in table.platform.model_fields_set
     if not placed and any(hasattr(limb, "joint") for limb in limbs):
         raise MechanismError("platform.position is missing; limbs of joints need it")

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
-from symkin.model.undescribed_mechanisms import ACTUATED
 
-JointType = Literal["R", "P", "H", "C", "U", "S"]
+JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
 Kind = Literal["length", "angle", "turns", "quaternion"]
 """length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit quaternion."""
 
 JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
-FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3}
+BASE = "base"
+"""The link that is fixed."""
+PLATFORM = "platform"
+"""The link on which limbs end where nothing else is said."""
+FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3, "weld": 0}
 _COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
     "R": (("", "angle"),),
     "P": (("", "length"),),
@@ -23,6 +26,7 @@ _COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
     "C": ((".angle", "angle"), (".slide", "length")),
     "U": ((".1", "angle"), (".2", "angle")),
     "S": (("", "quaternion"),),
+    "weld": (),
 }
 
 
@@ -36,7 +40,7 @@ class Coordinate:
 
     name: str
     kind: Kind
-    role: Literal["actuated", "passive", "pose"]
+    role: Literal["actuated", "passive", "body", "pose"]
     reference: tuple[float, ...] = (0.0,)
     limits: tuple[float, float] | None = None
     least: float | None = None
@@ -92,21 +96,25 @@ class Joint:
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
-        if self.type not in JOINT_TYPES:
-            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(JOINT_TYPES)}")
-        if self.actuated and self.type not in ("R", "P", "H"):
+        if self.type not in FREEDOMS:
+            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(FREEDOMS)}")
+        if self.actuated and self.type in ("S", "weld"):
             raise MechanismError(
-                f"{where}: actuated = true is allowed for R, P and H joints only, not for {self.type}; {ACTUATED[self.type]}, of which "
-                "any are actuated"
+                f"{where}: actuated = true is allowed for R, P, H, C and U joints only, not for {self.type}"
+                + (
+                    "; write it as three R joints whose axes meet in a point, of which any are actuated"
+                    if self.type == "S"
+                    else ""
+                )
             )
-        if FREEDOMS[self.type] > 1 and (self.zero != 0.0 or self.limits is not None):
+        if FREEDOMS[self.type] != 1 and (self.zero != 0.0 or self.limits is not None):
             raise MechanismError(f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only")
         if self.type == "H" and self.pitch == 0.0:
             raise MechanismError(f"{where}: pitch is missing or 0; a helical joint needs its length per turn")
         if self.type != "H" and self.pitch != 0.0:
             raise MechanismError(f"{where}: pitch is allowed for H joints only, not for {self.type}")
         object.__setattr__(self, "point", vector3(self.point, f"{where}: point"))
-        object.__setattr__(self, "axis", self._direction("axis", needed=self.type != "S"))
+        object.__setattr__(self, "axis", self._direction("axis", needed=self.type not in ("S", "weld")))
         object.__setattr__(self, "axis2", self._direction("axis2", needed=self.type == "U"))
         object.__setattr__(self, "zero", finite(self.zero, f"{where}: zero"))
         object.__setattr__(self, "pitch", finite(self.pitch, f"{where}: pitch"))
@@ -189,6 +197,16 @@ def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] |
     if len(bounds) != 2 or not bounds[0] < bounds[1]:
         raise MechanismError(f"{where} = {list(bounds)} is no range; two numbers [low, high] with low < high are needed")
     return (bounds[0], bounds[1])
+
+
+def link_pair(links: Sequence[str], where: str) -> tuple[str, str]:
+    """Two links, not the same."""
+    pair = tuple(links)
+    if len(pair) != 2 or not all(isinstance(link, str) for link in pair):
+        raise MechanismError(f"{where}: links = {list(pair)} names {len(pair)} links; a joint is between two")
+    if pair[0] == pair[1]:
+        raise MechanismError(f"{where}: links = {list(pair)} joins {pair[0]!r} to itself; two links are needed")
+    return pair
 
 
 def _parallel(a: Sequence[float] | None, b: Sequence[float] | None) -> bool:

@@ -9,10 +9,12 @@ from typing import Literal
 import numpy as np
 
 from symkin.errors import MechanismError
-from symkin.model.joint import Coordinate, Joint, finite, interval, vector3
+from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, interval, link_pair, vector3
 
 RodType = Literal["SPS", "UPS", "SPU"]
 ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
+LIMB_LINKS = (BASE, PLATFORM)
+"""The links of a limb where nothing else is said."""
 _SAME_POINT = 1e-9
 """Distance of two points that are one, over their largest coordinate."""
 
@@ -23,7 +25,7 @@ class RodLimb:
 
     `base` (3 numbers, base frame) and `platform` (3 numbers, platform frame) are the centres, in the length unit. The coordinate
     `value`, named as the limb, is the length beyond `offset`; `limits` (low, high) are a range of that value. SPS, UPS and SPU
-    have the same closure: they differ in whether the rod can spin about itself. Raises MechanismError for numbers that are not
+    have the same closure: they differ in whether the rod can spin about itself. `links` are those that it joins. Raises MechanismError for numbers that are not
     finite, an empty range and another type.
 
     >>> import symkin
@@ -40,9 +42,11 @@ class RodLimb:
     offset: float = 0.0
     limits: Sequence[float] | None = None
     type: RodType = "SPS"
+    links: Sequence[str] = LIMB_LINKS
 
     def __post_init__(self) -> None:
         where = f"limb {self.name!r}"
+        object.__setattr__(self, "links", link_pair(self.links, where))
         if self.type not in ROD_TYPES:
             raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(ROD_TYPES)}")
         object.__setattr__(self, "base", vector3(self.base, f"{where}: base"))
@@ -90,7 +94,8 @@ class Limb:
     """Joints in order from base to platform; or, with `rods`, from base to the last link, which carries the rods.
 
     With joint screws S1 ... Sn at the reference and the platform's reference pose M, the limb places the platform at
-    exp(S1 q1) ... exp(Sn qn) M. `joints` hold at least one Joint, `rods` any number of Rod. Raises MechanismError for a limb
+    exp(S1 q1) ... exp(Sn qn) M. `joints` hold at least one Joint, `rods` any number of Rod; `links` are the ones on which the limb
+    begins and ends. Raises MechanismError for a limb
     without a joint, and for two spherical joints at one centre that nothing can part.
 
     >>> import symkin
@@ -105,10 +110,15 @@ class Limb:
     name: str
     joints: Sequence[Joint]
     rods: Sequence[Rod] = ()
+    links: Sequence[str] = LIMB_LINKS
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "links", link_pair(self.links, f"limb {self.name!r}"))
         object.__setattr__(self, "joints", tuple(self.joints))
         object.__setattr__(self, "rods", tuple(self.rods))
+        welds = [joint.name for joint in self.joints if joint.type == "weld"]
+        if welds:
+            raise MechanismError(f"limb {self.name!r}: {welds[0]} is a weld, which a limb has not; leave it out")
         if not self.joints:
             raise MechanismError(f"limb {self.name!r} has no joint; a limb needs at least one, or the keys of a rod limb")
         self._check_balls()

@@ -14,7 +14,9 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, MechanismError
 from symkin.model.dh import DHTable, reference_frames
-from symkin.model.joint import Coordinate, Joint, finite, vector3
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
+from symkin.model.graph_checks import check_graph, links_of
+from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
@@ -49,11 +51,13 @@ class Example:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Limbs between a base and a platform, or a serial arm (`serial`: one limb, all joints actuated, platform = tool).
+    """Limbs between a base and a platform; a serial arm (`serial`: one limb, all joints actuated, platform = tool); or a graph of
+    links, with joints (`link_joints`), rods (`link_rods`), limbs between any two of them, and `couplings` of joints.
 
     Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
     `platform_quaternion` (w, x, y, z) of the base frame. `motion` ("spatial", "schoenflies", "planar", "translation",
-    "spherical") restricts the platform's pose to a group of the base frame's axes from there. Angles in joints are radians;
+    "spherical") restricts the platform's pose to a group of the base frame's axes from there. `platform_link` names the link that
+    carries the platform frame, None where a graph has no such link; `link_points` are named points of links. Angles in joints are radians;
     `angle_unit` is what users read and write at the border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q,
     passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
 
@@ -65,7 +69,7 @@ class Mechanism:
     """
 
     name: str
-    limbs: Sequence[Limb | RodLimb]
+    limbs: Sequence[Limb | RodLimb] = ()
     platform_position: Sequence[float] = (0.0, 0.0, 0.0)
     platform_quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
     motion: Motion = "spatial"
@@ -76,25 +80,41 @@ class Mechanism:
     serial: bool = False
     dh: DHTable | None = None
     example: Example | None = None
+    link_joints: Sequence[LinkJoint] = ()
+    link_rods: Sequence[LinkRod] = ()
+    couplings: Sequence[Coupling] = ()
+    link_points: Sequence[LinkPoint] = ()
+    platform_link: str | None = PLATFORM
 
     def __post_init__(self) -> None:
         frame = "tool" if self.serial else "platform"
-        object.__setattr__(self, "limbs", tuple(self.limbs))
+        for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points"):
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{frame}.position"))
         object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{frame}.quaternion"))
+        if self.is_graph and self.platform_link == PLATFORM and PLATFORM not in links_of(self):
+            object.__setattr__(self, "platform_link", None)
         _check_names(self)
         for key in ("title", "source"):
             object.__setattr__(self, key, check_text(getattr(self, key), key))
         _check_choice("motion", self.motion, MOTIONS)
         _check_choice("length_unit", self.length_unit, LENGTH_UNITS)
         _check_choice("angle_unit", self.angle_unit, ANGLE_UNITS)
-        if not self.limbs:
+        if not self.limbs and not self.is_graph:
             raise MechanismError("the mechanism has no limb; give [[limb]], [dh] or [[joint]]")
         _check_rods(self)
+        if self.is_graph:
+            check_graph(self)
         if self.serial:
             _check_serial(self)
         if self.example is not None:
             _check_example(self, self.example)
+
+    @property
+    def is_graph(self) -> bool:
+        """Whether links are joined in other ways than by limbs from the base to the platform."""
+        other_limbs = any(limb.links != (BASE, PLATFORM) for limb in self.limbs)
+        return bool(self.link_joints or self.link_rods or self.couplings or self.link_points or other_limbs)
 
     @property
     def reference_pose(self) -> Pose:
@@ -106,15 +126,23 @@ class Mechanism:
         """All joints of limbs of joints, in file order."""
         return ((limb, joint) for limb in self.limbs if isinstance(limb, Limb) for joint in limb.joints)
 
+    @property
+    def all_joints(self) -> Iterator[Joint]:
+        """The joints of limbs, then those between links, in file order."""
+        yield from (joint for _, joint in self.joints)
+        yield from (entry.joint for entry in self.link_joints)
+
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
-        """Actuated coordinates in file order: the order of `--joints`."""
+        """Actuated coordinates in file order, those of limbs, then of joints and of rods between links: the order of `--joints`."""
         found: list[Coordinate] = []
         for limb in self.limbs:
             if isinstance(limb, RodLimb):
                 found.append(limb.coordinate(self.reference_rod_value(limb)))
             else:
                 found.extend(c for joint in limb.joints for c in joint.coordinates if c.role == "actuated")
+        found.extend(c for entry in self.link_joints for c in entry.joint.coordinates if c.role == "actuated")
+        found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
         return tuple(found)
 
     def reference_rod_value(self, limb: RodLimb) -> float:
@@ -126,7 +154,7 @@ class Mechanism:
     def places(self) -> dict[str, np.ndarray]:
         """A point of each joint at the reference: the one described; or, where that makes the mechanism much larger than it
         is, one of its axis that is near the limb's other points (see `placement`)."""
-        described = {joint.name: np.array(joint.point) for _, joint in self.joints}
+        described = {joint.name: np.array(joint.point) for joint in self.all_joints}
         origin, placed = np.array(self.platform_position), dict(described)
         for limb in self.limbs:
             placed |= placed_points(limb, origin) if isinstance(limb, Limb) else {}
@@ -150,6 +178,8 @@ class Mechanism:
             else:
                 points += [np.array(rod.start) for rod in limb.rods]
                 points += [reference.apply(np.array(rod.platform)) for rod in limb.rods]
+        for link_rod in self.link_rods:
+            points += [np.array(link_rod.start), np.array(link_rod.end)]
         spread = _diameter(points)
         return spread or _diameter([*points, np.array(self.platform_position)])
 
@@ -173,6 +203,11 @@ class Mechanism:
         return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
     def __str__(self) -> str:
+        if self.is_graph:
+            return (
+                f"{self.name}: {len(links_of(self))} links, {len(list(self.all_joints))} joints, {len(self.link_rods)} rods; lengths in "
+                f"{self.length_unit}, angles in {self.angle_unit}"
+            )
         kind = "serial arm" if self.serial else "parallel mechanism"
         limbs = ", ".join(f"{limb.name}: {limb.type}" for limb in self.limbs)
         motion = "" if self.serial else f", platform {self.motion}"
@@ -232,19 +267,20 @@ def _check_names(mechanism: Mechanism) -> None:
     check_mechanism_name(mechanism.name)
     limb_names = [limb.name for limb in mechanism.limbs]
     coordinate_names = [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    coordinate_names += [joint.name for _, joint in mechanism.joints]
+    coordinate_names += [joint.name for joint in mechanism.all_joints] + [rod.name for rod in mechanism.link_rods]
     for what, names in (("limb", limb_names), ("joint", coordinate_names)):
         for name in names:
             check_name(name, f"{what}: name")
-    made = [c.name for _, joint in mechanism.joints for c in joint.coordinates]
+    made = [c.name for joint in mechanism.all_joints for c in joint.coordinates]
     made += [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    made += [rod.name for rod in mechanism.link_rods if rod.actuated]
     for name in made:
         if name.startswith("pose."):
             raise MechanismError(f"joint {name!r}: names that begin with 'pose.' are the platform's own")
     for name in made:
         if made.count(name) > 1 and coordinate_names.count(name) < 2:
             raise MechanismError(f"the coordinate {name!r} belongs to two joints; C and U joints make names such as 'u.1'")
-    for what, names in (("limbs", limb_names), ("joints or rod limbs", coordinate_names)):
+    for what, names in (("limbs", limb_names), ("joints or rods", coordinate_names)):
         for name in names:
             if names.count(name) > 1:
                 raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
@@ -289,6 +325,8 @@ def _check_joints(where: str, mechanism: Mechanism, values: Sequence[float]) -> 
 
 def _check_serial(mechanism: Mechanism) -> None:
     for _, joint in mechanism.joints:
+        if joint.type in ("C", "U", "S"):
+            raise MechanismError(f"joint {joint.name!r}: type {joint.type} in a serial arm; types R, P and H are allowed")
         if not joint.actuated:
             raise MechanismError(f"joint {joint.name!r}: all joints of a serial arm are actuated; types R, P and H are allowed")
     if mechanism.motion != "spatial":

@@ -34,6 +34,7 @@ def _number(value: Any, info: ValidationInfo) -> float:
 
 Number = Annotated[float, BeforeValidator(_number)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Links = Annotated[list[str], Field(min_length=2, max_length=2)]
 Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
 
 
@@ -78,6 +79,36 @@ class JointTable(Table):
     limits: Range | None = None
 
 
+class LinkJointTable(JointTable):
+    """A joint at the top of a file: with `links` one of a graph, without a serial arm's."""
+
+    type: Literal["R", "P", "H", "C", "U", "S", "weld"]
+    links: Links | None = None
+
+
+class LinkRodTable(Table):
+    name: Name
+    links: Links
+    from_: Vector = Field(alias="from")
+    to: Vector
+    length: Number | None = None
+    actuated: bool = False
+    offset: Number = 0.0
+    limits: Range | None = None
+
+
+class CouplingTable(Table):
+    joint: Name
+    of: dict[str, Number] | Name
+    offset: Number = 0.0
+    polynomial: list[Number] | None = None
+
+
+class LinkTable(Table):
+    name: Name
+    points: dict[str, Vector] = {}
+
+
 class RodTable(Table):
     from_: Vector = Field(alias="from")
     platform: Vector
@@ -91,12 +122,14 @@ class RodLimbTable(Table):
     platform: Vector
     offset: Number = 0.0
     limits: Range | None = None
+    links: Links = ["base", "platform"]
 
 
 class JointLimbTable(Table):
     name: Name
     joint: list[JointTable] = Field(min_length=1)
     rod: list[RodTable] = []
+    links: Links = ["base", "platform"]
 
 
 class FrameTable(Table):
@@ -105,6 +138,7 @@ class FrameTable(Table):
 
 
 class PlatformTable(FrameTable):
+    link: Name | None = None
     position: Vector = [0.0, 0.0, 0.0]
     motion: Literal["spatial", "schoenflies", "planar", "translation", "spherical"] = "spatial"
 
@@ -140,6 +174,9 @@ class MechanismTable(Table):
     limb: list[dict[str, Any]] = []
     platform: PlatformTable | None = None
     dh: DHTableTable | None = None
-    joint: list[JointTable] = []
+    joint: list[LinkJointTable] = []
+    rod: list[LinkRodTable] = []
+    coupling: list[CouplingTable] = []
+    link: list[LinkTable] = []
     tool: FrameTable | None = None
     example: ExampleTable | None = None

@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from symkin.closure.chain import Chain, PlatformSide, Turn
+from symkin.closure.chain import Chain, Turn
 from symkin.closure.closure import Closure, random_values
+from symkin.closure.pose_forms import PlatformPose
 from symkin.closure.rows import RowBuilder
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import matrix_from_quaternion, multiply
@@ -144,22 +144,16 @@ class _Builder(RowBuilder):
 
     pose: _TurningPose  # type: ignore[assignment]
 
-    def __init__(self, mechanism: Mechanism, *, bound: bool) -> None:
-        super().__init__(mechanism, bound=bound)
-        self.chain = Chain(())
-
     def _declare_pose(self, reference: Pose) -> None:
         super()._declare_pose(reference)
         self.pose = _TurningPose(self.pose)  # type: ignore[arg-type]
         self.platform_pose = self.pose
 
-    def _distance(self, limb: str, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None) -> None:
+    def _distance(
+        self, name: str, pose: PlatformPose, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None
+    ) -> None:
         target = length * length if length_squared is None else length_squared
-        self._add(limb, "distance", [(self.platform_pose.squared_distance(*ends) - target) / 2], [])
-
-    def _none_cut(self, name: str, base: Chain, platform: PlatformSide) -> None:
-        super()._none_cut(name, base, platform)
-        self.chain = base
+        self._add(name, "distance", [(pose.squared_distance(*ends) - target) / 2], [])
 
     def twist_columns(self) -> ca.SX:
         """(m, 6): dF/dp, and the moments s x dF/ds with dF/de of the quaternion itself."""
@@ -189,9 +183,9 @@ def _of_arm(builder: _Builder) -> tuple[ca.SX, ca.SX, Pose]:
     symbols = [symbol for c, symbol in builder.coordinates.values() if c.role == "actuated"]
     position = ca.jacobian(forward.position, ca.vertcat(*symbols))
     columns = []
-    for k, step in enumerate(builder.chain.steps):
+    for k, step in enumerate(builder.arm.steps):
         assert isinstance(step, Turn)  # noqa: S101 - actuated joints are R, P and H
-        spin = ca.SX(3, 1) if step.angle is None else Chain(builder.chain.steps[:k]).direction(step.axis)
+        spin = ca.SX(3, 1) if step.angle is None else Chain(builder.arm.steps[:k]).direction(step.axis)
         columns.append(ca.vertcat(position[:, k], spin))
     return ca.SX.eye(6), -ca.horzcat(*columns), forward
 

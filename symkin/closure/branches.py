@@ -1,0 +1,307 @@
+"""Split a mechanism into bodies and the branches between them, and choose which bodies keep coordinates of their own.
+
+Bodies are the base, the links at which three or more joints and rods meet, those at the end of an open chain, and the platform
+where its pose is a coordinate. A branch is a chain of joints between two bodies, through links of two joints each: a limb. Each
+body but the base is carried by one branch (its pose follows from the joints of that branch), or it floats (it has a pose of its
+own); every other branch closes loops, and writes rows. That choice keeps unknown coordinates few: a minimum spanning tree of the
+bodies, where a branch weighs as many unknown freedoms as its joints have, and a pose of its own six.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from symkin.model.graph import LinkRod
+from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint
+from symkin.model.limb import Limb, RodLimb
+from symkin.model.mechanism import Mechanism
+
+_POSE_FREEDOM = 6
+"""Unknown freedoms of a body that floats."""
+
+
+@dataclass(frozen=True)
+class RodEnd:
+    """One end of a rod: the key path of its point, and the point, in the platform frame or in the base frame at the reference."""
+
+    path: str
+    point: tuple[float, ...]
+    in_platform_frame: bool = False
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A rod with spherical ends: of fixed `length` (None: as at the reference), or with a `coordinate` beyond `offset`."""
+
+    name: str
+    start: RodEnd
+    end: RodEnd
+    path: str
+    length: float | None = None
+    offset: float = 0.0
+    coordinate: Coordinate | None = None
+    spins: bool = True
+
+
+@dataclass(frozen=True)
+class Element:
+    """A joint or a rod on the way from the first body of a branch to the second; not `along`: it was described the other way."""
+
+    part: Joint | Bar
+    path: str
+    along: bool = True
+
+    @property
+    def balls(self) -> int:
+        """Spherical joints, a rod's ends included."""
+        return 2 if isinstance(self.part, Bar) else int(self.part.type == "S")
+
+    @property
+    def name(self) -> str:
+        return self.part.name
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A chain of elements between two bodies; `links` are those between its elements. `carries` says that the second body's pose
+    follows from it."""
+
+    name: str
+    ends: tuple[str, str]
+    elements: tuple[Element, ...]
+    links: tuple[str, ...]
+    carries: bool = False
+
+    @property
+    def reversed(self) -> Branch:
+        """The same branch from its second body."""
+        elements = tuple(replace(e, along=not e.along) for e in reversed(self.elements))
+        return Branch(self.name, (self.ends[1], self.ends[0]), elements, tuple(reversed(self.links)))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Branches in the order in which rows are written, and the bodies that float."""
+
+    branches: tuple[Branch, ...]
+    floating: tuple[str, ...]
+
+
+def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layout:
+    """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones), and, with `pose`, the
+    platform's pose."""
+    if not mechanism.is_graph:
+        return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
+    edges = list(_edges(mechanism))
+    return _spanned(
+        _chains(edges, {mechanism.platform_link} if pose and mechanism.platform_link else set()), mechanism, kept, pose
+    )
+
+
+# --- limbs ---------------------------------------------------------------------------------------------------------
+
+
+def _limb_branches(mechanism: Mechanism) -> Iterator[Branch]:
+    """Limbs from the base to the platform; one that ends in rods carries its last link, from which the rods go on."""
+    for limb in mechanism.limbs:
+        if isinstance(limb, RodLimb):
+            yield Branch(limb.name, (BASE, PLATFORM), (_rod_of_limb(mechanism, limb),), ())
+            continue
+        prefix = "" if mechanism.serial else f"{limb.name}."
+        joints = tuple(Element(joint, f"{prefix}{joint.name}") for joint in limb.joints)
+        links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
+        if not limb.rods:
+            yield Branch(limb.name, (BASE, PLATFORM), joints, links)
+            continue
+        last = f"{limb.name}.{len(joints)}"
+        yield Branch(limb.name, (BASE, last), joints, links, carries=True)
+        for rod in _rods_of_limb(limb):
+            yield Branch(limb.name, (last, PLATFORM), (rod,), ())
+
+
+def _rod_of_limb(mechanism: Mechanism, limb: RodLimb) -> Element:
+    return Element(
+        Bar(
+            limb.name,
+            start=RodEnd(f"{limb.name}.base", tuple(limb.base)),
+            end=RodEnd(f"{limb.name}.platform", tuple(limb.platform), in_platform_frame=True),
+            path=limb.name,
+            offset=limb.offset,
+            coordinate=limb.coordinate(mechanism.reference_rod_value(limb)),
+            spins=limb.type == "SPS",
+        ),
+        limb.name,
+    )
+
+
+def _rods_of_limb(limb: Limb) -> Iterator[Element]:
+    for k, rod in enumerate(limb.rods, start=1):
+        path = f"{limb.name}.rod{k}"
+        end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
+        yield Element(Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length), path)
+
+
+# --- graphs --------------------------------------------------------------------------------------------------------
+
+
+def _edges(mechanism: Mechanism) -> Iterator[Branch]:
+    """Joints and rods as branches of one element each, limbs by their joints."""
+    for limb in mechanism.limbs:
+        first, last = limb.links
+        if isinstance(limb, RodLimb):
+            yield Branch(limb.name, (first, last), (_rod_of_limb(mechanism, limb),), ())
+            continue
+        inner = [f"{limb.name}.{k}" for k in range(1, len(limb.joints) + bool(limb.rods))]
+        links = [first, *inner, *([] if limb.rods else [last])]
+        for joint, a, b in zip(limb.joints, links[:-1], links[1:], strict=True):
+            yield Branch(limb.name, (a, b), (Element(joint, f"{limb.name}.{joint.name}"),), ())
+        for rod in _rods_of_limb(limb):
+            yield Branch(limb.name, (links[-1], last), (rod,), ())
+    for entry in mechanism.link_joints:
+        yield Branch(entry.joint.name, (entry.links[0], entry.links[1]), (Element(entry.joint, entry.joint.name),), ())
+    for link_rod in mechanism.link_rods:
+        yield Branch(link_rod.name, (link_rod.links[0], link_rod.links[1]), (_bar(link_rod),), ())
+
+
+def _bar(rod: LinkRod) -> Element:
+    bar = Bar(
+        rod.name,
+        start=RodEnd(f"{rod.name}.from", tuple(rod.start)),
+        end=RodEnd(f"{rod.name}.to", tuple(rod.end)),
+        path=rod.name,
+        length=rod.length,
+        offset=rod.offset,
+        coordinate=rod.coordinate if rod.actuated else None,
+    )
+    return Element(bar, rod.name)
+
+
+def _chains(edges: Sequence[Branch], wanted: set[str]) -> list[Branch]:
+    """Branches between bodies, joined from the edges at links of two joints."""
+    bodies = {BASE} | wanted
+    while True:
+        chains = _joined(edges, bodies)
+        # a link between the second and the third ball of a chain keeps nothing at a distance: it is a body
+        more = {link for chain in chains for link in _between_balls(chain)}
+        if not more:
+            return chains
+        bodies |= more
+
+
+def _joined(edges: Sequence[Branch], bodies: set[str]) -> list[Branch]:
+    at: dict[str, list[int]] = {}
+    for number, edge in enumerate(edges):
+        for link in edge.ends:
+            at.setdefault(link, []).append(number)
+    inner = {link for link, numbers in at.items() if len(numbers) == 2 and link not in bodies}
+    used: set[int] = set()
+    chains = []
+    for number in range(len(edges)):
+        if number in used:
+            continue
+        chain, own = _extended(number, edges, at, inner)
+        used |= own
+        chains.append(chain)
+    return chains
+
+
+def _extended(number: int, edges: Sequence[Branch], at: dict[str, list[int]], inner: set[str]) -> tuple[Branch, set[int]]:
+    """The chain to which an edge belongs, and the numbers of its edges."""
+    own = {number}
+    chain = edges[number]
+    for _ in range(2):
+        while chain.ends[1] in inner and chain.ends[1] != chain.ends[0]:
+            following = next((n for n in at[chain.ends[1]] if n not in own), None)
+            if following is None:
+                break
+            other = edges[following]
+            other = other if other.ends[0] == chain.ends[1] else other.reversed
+            chain = Branch(
+                chain.name,
+                (chain.ends[0], other.ends[1]),
+                chain.elements + other.elements,
+                (*chain.links, chain.ends[1], *other.links),
+            )
+            own.add(following)
+        chain = chain.reversed
+    return chain, own
+
+
+def _between_balls(chain: Branch) -> list[str]:
+    count, found = 0, []
+    for k, element in enumerate(chain.elements):
+        if count >= 2 and element.balls:
+            found.append(chain.links[k - 1])
+        count += element.balls
+    return found[:1]
+
+
+def _spanned(chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str], pose: bool) -> Layout:
+    """Which branches carry bodies: from the base outward, the one of fewest unknown freedoms first; a body that only balls and
+    rods reach floats, as the platform does whose pose is a coordinate."""
+    floating = [mechanism.platform_link] if pose and mechanism.platform_link else []
+    bodies = dict.fromkeys(link for chain in chains for link in chain.ends)
+    placed = {BASE, *floating}
+    carrying: dict[int, Branch] = {}
+    queue: list[tuple[int, int, bool]] = []
+
+    def offer(link: str) -> None:
+        for number, chain in enumerate(chains):
+            weight = _unknown_freedom(chain, kept)
+            if weight is None or number in carrying or link not in chain.ends:
+                continue
+            heapq.heappush(queue, (weight, number, chain.ends[0] == link))
+
+    for link in list(placed):
+        offer(link)
+    while True:
+        while queue:
+            weight, number, along = heapq.heappop(queue)
+            branch = chains[number] if along else chains[number].reversed
+            if branch.ends[1] in placed or number in carrying or weight > _POSE_FREEDOM:
+                continue
+            carrying[number] = replace(branch, carries=True)
+            placed.add(branch.ends[1])
+            offer(branch.ends[1])
+        left = [body for body in bodies if body not in placed]
+        if not left:
+            break
+        # the body that most branches hold to what is placed comes first
+        held = {body: sum(body in c.ends and bool(placed & set(c.ends)) for c in chains) for body in left}
+        body = max(left, key=lambda link: held[link])
+        floating.append(body)
+        placed.add(body)
+        offer(body)
+    order = _outward([carrying[n] for n in sorted(carrying)], {BASE, *floating})
+    closing = [chain for number, chain in enumerate(chains) if number not in carrying]
+    return Layout((*order, *(_from_base(chain, floating) for chain in closing)), tuple(floating))
+
+
+def _unknown_freedom(chain: Branch, kept: frozenset[str]) -> int | None:
+    """Freedoms of a branch whose values are not given, None where a ball or a rod keeps it from carrying a body."""
+    total = 0
+    for element in chain.elements:
+        if element.balls or not isinstance(element.part, Joint):
+            return None
+        total += sum(c.freedom for c in element.part.coordinates if c.name not in kept and c.role != "actuated")
+    return total
+
+
+def _outward(branches: Sequence[Branch], roots: set[str]) -> list[Branch]:
+    """Carrying branches such that each begins at a body that is placed already."""
+    placed, order, left = set(roots), [], list(branches)
+    while left:
+        following = next(b for b in left if b.ends[0] in placed)
+        left.remove(following)
+        placed.add(following.ends[1])
+        order.append(following)
+    return order
+
+
+def _from_base(chain: Branch, floating: Sequence[str]) -> Branch:
+    """A closing branch that ends on a floating body, if one of its ends is one, and begins at the base, if one is."""
+    first, last = chain.ends
+    turned = (first in floating and last not in floating) or (last == BASE and first != BASE and last not in floating)
+    return chain.reversed if turned else chain

@@ -1,0 +1,165 @@
+"""Describe links and joints as a graph: joints and rods between any two links, couplings of joints, points of links.
+
+Links have names and no other description: a link is what joints and rods name, and "base" is the one that is fixed. All points and
+axes are in the base frame at the reference configuration, so that every link's own frame is the base frame there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.errors import MechanismError
+from symkin.model.joint import Coordinate, Joint, finite, interval, link_pair, vector3
+from symkin.model.limb import coincide
+
+MOST_POWERS = 4
+"""Highest power of a joint that a coupling may hold, as in the equalities of MJCF."""
+
+
+@dataclass(frozen=True)
+class LinkJoint:
+    """A joint between two links; its coordinate moves the second relative to the first.
+
+    >>> import symkin
+    >>> crank = symkin.Joint("crank", "R", [0, 0, 0], [0, 0, 1], actuated=True)
+    >>> symkin.LinkJoint(crank, ["base", "arm"]).links
+    ('base', 'arm')
+
+    Raises MechanismError for links that are not two.
+    """
+
+    joint: Joint
+    links: Sequence[str]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "links", link_pair(self.links, f"joint {self.joint.name!r}"))
+
+
+@dataclass(frozen=True)
+class LinkRod:
+    """A rod with spherical ends between two links: |end point - start point| = length, or = offset + value where it is actuated.
+
+    `start` (3 numbers) is on the first of the `links`, `end` on the second, both in the base frame at the reference
+    configuration; `length` (length unit) is that at the reference where it is not given. The coordinate `value` of an actuated
+    rod has its name; `limits` (low, high) are a range of it. Raises MechanismError for numbers that are not finite, a length
+    that is not positive, and keys that do not go together.
+
+    >>> import symkin
+    >>> rod = symkin.LinkRod("pushrod", ["arm", "foot"], start=[0, 0, 0], end=[0, 0, -120])
+    >>> rod.reference_length
+    120.0
+    """
+
+    name: str
+    links: Sequence[str]
+    start: Sequence[float]
+    end: Sequence[float]
+    length: float | None = None
+    actuated: bool = False
+    offset: float = 0.0
+    limits: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        where = f"rod {self.name!r}"
+        object.__setattr__(self, "links", link_pair(self.links, where))
+        object.__setattr__(self, "start", vector3(self.start, f"{where}: from"))
+        object.__setattr__(self, "end", vector3(self.end, f"{where}: to"))
+        object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))
+        object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
+        if self.length is not None:
+            object.__setattr__(self, "length", finite(self.length, f"{where}: length"))
+        self._check(where)
+
+    def _check(self, where: str) -> None:
+        if self.actuated and self.length is not None:
+            raise MechanismError(f"{where}: length is that of a rod that does not change; an actuated one has `offset`")
+        if not self.actuated and (self.offset != 0.0 or self.limits is not None):
+            raise MechanismError(f"{where}: offset and limits are those of an actuated rod; give `length`, or actuated = true")
+        if self.length is not None and self.length <= 0.0:
+            raise MechanismError(f"{where}: length = {self.length!r} must be positive")
+        if self.length is None and not self.actuated and coincide(self.start, self.end):
+            raise MechanismError(f"{where}: its ends lie at one point at the reference; a rod has a length")
+
+    @property
+    def reference_length(self) -> float:
+        """Distance of the ends at the reference."""
+        return float(np.linalg.norm(np.subtract(self.end, self.start)))
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The coordinate of an actuated rod."""
+        limits = None if self.limits is None else (self.limits[0], self.limits[1])
+        reference = self.reference_length - self.offset
+        return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A gear, a belt, a differential: joint = sum of factor x other joint + offset; or a polynomial of one other joint.
+
+    `of` maps names of coordinates to factors, `offset` is added; or `of` is one name and `polynomial` its coefficients
+    c0 + c1 q + c2 q^2 + ..., at most of degree 4. Coordinates are in radians and the length unit. Raises MechanismError for a
+    coupling of a joint to itself and for keys that do not go together.
+
+    >>> import symkin
+    >>> symkin.Coupling("finger2", {"finger1": -1.0}).terms
+    (('finger1', -1.0),)
+    """
+
+    joint: str
+    of: Mapping[str, float] | str | Sequence[tuple[str, float]]
+    offset: float = 0.0
+    polynomial: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        where = f"coupling of {self.joint!r}"
+        object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))
+        if isinstance(self.of, str):
+            self._check_polynomial(where)
+        else:
+            pairs = self.of.items() if isinstance(self.of, Mapping) else self.of
+            terms = tuple((name, finite(factor, f"{where}: of.{name}")) for name, factor in pairs)
+            object.__setattr__(self, "of", terms)
+            if self.polynomial is not None:
+                raise MechanismError(f"{where}: polynomial needs one joint, as in of = 'finger1'")
+            if not terms:
+                raise MechanismError(f"{where}: of names no joint; give factors, as in of = {{ finger1 = -1.0 }}")
+        if self.joint in self.names:
+            raise MechanismError(f"{where}: of names the joint itself; a joint is coupled to others")
+
+    def _check_polynomial(self, where: str) -> None:
+        if self.polynomial is None:
+            raise MechanismError(f"{where}: of = {self.of!r} needs polynomial, or factors as in of = {{ {self.of} = -1.0 }}")
+        if self.offset != 0.0:
+            raise MechanismError(f"{where}: a polynomial has its offset as the first coefficient")
+        coefficients = tuple(finite(c, f"{where}: polynomial[{k}]") for k, c in enumerate(self.polynomial))
+        if not 2 <= len(coefficients) <= MOST_POWERS + 1:
+            raise MechanismError(
+                f"{where}: polynomial has {len(coefficients)} coefficients; 2 to {MOST_POWERS + 1} are needed, from c0 on"
+            )
+        object.__setattr__(self, "polynomial", coefficients)
+
+    @property
+    def terms(self) -> tuple[tuple[str, float], ...]:
+        """Names and factors of a linear coupling; none of a polynomial one."""
+        return () if isinstance(self.of, str) else self.of  # type: ignore[return-value]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The coordinates on which the joint depends."""
+        return (self.of,) if isinstance(self.of, str) else tuple(name for name, _ in self.terms)
+
+
+@dataclass(frozen=True)
+class LinkPoint:
+    """A point of a link, by name: in the base frame at the reference configuration."""
+
+    link: str
+    name: str
+    point: Sequence[float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "point", vector3(self.point, f"link {self.link!r}: points.{self.name}"))

@@ -1,0 +1,112 @@
+"""Refuse graphs of links that cannot be right: links that nothing holds, couplings in a circle, names that nothing has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from typing import Protocol
+
+from symkin.errors import MechanismError
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
+from symkin.model.joint import BASE, Coordinate, Joint
+from symkin.model.limb import Limb, RodLimb
+from symkin.model.names import check_name
+
+
+class Graph(Protocol):
+    """What is asked of a mechanism: that class checks itself, so that this module cannot import it."""
+
+    @property
+    def limbs(self) -> Sequence[Limb | RodLimb]: ...
+    @property
+    def link_joints(self) -> Sequence[LinkJoint]: ...
+    @property
+    def link_rods(self) -> Sequence[LinkRod]: ...
+    @property
+    def couplings(self) -> Sequence[Coupling]: ...
+    @property
+    def link_points(self) -> Sequence[LinkPoint]: ...
+    @property
+    def platform_link(self) -> str | None: ...
+    @property
+    def all_joints(self) -> Iterator[Joint]: ...
+    @property
+    def actuated(self) -> tuple[Coordinate, ...]: ...
+
+
+def links_of(graph: Graph) -> tuple[str, ...]:
+    """The links by name, the base first; those within limbs have no names."""
+    pairs = [tuple(entry.links) for entry in (*graph.link_joints, *graph.link_rods, *graph.limbs)]
+    return tuple(dict.fromkeys([BASE, *(link for pair in pairs for link in pair)]))
+
+
+def check_graph(graph: Graph) -> None:
+    """Raise MechanismError where the description contradicts itself."""
+    links = links_of(graph)
+    for link in links:
+        check_name(link, "link")
+    _check_held(graph, links)
+    if graph.platform_link is not None:
+        if graph.platform_link == BASE:
+            raise MechanismError("platform.link = 'base'; the base does not move, name the link whose pose is wanted")
+        _check_known(graph.platform_link, links, "platform.link", "links")
+    for point in graph.link_points:
+        _check_known(point.link, links, "link", "links")
+        check_name(point.name, f"link {point.link!r}: points")
+    names = [point.name for point in graph.link_points]
+    for name in names:
+        if names.count(name) > 1:
+            raise MechanismError(f"two points are named {name!r}; names must be unique in the file")
+    _check_couplings(graph)
+
+
+def _check_held(graph: Graph, links: Sequence[str]) -> None:
+    """Every link is joined to the base, if over others."""
+    pairs = [tuple(entry.links) for entry in (*graph.link_joints, *graph.link_rods, *graph.limbs)]
+    reached, grown = {BASE}, True
+    while grown:
+        more = {link for pair in pairs if reached & set(pair) for link in pair}
+        grown = not more <= reached
+        reached |= more
+    lost = [link for link in links if link not in reached]
+    if len(reached) == 1:
+        raise MechanismError("no joint or rod names the link 'base'; the fixed link has that name")
+    if lost:
+        raise MechanismError(
+            f"link {lost[0]!r}: nothing holds it to the base{f', nor {len(lost) - 1} more' if len(lost) > 1 else ''}; join it by a "
+            "joint or rod to a link that is held"
+        )
+
+
+def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None:
+    if name not in known:
+        near = get_close_matches(name, known, 1)
+        guess = f"{near[0]}? " if near else ""
+        raise MechanismError(f"{where} = {name!r} is unknown: {guess}{what} are {', '.join(known)}")
+
+
+def _check_couplings(graph: Graph) -> None:
+    coordinates = {c.name: c for joint in graph.all_joints for c in joint.coordinates} | {c.name: c for c in graph.actuated}
+    known = [name for name, c in coordinates.items() if c.kind != "quaternion"]
+    depends: dict[str, tuple[str, ...]] = {}
+    for coupling in graph.couplings:
+        where = f"coupling of {coupling.joint!r}"
+        _check_known(coupling.joint, known, "coupling: joint", "coordinates")
+        for name in coupling.names:
+            _check_known(name, known, f"{where}: of", "coordinates")
+        if coupling.joint in depends:
+            raise MechanismError(f"{where} stands twice; a joint is coupled once, to any number of others")
+        depends[coupling.joint] = coupling.names
+    for name in depends:
+        _check_circle(name, depends)
+
+
+def _check_circle(begin: str, depends: dict[str, tuple[str, ...]]) -> None:
+    path, todo = {begin}, list(depends[begin])
+    while todo:
+        name = todo.pop()
+        if name == begin:
+            raise MechanismError(f"coupling of {begin!r}: the couplings run in a circle back to it; leave one of them out")
+        if name in depends and name not in path:
+            path.add(name)
+            todo.extend(depends[name])
