@@ -149,6 +149,19 @@ Side = Chain | PlatformSide
 """Where a link is: joints from the base, or from a body that floats."""
 
 
+def relative_sides(first: Side, last: Side) -> tuple[Side, Side]:
+    """Both sides as seen from the last link that they have in common: what moves that link moves both, and no row between them.
+    Sides that do not both begin at the base stay as they are."""
+    if not (isinstance(first, Chain) and isinstance(last, Chain)):
+        return first, last
+    shared = 0
+    for a, b in zip(first.steps, last.steps, strict=False):
+        if a is not b:
+            break
+        shared += 1
+    return Chain(first.steps[shared:]), Chain(last.steps[shared:])
+
+
 @dataclass(frozen=True)
 class JointSymbols:
     """Geometry of one joint as expressions of its parameters."""

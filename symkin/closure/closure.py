@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.closure.rows import PoseForm, ReplacedUniversalJoint, Row, RowBuilder
+from symkin.closure.rows import ALL_JOINTS, Partition, PoseForm, ReplacedUniversalJoint, Row, RowBuilder
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -30,6 +30,7 @@ class Closure:
     """
 
     mechanism: Mechanism
+    partition: Partition
     coordinates: tuple[Coordinate, ...]
     variables: ca.SX
     parameters: ca.SX
@@ -70,7 +71,7 @@ class Closure:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism: symbols and functions stay in their process and are built anew from it."""
-        return build_closure, (self.mechanism,)
+        return build_closure, (self.mechanism, self.partition)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +96,14 @@ class AlgebraicClosure:
     replaced_universal_joints: tuple[ReplacedUniversalJoint, ...]
 
 
+def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Closure:
+    """The closure of a mechanism, for what is given; mechanisms are frozen, so that it is built once for each."""
+    return _closure(mechanism, partition)
+
+
 @lru_cache(maxsize=128)
-def build_closure(mechanism: Mechanism) -> Closure:
-    """The closure of a mechanism; mechanisms are frozen, so that it is built once for each."""
-    builder = RowBuilder(mechanism)
+def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
+    builder = RowBuilder(mechanism, partition=partition)
     builder.build_rows()
     return _assemble(builder)
 
@@ -106,7 +111,7 @@ def build_closure(mechanism: Mechanism) -> Closure:
 def numbered_rows(closure: Closure) -> ca.SX:
     """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point
     at 1e-14, an axis off by 1e-17) are where they are meant to be."""
-    builder = RowBuilder(closure.mechanism, bound=True)
+    builder = RowBuilder(closure.mechanism, bound=True, partition=closure.partition)
     builder.build_rows()
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
     kept = _nonzero_rows(builder, closure.coordinates, variables, ca.SX(0, 1), np.zeros(0))
@@ -130,7 +135,7 @@ def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool, re
 
 
 def _assemble(builder: RowBuilder) -> Closure:
-    order = {"actuated": 0, "passive": 1, "pose": 2}
+    order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "given": 4}
     pairs = sorted(builder.coordinates.values(), key=lambda pair: order[pair[0].role])
     actuated = {c.name: k for k, c in enumerate(builder.mechanism.actuated)}
     in_file_order = sorted((p for p in pairs if p[0].role == "actuated"), key=lambda p: actuated[p[0].name])
@@ -141,6 +146,7 @@ def _assemble(builder: RowBuilder) -> Closure:
     kept = _nonzero_rows(builder, coordinates, variables, symbols, values)
     return Closure(
         mechanism=builder.mechanism,
+        partition=builder.partition,
         coordinates=coordinates,
         variables=variables,
         parameters=symbols,
@@ -178,9 +184,10 @@ def _without_unused(builder: RowBuilder, names: Sequence[str]) -> ca.SX:
 def _nonzero_rows(
     builder: RowBuilder, coordinates: Sequence[Coordinate], variables: ca.SX, symbols: ca.SX, values: np.ndarray
 ) -> tuple[int, ...]:
-    """Numbers of the rows that a restricted motion leaves: those that vanish identically at the nominal geometry are dropped."""
+    """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical: those that vanish identically at
+    the nominal geometry are dropped."""
     rows = ca.vertcat(*builder.rows)
-    if builder.mechanism.motion == "spatial":
+    if builder.mechanism.motion == "spatial" and not builder.mechanism.is_graph:
         return tuple(range(rows.shape[0]))
     evaluate = ca.Function("rows", [variables, symbols], [rows])
     rng = np.random.default_rng(0)

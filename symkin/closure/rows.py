@@ -19,10 +19,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import Bar, Branch, Element, layout_of
-from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, Step
+from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, Step, relative_sides
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, UnitPose
 from symkin.closure.snapping import snapped_constants
+from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
 from symkin.model.dh import reference_frames
 from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
@@ -60,12 +61,17 @@ class ReplacedUniversalJoint:
 @dataclass(frozen=True)
 class Partition:
     """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether the platform of a graph has
-    pose coordinates. Any closure holds the actuated joints and those that couplings name."""
+    pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one (see `POSE_CONDITIONS`), as variables
+    with rows of their own. Any closure holds the actuated joints and those that couplings name."""
 
     kept: frozenset[str] = frozenset()
     pose: bool = False
+    pose_conditions: tuple[str, ...] = ()
 
 
+POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
+"""Coordinates of the platform's pose that are given one by one: position, and the rotation Rz(azimuth) Ry(tilt) Rz(torsion -
+azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J. Mech. Des. 124, 2002)."""
 ALL_JOINTS = Partition()
 """No more than any closure holds."""
 
@@ -127,6 +133,7 @@ class RowBuilder:
                 self._close(branch)
         self._couple()
         self._place_platform()
+        self._condition_pose()
 
     # --- geometry and pose ---------------------------------------------------------------------------------------
 
@@ -233,6 +240,20 @@ class RowBuilder:
             return
         side = self._link(platform)
         self.pose = Pose(side.move(self.reference.position), multiply(side.quaternion, self.reference.quaternion))
+
+    def _condition_pose(self) -> None:
+        """Rows for the coordinates of the pose that are given one by one."""
+        names = self.partition.pose_conditions
+        if not names:
+            return
+        reference, size = self.mechanism.reference_pose, self.mechanism.characteristic_length
+        angles = tilt_and_torsion(np.asarray(reference.quaternion))
+        nominal = dict(zip(POSE_CONDITIONS, (*np.asarray(reference.position).tolist(), *angles), strict=True))
+        values = {n: self._symbol(Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))) for n in names}
+        rows = [values[n] - self.pose.position["xyz".index(n)] for n in names if n in "xyz"]
+        turns, checks = rotation_conditions(self.pose.quaternion, values)
+        rows, checks = [*rows, *(size * row for row in turns)], [*rows, *(size * check for check in checks)]
+        self._add("platform", "given", rows, checks)
 
     def _link(self, link: str) -> Side:
         """Where a link is; one within a branch is placed from the branch's first body."""
@@ -344,8 +365,7 @@ class RowBuilder:
         if cut is None:
             self._none_cut(branch)
             return
-        base = self._from_first(branch, cut)
-        platform = self._from_last(branch, cut + 1)
+        base, platform = relative_sides(self._from_first(branch, cut), self._from_last(branch, cut + 1))
         self._cut(branch.name, elements[cut], base, platform)
         if eliminated:
             self.eliminated.append(_angle_of_cut(self.joints[elements[cut].name], base, platform))
@@ -357,7 +377,7 @@ class RowBuilder:
         bar = element.part
         assert isinstance(bar, Bar)  # noqa: S101 - the caller has asked
         first, last = (bar.start, bar.end) if element.along else (bar.end, bar.start)
-        sides = self._from_first(branch, k), self._from_last(branch, k + 1)
+        sides = relative_sides(self._from_first(branch, k), self._from_last(branch, k + 1))
         points = tuple(
             _Point(side, self.table.vector(end.path, end.point), end.in_platform_frame, self.reference)
             for side, end in zip(sides, (first, last), strict=True)
@@ -379,7 +399,7 @@ class RowBuilder:
         symbols = [self.joints[branch.elements[k].name] for k in (first, last)]
         base = self._from_first(branch, first)
         between = Chain(self._steps(branch.elements[first + 1 : last])).move(symbols[1].point) - symbols[0].point
-        platform = self._from_last(branch, last + 1)
+        base, platform = relative_sides(base, self._from_last(branch, last + 1))
         squared = dot(between, between)
         ends = _Point(base, symbols[0].point), _Point(platform, symbols[1].point)
         self._distance_between(branch.name, ends, ca.sqrt(squared), squared)
@@ -409,7 +429,7 @@ class RowBuilder:
 
     def _none_cut(self, branch: Branch) -> None:
         """A branch that would carry its last body, which is placed already: both say the same frame."""
-        base, platform = self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]]
+        base, platform = relative_sides(self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]])
         size, origin = self.mechanism.characteristic_length, self.reference.position
         gap = base.weight * platform.move(origin) - platform.weight * base.move(origin)
         e = multiply(conjugate(base.quaternion), platform.quaternion)

@@ -1,6 +1,6 @@
 """A position problem: a partition of the closure's variables into known and unknown.
 
-direct: known q, unknown (x, X); inverse: known X, unknown (q, x).
+direct: known q, unknown (x, X); inverse: known X, unknown (q, x); given: any coordinates known, by name.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, random_values
+from symkin.closure.rows import ALL_JOINTS, POSE_CONDITIONS, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 
-Kind = Literal["direct", "inverse"]
+Kind = Literal["direct", "inverse", "given"]
 KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
-"""Role of the known coordinates; all others are unknown."""
+"""Role of the known coordinates; all others are unknown. Those of a "given" problem have names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +32,11 @@ class Problem:
     closure: Closure
     kind: Kind
     system: System
+    known_coordinates: tuple[Coordinate, ...]
 
     @property
     def mechanism(self) -> Mechanism:
         return self.closure.mechanism
-
-    @cached_property
-    def known_coordinates(self) -> tuple[Coordinate, ...]:
-        return self.closure.role(KNOWN[self.kind])
 
     @cached_property
     def blocks(self) -> tuple[System, ...]:
@@ -51,7 +49,7 @@ class Problem:
     def _together(self) -> list[set[int]]:
         """Places of unknowns that make one part whatever the rows hold."""
         unknowns = self.system.unknowns
-        if any(c.role == "pose" and c.kind == "quaternion" for c in unknowns):
+        if self.kind == "given" or any(c.role == "pose" and c.kind == "quaternion" for c in unknowns):
             return [set(range(len(unknowns)))]
         whole = {row.limb for row in self.closure.row_sources if row.relation == "frame"}
         owners = {c.name: limb.name for limb, joint in self.mechanism.joints for c in joint.coordinates}
@@ -123,23 +121,44 @@ class Problem:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
-        return build_problem, (self.mechanism, self.kind)
+        names = tuple(c.name for c in self.known_coordinates) if self.kind == "given" else ()
+        return build_problem, (self.mechanism, self.kind, names)
+
+
+def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = ()) -> Problem:
+    """The problem of a mechanism; built once for each mechanism and kind. `names` are the known coordinates of a "given" one, in
+    the order of their values."""
+    return _problem(mechanism, kind, names)
 
 
 @lru_cache(maxsize=128)
-def build_problem(mechanism: Mechanism, kind: Kind) -> Problem:
-    """The problem of a mechanism; built once for each mechanism and kind."""
-    closure = build_closure(mechanism)
-    unknowns = tuple(c for c in closure.coordinates if c.role != KNOWN[kind])
+def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Problem:
+    closure = build_closure(mechanism, _partition(mechanism, kind, names))
+    if kind == "given":
+        named = {c.name: c for c in closure.coordinates}
+        known = tuple(named[name] for name in names)
+    else:
+        known = closure.role(KNOWN[kind])
+    unknowns = tuple(c for c in closure.coordinates if c not in known)
     system = System(
         unknowns,
         _stack(closure, unknowns),
-        _stack(closure, closure.role(KNOWN[kind])),
+        _stack(closure, known),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
     )
-    return Problem(closure, kind, system)
+    return Problem(closure, kind, system, known)
+
+
+def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Partition:
+    """What the closure must hold for the known coordinates."""
+    if not mechanism.is_graph and kind != "given":
+        return ALL_JOINTS
+    joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
+    conditions = tuple(name for name in POSE_CONDITIONS if name in names and name not in joints)
+    whole = kind == "inverse" or any(name.startswith("pose.") for name in names)
+    return Partition(frozenset(names) & joints, pose=whole, pose_conditions=conditions)
 
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:

@@ -1,0 +1,184 @@
+"""Decompose a problem into structure groups: parts that are solved one after another (Assur groups).
+
+The rows' derivatives at random points show which rows hold which unknowns; at closed configurations such a derivative may vanish
+because of the assembly (the bar of a parallelogram stays level). Of each branch's rows a set is kept that is independent at generic
+closed configurations; Dulmage and Mendelsohn's decomposition of what is left, a matching of rows and unknowns and the strongly
+connected components of the graph that it makes, is the block triangular form. In kinematics its blocks are Assur groups. All rows
+of a block, redundant ones included, go with it.
+
+Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian J. Math. 10 (1958) 517-534.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.closure import random_values
+from symkin.computed_once import lru_cache
+from symkin.model.joint import Coordinate
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.mobility import closed_configurations
+from symkin.position.problem import Problem
+
+_POINTS = 3
+"""Random points at which derivatives are looked at: one that vanishes at all of them is zero."""
+_ZERO = 1e-9
+"""Derivative, over the largest of its row, that is zero to rounding."""
+
+
+@lru_cache(maxsize=128)
+def structure_groups(problem: Problem) -> tuple[Problem, ...]:
+    """The parts of a problem in the order of their solution, each a problem of its own: unknown are its coordinates, known those
+    of the given ones and of earlier parts that its rows hold."""
+    parts = _parts(problem)
+    found: list[Problem] = []
+    for places in parts:
+        unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
+        earlier = tuple(c for part in found for c in part.system.unknowns)
+        found.append(_part(problem, unknowns, earlier))
+    return tuple(found)
+
+
+def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coordinate, ...]) -> Problem:
+    closure = problem.closure
+    stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
+    allowed = {c.name for c in (*unknowns, *earlier, *problem.known_coordinates)}
+    rows = _rows_of(problem.system.rows, problem, unknowns, allowed)
+    errors = _rows_of(problem.system.errors, problem, unknowns, allowed)
+    held = ca.vertcat(rows, errors)
+    known = tuple(
+        c for c in (*problem.known_coordinates, *earlier) if ca.which_depends(held, stacked[c.name], 1, True).count(True)
+    )
+    system = System(
+        unknowns,
+        ca.vertcat(*(stacked[c.name] for c in unknowns)),
+        ca.vertcat(ca.SX(0, 1), *(stacked[c.name] for c in known)),
+        rows,
+        errors,
+        closure.characteristic_length,
+    )
+    return replace(problem, kind="given", system=system, known_coordinates=known)
+
+
+def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> ca.SX:
+    """The rows that hold some of the unknowns and nothing that is found later."""
+    closure, rng = problem.closure, np.random.default_rng(0)
+    values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
+    jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
+    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0)
+    holds = sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300)
+    own = {c.name for c in unknowns}
+    kept = []
+    for k, line in enumerate(holds):
+        held = {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
+        if held & own and held <= allowed:
+            kept.append(k)
+    return rows[kept, 0]
+
+
+def _parts(problem: Problem) -> list[set[int]]:
+    """Places of unknowns, part by part in the order of solution; one part where the rows leave unknowns free."""
+    system = problem.system
+    columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
+    independent = _independent_rows(problem, _closed_jacobian(problem))
+    if len(independent) != system.freedom:
+        return [set(range(len(system.unknowns)))]
+    holds = _pattern(problem)[independent]
+    match = _matching(holds)
+    if match is None:
+        return [set(range(len(system.unknowns)))]
+    after = [{int(columns[j]) for j in np.flatnonzero(holds[match[column]])} for column in range(system.freedom)]
+    needs: list[set[int]] = [set() for _ in system.unknowns]
+    for column, others in enumerate(after):
+        needs[int(columns[column])] |= others
+    return _components(needs)
+
+
+def _closed_jacobian(problem: Problem) -> np.ndarray:
+    """dF/dd (rows, freedoms) at a generic closed configuration, that of highest rank."""
+    values = np.array(closed_configurations(problem.closure, 0))
+    jacobians = problem.system.linearise(values[:, problem.unknown_places], values[:, problem.known_places])[1]
+    return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
+
+
+def _pattern(problem: Problem) -> np.ndarray:
+    """Which rows hold which freedoms of the unknowns (rows, freedoms)."""
+    closure, rng = problem.closure, np.random.default_rng(0)
+    values = np.array([random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)])
+    jacobians = np.abs(problem.system.linearise(values[:, problem.unknown_places], values[:, problem.known_places])[1])
+    largest = jacobians.max(axis=2, keepdims=True, initial=0.0)
+    return np.asarray((jacobians > _ZERO * np.where(largest > 0.0, largest, 1.0)).any(axis=0))
+
+
+def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
+    """Rows that span all of them, taken branch by branch, those of few unknowns first."""
+    sources = [f"{row.limb}" for row in problem.closure.row_sources]
+    groups: dict[str, list[int]] = {}
+    for k, name in enumerate(sources):
+        groups.setdefault(name, []).append(k)
+    width = {name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()}
+    basis, kept = np.zeros((0, jacobian.shape[1])), []
+    largest = float(np.linalg.norm(jacobian, 2)) or 1.0
+    for name in sorted(groups, key=lambda n: width[n]):
+        left = {k: jacobian[k] - basis.T @ (basis @ jacobian[k]) for k in groups[name]}
+        while left:
+            best = max(left, key=lambda k: float(np.linalg.norm(left[k])))
+            length = float(np.linalg.norm(left[best]))
+            if length <= RANK_TOLERANCE * largest:
+                break
+            unit = left.pop(best) / length
+            unit -= basis.T @ (basis @ unit)
+            unit /= np.linalg.norm(unit)
+            basis, kept = np.vstack([basis, unit]), [*kept, best]
+            left = {k: row - unit * (unit @ row) for k, row in left.items()}
+    return np.array(sorted(kept), dtype=int)
+
+
+def _matching(holds: np.ndarray) -> list[int] | None:
+    """A row for each column (augmenting paths), None where there is none."""
+    row_of: list[int] = [-1] * holds.shape[1]
+
+    def augment(row: int, seen: set[int]) -> bool:
+        for column in np.flatnonzero(holds[row]).tolist():
+            if column in seen:
+                continue
+            seen.add(column)
+            if row_of[column] < 0 or augment(row_of[column], seen):
+                row_of[column] = row
+                return True
+        return False
+
+    return row_of if all(augment(row, set()) for row in range(holds.shape[0])) else None
+
+
+def _components(needs: list[set[int]]) -> list[set[int]]:
+    """Strongly connected components (Tarjan 1972), each after those that it needs."""
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    found: list[set[int]] = []
+
+    def visit(v: int) -> None:
+        index[v] = low[v] = len(index)
+        stack.append(v)
+        for w in sorted(needs[v]):
+            if w not in index:
+                visit(w)
+                low[v] = min(low[v], low[w])
+            elif w in stack:
+                low[v] = min(low[v], index[w])
+        if low[v] == index[v]:
+            part: set[int] = set()
+            while v not in part:
+                part.add(stack.pop())
+            found.append(part)
+
+    for v in range(len(needs)):
+        if v not in index:
+            visit(v)
+    return found
