@@ -106,7 +106,7 @@ def report_map(report: Report, platform: symkin.Mechanism, number: int, starts: 
     report.row(f"numbers of real modes on the grid of {number} x {number}", None, values.tolist())
     report.row("share of the grid with each", None, (100.0 * shares / counts.size).round(2).tolist(), "%")
     report.row("curves of type 2, largest row of their equations over the size", None,
-               [len(loci.of("type 2")), max(c.largest_row for c in loci.curves) / platform.size])  # fmt: skip
+               [len(loci.of("type 2")), max(c.largest_row for c in loci.curves) / platform.characteristic_length])  # fmt: skip
     for curve in loci.curves:
         for cusp in curve.cusps:
             report.row("cusp of the locus, where three modes meet", None, cusp.tolist(), "mm")

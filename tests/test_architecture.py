@@ -128,6 +128,7 @@ def named_functions() -> list[tuple[str, str]]:
     return re.findall(r"`([\w/]+\.py)`: `([\w.]+)`", PAGE.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "name"), named_functions())
 def test_functions_on_the_page_exist(path: str, name: str) -> None:
     tree = ast.parse((PACKAGE / path).read_text(encoding="utf-8"))

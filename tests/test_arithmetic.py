@@ -143,6 +143,7 @@ def test_written_numbers_are_pythons(number):
     assert written_number(f" {number!r} ", "rad") == number
 
 
+@pytest.mark.slow
 @given(st.text(max_size=30) | st.text("0123456789.+-*/^() sincota", max_size=30))
 def test_any_text_has_a_value_or_a_message(text):
     """No other exception leaves, whatever the text."""

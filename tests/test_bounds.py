@@ -44,6 +44,7 @@ def test_forty_modes_are_proved():
     assert set(certificates.real) == {"real"}
 
 
+@pytest.mark.slow
 def test_what_is_short_of_the_bound_is_not_proved():
     """39 of 40 roots, 40 with one of them twice, a root left undecided or uncertified, or another system: no proof."""
     problem, system, k, z = case("dietmaier")

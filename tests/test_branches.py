@@ -82,6 +82,7 @@ def test_rods_and_universal_joints_give_the_same_poses():
     np.testing.assert_allclose(heights[0], heights[1], atol=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_rotary_hexapod_is_complete():
     """Six limbs R U S: every mode closes, the reference is among them, no path is unresolved."""

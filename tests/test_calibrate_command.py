@@ -68,6 +68,7 @@ def relative_error(mechanism, true):
     return worst
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_plan_is_simulated_and_fitted(capsys, tmp_path):
     """The plan's file has what it expects in comments and goes through simulate to a believable fit in joint frames."""
@@ -129,6 +130,7 @@ def level(rows):
     del rows[4:]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
@@ -166,6 +168,7 @@ def test_a_fit_that_can_be_used_has_a_pose_sigma(capsys, tmp_path, data):
     assert "poses in aligned frames" in said
 
 
+@pytest.mark.slow
 def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
     """Groups are there but only one posture closes: the sentence says so, and not that nothing was read."""
 
@@ -180,6 +183,7 @@ def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
     assert "no reading beside" not in said + complaint
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("sigma", [True, False], ids=["sigma known", "sigma unknown"])
 def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
@@ -222,6 +226,7 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
     assert "39 of 40 postures" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [

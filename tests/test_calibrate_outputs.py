@@ -48,6 +48,7 @@ def test_a_file_of_the_users_is_kept(capsys, folder, command):
     assert (folder / "made.csv").read_text() != "mine"
 
 
+@pytest.mark.slow
 def test_a_file_is_replaced_only_as_it_was_written(capsys, folder):
     """symkin's own file is written again, its digest beside it; edited since, it is named and kept; --force replaces it."""
     made = folder / "made.csv"
@@ -64,6 +65,7 @@ def test_a_file_is_replaced_only_as_it_was_written(capsys, folder):
     assert b"mine" not in made.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["report.md", "ren2008.toml", "pose_sigma.png", "manifest.json"])
 def test_a_folder_with_a_file_of_the_users_is_kept(capsys, folder, name):
     """Each of the names: a sentence with it, before anything is computed, and nothing is written; --force replaces it."""
@@ -76,6 +78,7 @@ def test_a_folder_with_a_file_of_the_users_is_kept(capsys, folder, name):
     assert contents(out) == {name: b"mine"}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
     """Written again as it is, other files stay; an edited file is named and nothing changes, also where the new fit would not be
@@ -99,6 +102,7 @@ def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
     assert "holds the calibration of 'ren2008'" in err
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     """Where the disk is full after some files, the same command writes the folder, the file, once there is room."""
@@ -120,6 +124,7 @@ def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     assert run(capsys, *FIT)[0] == 0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_an_unusable_fit_leaves_is_still_its_own(capsys, folder):
     """The mechanism of an earlier fit stays when a later one cannot be used, and is replaced by the next that can."""

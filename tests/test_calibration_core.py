@@ -81,6 +81,7 @@ def test_methods_agree(form):
         assert np.max(np.abs(np.subtract(list(fit.values.values()), list(fits[0].values.values())))) < 1e-11
 
 
+@pytest.mark.slow
 def test_ipopt_alone_reaches_the_minimum():
     """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved the same program."""
     from symkin.calibration.estimate.lifted import build_program
@@ -275,6 +276,7 @@ def test_least_change_is_a_rigid_motion_of_the_fit_in_joint_frames():
 # --- honesty -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_postures_that_cannot_be_solved_are_named():
     """Joint readings that no pose of the mechanism has are reported, and the other postures give the exact geometry."""
     rng = np.random.default_rng(15)

@@ -187,6 +187,7 @@ def test_every_sequence_is_named_and_different():
     assert all(s[0] != s[1] != s[2] for s in SEQUENCES)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(("sequence", "rows"), [("YXZ", 600), ("zyz", 60)])
 def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):

@@ -57,6 +57,7 @@ def quiet(mechanism):
     return Noise(lengths=1e-6 * size, angles=np.radians(1e-3), position=1e-5 * size, orientation=np.radians(1e-3))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("hold", [None, "*.axis.*"])
 def test_rps_platforms_are_calibrated(tmp_path, hold):
@@ -71,6 +72,7 @@ def test_rps_platforms_are_calibrated(tmp_path, hold):
         assert np.median(report.sigma.position) < 5e-5 * mechanism.characteristic_length
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_an_overconstrained_five_bar_is_calibrated(tmp_path):
     """All parameters of a closure with rows left over, two seeds: converged, its rows met to rounding, chi-square as expected."""
@@ -84,6 +86,7 @@ def test_an_overconstrained_five_bar_is_calibrated(tmp_path):
         assert np.max(np.abs(report.fit.state.leftover[0])) < 1e-10 * mechanism.characteristic_length
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("build", "readings"), [(three_rps, "pose"), (five_bar, "position")])
 def test_without_noise_the_iteration_goes_on_to_rounding(build, readings):
     """Exact readings of the nominal geometry: residuals of rounding, no parameter moved."""

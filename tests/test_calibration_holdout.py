@@ -76,6 +76,7 @@ def fit(folder, data, *options):
     return ended.value.code or 0, json.loads((folder / "out" / "report.json").read_text())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
 def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):

@@ -40,6 +40,7 @@ def fitted(case, residual, method):
     return calibrate(mechanism, data, residual=residual, method=method)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "residual", "method"),

@@ -41,6 +41,7 @@ def built(base, platform, rng, spread=1.0):
     return tuple(t + rng.uniform(-spread, spread, t.shape) for t in (base, platform))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("columns", "words"),

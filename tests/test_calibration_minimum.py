@@ -36,6 +36,7 @@ def projected_gradient(mechanism, data):
     return np.linalg.norm(left[:, singular > 1e-6].T @ gap)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):

@@ -96,6 +96,7 @@ def test_too_many_gross_errors_are_refused(logged):
     assert not fit.believable
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["huber", "cauchy"])
 def test_robust_losses_keep_to_the_majority(capsys, tmp_path, logged, loss):

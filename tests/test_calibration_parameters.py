@@ -115,6 +115,7 @@ def test_all_is_minimal_and_whole():
     assert rank(ours) == ours.shape[1] == rank(whole)
 
 
+@pytest.mark.slow
 def test_a_planar_machine_fits_with_defaults(tmp_path):
     """Whole poses of a planar 3-RPR: believable, everything observable, no parameter without effect."""
     mechanism = planar_3rpr()
@@ -140,6 +141,7 @@ def arm():
     return symkin.serial_arm_from_dh("arm", table, length_unit="m", angle_unit="rad")
 
 
+@pytest.mark.slow
 def test_parallel_axes_are_named(tmp_path):
     """d of parallel axes: only sums are told, and the report says why, in the words that a user searches for."""
     mechanism = arm()

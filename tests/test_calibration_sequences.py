@@ -37,6 +37,7 @@ def hidden(path, measurements, sequence="XZX"):
     return read_measurements(path, NOMINAL)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 9, 10, 12])
 def test_few_postures_choose_the_sequence_that_explains_them_all(tmp_path, pool, count):
@@ -53,6 +54,7 @@ def test_few_postures_choose_the_sequence_that_explains_them_all(tmp_path, pool,
             assert len(report.fit.used) == count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [6, 7])
 def test_as_many_parameters_as_readings_tell_no_sequence(tmp_path, pool, count):
     """42 parameters and at most 42 readings: refused with the remedy, where any sequence would fit."""
@@ -71,6 +73,7 @@ def test_a_bad_row_does_not_change_the_sequence(tmp_path, pool):
     assert choice.clear
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     """Exchanged columns: no sentence that the angles fit a sequence, in text and JSON."""

@@ -47,6 +47,7 @@ def blank(column, rows):
     return change
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
@@ -85,6 +86,7 @@ def test_six_blank_orientations_among_six_hundred(tmp_path):
     assert np.max(np.abs(report.fit.poses[:, :3] - position)) < 0.1
 
 
+@pytest.mark.slow
 def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
     """Groups of equal inclination and no reference pose: the groups agree in the mode that was measured, platform above base."""
     rng = np.random.default_rng(7)

@@ -81,6 +81,7 @@ def identified(report, prefix):
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [Hexapods, Arms], ids=["hexapod", "6R arm"])
 def test_a_tracker_anywhere_predicts_what_it_has_not_read(tmp_path, kind):
@@ -98,6 +99,7 @@ def test_a_tracker_anywhere_predicts_what_it_has_not_read(tmp_path, kind):
     assert np.sqrt(np.mean(errors**2)) < NOISE
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [Hexapods, Arms], ids=["hexapod", "6R arm"])
 def test_the_frames_that_are_found_are_the_simulated_ones(tmp_path, kind):
@@ -114,6 +116,7 @@ def test_the_frames_that_are_found_are_the_simulated_ones(tmp_path, kind):
         assert np.all(sigma < (1e-2 if name.endswith("rotation") else 2.0))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("parameters", ["all,target.position.x", "world.*,target.*", "leg*.offset,world.rotation.z"])
 def test_any_of_the_frames_may_be_identified(tmp_path, parameters):
@@ -129,6 +132,7 @@ def test_any_of_the_frames_may_be_identified(tmp_path, parameters):
     assert all(abs(p["value"]) < 1.0 for p in report["parameters"] if p["name"].startswith(("world", "target")))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_slip_is_named_through_unknown_frames(capsys, tmp_path):
     """Two leg columns exchanged: not usable, and the reason is theirs."""

@@ -121,6 +121,7 @@ def test_a_gross_error_makes_no_others():
     assert others <= 1
 
 
+@pytest.mark.slow
 def test_many_bad_readings_are_found_or_the_fit_is_refused():
     """A third of the postures bad: either these are left out and hardly another, and what is left fits, or nothing is usable and
     the reason is said."""
@@ -185,6 +186,7 @@ def test_wrong_distances_are_refused(capsys, tmp_path, points, said):
     assert said in error
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_use_beyond_the_measured_postures_is_said(capsys, tmp_path):
     """Postures in half of the workspace: a note gives sigma beyond the measured joint values, larger than elsewhere; with

@@ -83,6 +83,7 @@ def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses
     assert not (out / "zhang2009.toml").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "signs", "words"),
@@ -188,6 +189,7 @@ def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
 # --- diagnoses -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_posture_that_never_changes_is_said(tmp_path, grouped):
     """One posture with noise is not taken for another unit."""
@@ -213,6 +215,7 @@ def strayed(groups):
     return groups
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),

@@ -187,6 +187,7 @@ def test_known_values_may_be_balls():
 # --- what is not --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["zhang2009", "yao2020"])
 @pytest.mark.parametrize("offset", [1e-5, 1e-3, 0.1])
 def test_points_beside_roots_are_not_certified(name, offset):
@@ -199,6 +200,7 @@ def test_points_beside_roots_are_not_certified(name, offset):
     assert np.all(np.isinf(found.radius))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dietmaier", "gluon_6l3"])
 def test_roots_of_other_values_are_not_certified(name):
     """Roots of slightly other known values are no roots of these."""

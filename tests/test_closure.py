@@ -91,6 +91,7 @@ def test_the_reference_of_any_mechanism_closes(rng):
     assert np.max(np.abs(errors)) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", CUTS)
 @settings(max_examples=8)
 @given(rng=seeds)
@@ -107,6 +108,7 @@ def test_forward_kinematics_closes(kinds, rng):
     assert missing == (CUTS[kinds][0] or "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", CUTS)
 @settings(max_examples=8)
 @given(rng=seeds)

@@ -104,6 +104,7 @@ def test_both_engines_reach_the_same_roots(name, kind, end):
     np.testing.assert_allclose(system.features(polished), system.features(a), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), [("zhang2009", "direct"), ("gluon_6l3", "inverse")])
 def test_the_way_back_ends_where_it_began(name, kind):
     """A path and its reverse are one curve."""
@@ -136,6 +137,7 @@ FUNCTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_functions_of_lanes_are_the_complex_functions(name):
     """One Newton step on z - f(k) from zero gives f(k)."""
@@ -250,6 +252,7 @@ def test_without_a_compiler_there_is_a_reason(monkeypatch):
     assert "no C compiler" in reason
 
 
+@pytest.mark.slow
 def test_flags_for_the_processor_are_dropped_where_they_are_refused(monkeypatch, tmp_path):
     """Code for any processor of the architecture gives the same roots."""
     system, start = machine("zhao2000", "direct")

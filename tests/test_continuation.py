@@ -260,6 +260,7 @@ def test_an_unwritable_cache_only_costs_time(monkeypatch):
     assert len(symkin.modes(five_bar())) == 2
 
 
+@pytest.mark.slow
 def test_whole_turns_change_nothing():
     """Joint values of many turns are the same problem: the same modes and counts as without the turns."""
     plain = symkin.modes(five_bar(), joints=[math.degrees(0.3), math.degrees(-0.2)])

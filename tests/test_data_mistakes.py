@@ -80,6 +80,7 @@ def test_every_rule_of_the_table_has_a_case_here() -> None:
     assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_named_by_its_rule(poses: Measurements, mistake: str) -> None:
     """The sentence is one of the rule's own, and is said of the file."""

@@ -56,6 +56,7 @@ def test_forward_kinematics_is_the_product_of_the_rows(convention, rng):
     assert np.allclose(forward(arm, values), dh_product(table, values), atol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @given(rng=seeds)

@@ -71,6 +71,7 @@ def holds(middle: complex, radius: float, value: acb) -> bool:
         return bool(abs(away) <= arb(radius)) or not value.is_finite()
 
 
+@pytest.mark.slow
 @engines
 @settings(max_examples=60, deadline=None)
 @given(seeds, st.booleans(), st.sampled_from([0.0, 1e-14, 1e-9, 1e-3]))
@@ -92,6 +93,7 @@ def test_discs_hold_the_exact_values(engine, rng, real, radius):
     assert bounded or radius > 1e-9
 
 
+@pytest.mark.slow
 @engines
 @pytest.mark.parametrize("radius", [0.0, 1e-310, 1e-16, 1.0])
 @pytest.mark.parametrize("real", [True, False])

@@ -268,6 +268,7 @@ CASES = {
 """Symmetric and singular joint values whose ends are isolated or at infinity."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_nearby_instances_have_as_many_roots_near_each_end_as_paths_end_there(name):
@@ -313,6 +314,7 @@ def test_singular_ends_do_not_depend_on_the_way():
 # --- sets that are not isolated -----------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "given", "isolated"),

@@ -164,6 +164,7 @@ def test_numpy_takes_arrays():
         np.testing.assert_allclose(many[place], function(inputs[0] + shifts[place], *inputs[1:]), rtol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize(
     ("name", "kind"), [("zhang2009", "direct"), ("zhao2000", "passive"), ("gluon_6l3", "inverse"), ("cylindrical", "passive")]

@@ -81,6 +81,7 @@ def test_the_modes_of_a_factory_arm_are_complete_and_certified():
     assert any(np.max(np.abs(np.array(mode.actuated_values) - q)) < 1e-6 for mode in found)
 
 
+@pytest.mark.slow
 def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
     """Kept roots with large imaginary parts are accepted when they are read: another process would not search again."""
     arm = factory_arm(1e-3, 4)

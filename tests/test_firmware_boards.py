@@ -86,6 +86,7 @@ def _digest_source(name: str, tmp_path: Path) -> Path:
     return tmp_path / "digest.c"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("name", ["zhang2009", "ren2008"])

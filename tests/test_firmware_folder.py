@@ -18,6 +18,7 @@ def _contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Makefile", "README.md", "ren2008.c", "manifest.json"])
 def test_foreign_files_are_kept(name, tmp_path):
     """A file of the user's that has one of the names: a sentence with it, and nothing is written."""

@@ -106,6 +106,7 @@ def test_the_command_refuses_in_one_line_and_writes_nothing(base, home, tmp_path
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [(0.0, 120.0), (71.4, 71.6), None])
 def test_cases_are_distinct_and_within_limits(limits):
     """Every case has joint values of its own, also where limits are narrower than the reach of the cases."""

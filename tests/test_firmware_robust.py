@@ -62,6 +62,7 @@ SERIAL = """status = (int)NAME_inverse(NULL, &guess, joints, out, &info);
         (void)NAME_direct(joints, &pose); (void)NAME_jacobian(joints, matrix);"""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize(

@@ -60,6 +60,7 @@ def _moved_system(problem, values):
     return System(bound.unknowns, bound.unknown, bound.known, rows, errors, bound.characteristic_length)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["gluon_6l3", "yao2020"])
 def test_arms_take_another_geometry(name, tmp_path):
@@ -94,6 +95,7 @@ PLATFORMS = {
 """Mechanisms, and which parameters may move without contradicting the others."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(PLATFORMS))
 def test_platforms_take_another_geometry(name, tmp_path):
@@ -143,6 +145,7 @@ def test_members_are_key_paths_in_letters_of_c():
     assert Geometry(closure, False).members == []
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_struct_folders_of_all_kinds_pass_with_nominal_numbers(real, tmp_path):

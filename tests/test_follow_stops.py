@@ -174,6 +174,7 @@ def test_bifurcations_on_short_paths_are_named(half, samples):
     assert abs(found.end.actuated[0]) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [None, 2, 101, 1001])
 def test_joints_that_meet_are_placed_in_intervals_of_any_length(samples):
     """A five-bar whose cranks bring the couplers' lower ends together, where the platform turns freely about them: cranks 100,
@@ -205,6 +206,7 @@ def test_stop_just_behind_a_sample_stands_behind_it():
     assert abs(found.end.actuated[0] - TOGGLE) < 1e-9
 
 
+@pytest.mark.slow
 def test_delta_stops_where_its_elbows_coincide():
     """A delta's arms that turn alike bring its rods' ends together, cos q = -(base - platform) / arm, where the platform
     is free on a sphere."""
@@ -234,6 +236,7 @@ def test_one_limb_stops_and_the_others_stand_beside():
     assert closes(delta(), found.end.solution)
 
 
+@pytest.mark.slow
 def test_delta_reaches_no_farther_than_arm_and_rod():
     """An inverse path that leaves the workspace stops where a rod is normal to the way of its arm's end."""
     found = track(delta(), poses=[[0, 0, -150, 1, 0, 0, 0], [90, 10, -350, 1, 0, 0, 0]])
@@ -250,6 +253,7 @@ def test_delta_reaches_no_farther_than_arm_and_rod():
     assert min(across) < 1e-9
 
 
+@pytest.mark.slow
 def test_arm_stops_stretched_out():
     """Beyond its reach an arm's inverse path stops, of type 1, with its elbow straight."""
     arm = pieper()

@@ -186,6 +186,7 @@ def test_identifiers_are_valid_and_different(names):
 # --- generated C ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=["words", "spaces", "marks", "arm"])
 @pytest.mark.parametrize("geometry", ["fixed", "struct"])
@@ -476,6 +477,7 @@ LABELS = ["<script>injected()</script>", "![i](http://x)", "a|b `c` **d**", "=1+
 """Labels of groups that attack a report's Markdown."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_reports_of_calibrations_are_text(tmp_path, capsys):
     """Labels, paths and titles from users stand in report.md as they are, and the mechanism file written is read again."""

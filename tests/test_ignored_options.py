@@ -61,6 +61,7 @@ def helix() -> Mechanism:
     return Mechanism("helix", [left, right], platform_position=(2, 1, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "words"), COMMANDS, ids=[command for command, _ in COMMANDS])
 def test_the_command_line_refuses_what_it_would_ignore(capsys, tmp_path, monkeypatch, command, words) -> None:
     """Status 2, nothing on stdout, one line that names the options and says what to use, and no file."""
@@ -99,6 +100,7 @@ def test_a_solver_alone_means_multistart() -> None:
     assert found.starts == 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [helix, lambda: parallel_rrr("planar")], ids=["no start system", "a set that is not isolated"])
 def test_continuation_reads_starts_where_a_part_is_sampled(make) -> None:
     """Where a helix has no start system, and where paths end on a set, `starts` and `seed` are read and allowed."""

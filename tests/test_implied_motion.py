@@ -31,6 +31,7 @@ def three_upu() -> Mechanism:
     return Mechanism("three_upu", limbs, platform_position=(0.0, 0.0, 300.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "motion"),
     [
@@ -44,6 +45,7 @@ def test_the_motion_is_the_one_that_leaves_every_coordinate_free(mechanism, moti
     assert implied_motion(mechanism) == motion
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_declared_the_named_motion_gives_the_complete_list() -> None:
     """Where the inverse problem is sampled, a note names the motion, with which the same pose's list is complete."""
@@ -56,6 +58,7 @@ def test_declared_the_named_motion_gives_the_complete_list() -> None:
     assert bool(named) == (found.completeness == "sampled")
 
 
+@pytest.mark.slow
 def test_tied_poses_are_not_told_of_a_motion() -> None:
     """The five-bar's platform has two freedoms of a planar motion's three: no declared motion removes its condition."""
     mechanism = readme_five_bar()

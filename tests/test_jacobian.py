@@ -36,6 +36,8 @@ def test_symbolic_equals_numeric(name):
             np.testing.assert_allclose(found, expected, rtol=0, atol=bound * np.max(np.abs(expected)))
 
 
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", [n for n in cases.NAMES if n != "redundant actuation"])
 def test_analytic_equals_differences_of_pose_coordinates(name):
     """Column k of Ja: rates of the pose coordinates while actuated joint k moves, to 1e-7 of the largest entry; a serial

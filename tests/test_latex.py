@@ -28,6 +28,7 @@ def mechanism_of(name: str) -> symkin.Mechanism:
     return OWN[name]() if name in OWN else symkin.load(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_equations_are_balanced_and_complete(name: str) -> None:
     """Braces and \\left, \\right balance; there is one equation for each row and one for each unit quaternion."""
@@ -39,6 +40,7 @@ def test_equations_are_balanced_and_complete(name: str) -> None:
     assert len(re.findall(r"^0 &=", text, re.M)) == closure.rows.shape[0] + quaternions
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links", "gluon_6l3"])
 def test_equations_compile(name: str, tmp_path: Path) -> None:
@@ -91,6 +93,7 @@ def test_names_that_look_alike_have_symbols_of_their_own() -> None:
 # --- no rounding noise, and short -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_equations_have_the_values_of_the_closure(name: str) -> None:
     """Read back as arithmetic at random values, each printed row is the closure's, in lengths and without its factors."""
@@ -113,6 +116,7 @@ def test_equations_have_the_values_of_the_closure(name: str) -> None:
         assert error < 1e-9 * closure.characteristic_length ** (2 if row.relation == "distance" else 1), row
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_equations_hold_no_rounding_noise(name: str) -> None:
     """No power of ten, and no number that rounding has made: none below 1e-9, none within 1e-11 of 0, 1 or a half but these."""
@@ -192,6 +196,7 @@ def test_what_a_reader_would_leave_out_is_left_out(untidy: ca.SX, tidy: str) -> 
     assert str(tidied(untidy, [_X])) == tidy
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_equations_stay_the_same_when_many_closures_were_built_since():
     """No cache keeps rows over the symbols of a closure that another one has thrown out."""

@@ -59,6 +59,7 @@ def us_limbs(centre: list[Joint], motion: str = "spatial") -> Mechanism:
     return Mechanism("us_limbs", limbs, platform_position=(0, 0, 100), motion=motion)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("centre", "motion"),
@@ -92,6 +93,8 @@ def spherical_rrr(motion: str) -> Mechanism:
     return Mechanism("spherical_rrr", limbs, motion=motion)
 
 
+@pytest.mark.slow
+@pytest.mark.long
 def test_spherical_machines_need_no_declared_motion():
     """With joint points and platform origin in one point, modes are those of the declared motion: eight at most (Gosselin
     1994), the position zero."""
@@ -112,6 +115,7 @@ ARMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
     """The joints that made a pose are its only mode, also where each of them is told by rows of its own."""

@@ -100,6 +100,7 @@ def test_type_1_of_a_3_rrr_is_four_circles_a_limb(rrr_poses: Loci) -> None:
             assert nearest.max() < 1e-8
 
 
+@pytest.mark.slow
 def test_type_2_of_a_3_rrr_is_three_lines_through_a_point(rrr_poses: Loci) -> None:
     """The forces along the second links (lines through elbow and platform joint) meet or are parallel: their determinant
     vanishes, by matrices of the test's own."""
@@ -146,6 +147,7 @@ def elbow_sides(point: np.ndarray, configuration: np.ndarray, names: tuple[str, 
     return sides
 
 
+@pytest.mark.slow
 def test_the_number_of_modes_changes_at_the_locus_and_nowhere_else(rrr_inputs: Loci) -> None:
     """Beside a point of the locus (not near a cusp) the numbers of real modes, by complete enumeration, differ by two."""
     mechanism, rng = three_rrr("planar"), np.random.default_rng(3)
@@ -178,6 +180,7 @@ def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
             assert counts == {1, 3}
 
 
+@pytest.mark.slow
 def test_wrist_of_an_arm_over_two_joints() -> None:
     """Over q4, q5 the arm with a z-y-z wrist is singular where q5 is a multiple of a half turn, whatever q4."""
     arm = pieper()
@@ -204,6 +207,7 @@ def test_turns_of_a_hexapod_about_two_axes() -> None:
         assert np.abs(np.abs(middle[np.argmin(np.abs(middle[:, 0])), 1]) - math.pi / 2) < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("limbs", [("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("rPS", "rHS", "pSR")], ids="-".join)
 def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
@@ -226,6 +230,7 @@ def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
         assert curve.kind in classify(make_solution(problem, values)).kinds
 
 
+@pytest.mark.slow
 def test_a_platform_of_fewer_freedoms_has_no_plane_of_poses() -> None:
     """The five-bar's coupler has two freedoms of six: x and y alone cannot vary in an undeclared motion."""
     with pytest.raises(InputError, match="2 freedoms of 6"):
@@ -249,6 +254,7 @@ def near_double() -> list[symkin.Solution]:
     return [mode for mode in symkin.modes(mechanism, joints=joints) if mode.condition > 1e6]
 
 
+@pytest.mark.slow
 def test_curves_that_nearly_touch_are_no_self_motion() -> None:
     """Where every mode is certified to be isolated, no motion with the inputs held is claimed from any of them."""
     modes = near_double()
@@ -270,6 +276,7 @@ def test_a_self_motion_is_shown_from_an_inexact_point(bars: Loci, off: float, mo
             assert has_self_motion(system, z) is moves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("window", [((5000, 6000), (0.5, 1.0)), ((1e5, 2e5), (1e5, 2e5))])
 def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
     """No limb reaches there: the picture says so, its axes have the window's sides and are no strip."""
@@ -335,6 +342,7 @@ def test_command_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> No
     assert "screw of pitch" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "status", "message"),
     [

@@ -88,6 +88,7 @@ def test_many_poses_are_each_alone(mechanism):
         check_same(found, other)
 
 
+@pytest.mark.slow
 def test_inputs_in_doubt_stand_beside_plain_ones():
     """Inputs without a real mode, with merging modes and with plain ones: each has what it has alone."""
     platform = symkin.load("zhang2009")
@@ -111,6 +112,7 @@ def test_a_pose_off_the_motion_stands_beside_others():
     assert any("off the platform's" in note for note in found[1].notes)
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_neighbours():
     """The same numbers to the last bit, whatever other inputs stand beside."""
     mechanism = five_bar()

@@ -69,6 +69,7 @@ def test_varied_guesses_reach_every_mode_that_continuation_lists(name, kind, sta
     assert all(mode.hits >= 1 for mode in sampled)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), [case[:2] for case in CASES])
 def test_few_guesses_reach_a_part_of_the_list(name, kind) -> None:
     """Three starts for the mechanism: what they reach is in the list of continuation; where modes are missed, `missed`

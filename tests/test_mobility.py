@@ -144,6 +144,7 @@ def test_rank_counts_singular_values() -> None:
     assert Rank.of(np.diag([1.0, 1e-7, 1e-9])).gap == pytest.approx(100.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_show_prints_what_is_promised(name: str) -> None:
     """`show` names limbs, equations, unknowns, rank, mobility, redundant constraints and reciprocal screws."""

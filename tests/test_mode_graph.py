@@ -63,6 +63,7 @@ def side(solution: Solution) -> bool:
     return bool(line[0] * end[1] - line[1] * end[0] > 0)
 
 
+@pytest.mark.slow
 def test_every_edge_joins_modes_that_a_track_joins(planar: Mechanism, graph: ModeGraph) -> None:
     """Followed backwards, an edge leads from its second mode to its first."""
     for (a, i), (b, j) in graph.edges[::5]:

@@ -86,6 +86,7 @@ def test_the_note_names_the_rank_and_a_regular_start(start, rank):
     assert not any("singular" in n for n in again.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_random_poses_from_zero_joints(solver):
     arm, rng = symkin.load("gluon_6l3"), np.random.default_rng(5)

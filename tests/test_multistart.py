@@ -186,6 +186,7 @@ def test_five_bar_modes_are_the_circles_intersections(joints):
     assert positions_match(found, [[*e, 0.0] for e in expected], 1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [(0.0, 0.0, 0.0), (0.1, -0.05, 0.08), (0.4, 0.1, -0.3)])
 def test_planar_three_rrr_does_not_care_how_its_motion_is_written(steps):
     """Spatial joints without declared motion (9 redundant rows) and the planar closure have the same assembly modes: an
@@ -296,6 +297,7 @@ def test_delta_has_eight_working_modes(position):
 # --- laws of the result -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_solve_finds_one_of_the_modes(name):
     """The solution of `solve` is among the modes of the same input."""
@@ -309,6 +311,7 @@ ISOLATED = [["rRS", "rRS", "rRS"], ["rUS"] * 6, ["hRS", "pRS", "rPS"], ["SPS", "
             ["prhU", "rPS"], ["rrC", "ppU"], ["rhpR", "prC"], ["rHS", "rRS", "pRS"], ["rprrhr"]]  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("limbs", ISOLATED, ids="+".join)
 @pytest.mark.parametrize("seed", range(2))
@@ -366,6 +369,7 @@ def test_other_solvers_find_no_other_modes(solver):
     assert sum(mode.hits for mode in found) <= 25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("starts", [1, 2, 127, 129])
 def test_any_count_of_starts(starts):
     """Few starts find a part of the modes, never more; hits sum to no more than the starts."""
@@ -490,6 +494,7 @@ def test_a_singular_wrist_turns_freely_beside_isolated_modes():
     assert all(mode.condition < 1e6 for mode in result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", range(4))
 @pytest.mark.parametrize("length", [100.0, 150.0])
 def test_a_hexapod_of_equal_parallel_legs_moves_freely(shape, length):

@@ -37,6 +37,7 @@ def read_pipe(path: Path) -> tuple[threading.Thread, list[bytes]]:
     return thread, content
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_links_stay_links_and_pipes_stay_pipes(name, tmp_path):
@@ -75,6 +76,7 @@ def test_devices_stay_devices():
     assert stat.S_ISCHR(Path("/dev/null").stat().st_mode)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/stdout").exists(), reason="no /dev/stdout here")
 @pytest.mark.parametrize("how", ["file", "append", "pipe"])

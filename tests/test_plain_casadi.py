@@ -42,6 +42,7 @@ def test_both_meet_the_vectors(both):
         assert plain.values[: len(expected)] == pytest.approx(expected, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_casadi_returns_zero_without_an_answer(both):
     """Joint values out of reach, NaN, a singular start: symkin refuses each, CasADi's C returns 0 without a solution."""
     for start, known in both.without_answer().values():

@@ -187,6 +187,7 @@ def test_the_same_seed_gives_the_same_plan():
     assert one.accuracy.worst_position == two.accuracy.worst_position
 
 
+@pytest.mark.slow
 def test_24_planned_postures_are_predicted_to_reach_the_accuracy(plan_24):
     """0.1 mm and 0.01 deg, largest of 200 poses in 95 % of calibrations, aligned frames; random postures miss both."""
     assert plan_24.accuracy.rank == 32

@@ -89,6 +89,7 @@ def test_a_stack_of_poses_is_element_by_element(rng):
 # --- poses from what users have ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", ["rad", "deg"])
 @pytest.mark.parametrize("sequence", ["xyz", "zyx", "zxz", "XYZ", "ZYX", "ZYZ", "YXZ"])
 @given(rng=seeds)

@@ -39,6 +39,7 @@ def loci_of(at: Sequence[float], plane: tuple[str, str], half: Sequence[float], 
     return singular_loci(solution, plane, ranges=ranges, kinds=("type 2",), starts=starts)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("plane", "half"),

@@ -56,6 +56,7 @@ NAMES = ["six rods", "one rod", "delta", "delta in space"]
 # --- the form -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @given(rng=seeds)
 def test_the_form_is_the_rows(name, rng):
@@ -70,6 +71,7 @@ def test_the_form_is_the_rows(name, rng):
     np.testing.assert_allclose(rows, expected, atol=1e-11 * np.max(np.abs(a)) * np.max(np.abs(x)) ** 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @given(rng=seeds)
 def test_a_line_is_the_form_along_it(name, rng):
@@ -193,6 +195,7 @@ def test_ends_are_those_of_the_general_tracker():
         np.testing.assert_allclose(system.features(ours.z), system.features(others.z), atol=1e-8)
 
 
+@pytest.mark.slow
 @given(rng=seeds)
 def test_a_path_back_ends_where_it_began(rng):
     """Tracking along a line and back is the identity, root by root."""

@@ -144,6 +144,7 @@ def test_points_beside_roots_have_no_box_that_is_near(engine, name):
     assert np.all(away[found.found] > 1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e308])
 def test_missing_numbers_show_nothing(engine, bad):
     """Points or known values that are no numbers have no box, and spoil none beside them."""

@@ -19,6 +19,7 @@ SEED, QUICK = 4, (5, 7, 10, 12, 14, 17, 22, 23, 25, 26, 27, 31, 33, 36, 42, 44, 
 """Mechanisms that take less than three seconds each, all families among them."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_random_mechanisms_pass_through_every_verb(tmp_path):
     """No traceback, no mode lost, nothing that does not close, in a process for each mechanism."""
@@ -29,6 +30,7 @@ def test_random_mechanisms_pass_through_every_verb(tmp_path):
     assert f"{len(QUICK)} mechanisms: 0 tracebacks, 0 lost modes, 0 wrong answers, 0 timeouts, 0 crashes" in run.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("index", range(8))
 def test_the_judging_closure_has_the_derivatives_that_it_states(index):
     """Central differences of the rows along every tangent, at a configuration far from closed."""
@@ -46,7 +48,7 @@ def test_the_judging_closure_and_symkin_agree_on_shipped_mechanisms():
     for name in ("zhao2000_links", "gluon_6l3", "yao2020"):
         mechanism = symkin.load(name)
         m = PlainMechanism(tomllib.loads(mechanism.to_toml()))
-        assert np.isclose(m.characteristic_length, mechanism.characteristic_length)
+        assert np.isclose(m.size, mechanism.characteristic_length)
         assert m.residual(m.reference[None])[0] < 1e-9
 
 

@@ -40,6 +40,7 @@ def _lengths(base, platform, position, quaternion):
     return np.linalg.norm(np.asarray(position) + platform @ _rotation(q).T - base, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [7, 8, 24])
 def test_the_pose_that_made_the_lengths_is_found(count):
     """Lengths of a random pose, by the formula |p + R a - b|: the direct problem has that pose, and one that has all."""

@@ -99,6 +99,7 @@ def test_the_repr_is_a_short_table(name: str) -> None:
     assert not repr(result).startswith(type(result).__name__ + "(")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_html_is_a_table_without_scripts(name: str) -> None:
     assert checked(results()[name]._repr_html_()).rows >= 1
@@ -111,6 +112,7 @@ def test_the_dictionary_is_json(name: str) -> None:
     assert json.loads(json.dumps(made, allow_nan=False)) == made
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in NAMES if n not in ("failed", "plan")])
 def test_the_picture_is_drawn_and_written(name: str, tmp_path) -> None:

@@ -163,6 +163,7 @@ def test_a_result_comes_back_from_a_process_pool(name: str, pool: ProcessPoolExe
     assert text == str(value) == str(back)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
     "way", [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))], ids=["copy", "deep", "pickle"]

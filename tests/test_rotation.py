@@ -122,6 +122,7 @@ def test_derivative_of_the_rotation_vector_at_zero_is_half_the_identity():
 # --- Euler angles --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sequence", SEQUENCES)
 @given(rng=seeds)
 def test_euler_angles_are_three_elementary_turns(sequence, rng):
@@ -138,6 +139,7 @@ def test_euler_angles_are_three_elementary_turns(sequence, rng):
     assert np.all(np.abs(back) <= math.pi + 1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sequence", SEQUENCES)
 @given(rng=seeds)
 def test_euler_angles_in_range_come_back_themselves(sequence, rng):
@@ -147,6 +149,7 @@ def test_euler_angles_in_range_come_back_themselves(sequence, rng):
     assert np.allclose(rot.euler_from_quaternion(rot.quaternion_from_euler(angles, sequence), sequence), angles, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sequence", SEQUENCES)
 @given(rng=seeds)
 def test_euler_at_gimbal_lock_still_gives_the_rotation(sequence, rng):
@@ -156,6 +159,7 @@ def test_euler_at_gimbal_lock_still_gives_the_rotation(sequence, rng):
         assert same(rot.quaternion_from_euler(rot.euler_from_quaternion(q, sequence), sequence), q, 1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sequence", [s for s in SEQUENCES if s.islower()])
 @given(rng=seeds)
 def test_fixed_axes_are_moving_axes_backwards(sequence, rng):
@@ -202,6 +206,7 @@ def arguments(rng, widths, count):
     return stacks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FORMULAS)
 @given(rng=seeds)
 def test_a_stack_is_element_by_element(name, rng):

@@ -76,6 +76,7 @@ RANDOM = (
 )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("limbs", RANDOM, ids="-".join)
 def test_random_mechanisms_in_other_units_and_frames(limbs: tuple[str, ...]) -> None:

@@ -25,6 +25,8 @@ import hexapod_classes as hexapods  # noqa: E402
 from incidence import IncidenceClass, all_classes, canonical, from_list  # noqa: E402
 from solvers import never  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 DATA = json.loads((Path(__file__).parent / "data" / "dietmaier1998.json").read_text())
 
 

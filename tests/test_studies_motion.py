@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 STUDIES = Path(__file__).parent.parent / "studies"
 
 

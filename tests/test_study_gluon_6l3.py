@@ -19,6 +19,8 @@ from helpers.samples import pieper
 from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 from symkin import Joint, Limb, Mechanism
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 EXAMPLE = np.array(
     [
         [-0.39578, 0.81316, 0.42678, -144.03182],

@@ -22,6 +22,8 @@ import ren2008_method as method
 import ren2008_model as model
 import ren2008_tables as tables
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 ETA, TRUTH = model.eta_of(NOMINAL), model.eta_of(TRUE)
 FREE = model.free_columns(NOMINAL)

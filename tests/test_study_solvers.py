@@ -6,6 +6,8 @@ import pytest
 
 from helpers.study_outcome import Outcome, assert_complete
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 KNOWN = {"zhang2009": 4, "zhao2000": 4, "gluon_6l3": 2, "yao2020": 4}
 
 

@@ -14,6 +14,8 @@ import pytest
 import symkin
 from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 SOLUTIONS = (
     (-35.5964, 2.7296, 22.5391, 7.7660, 62.2486, -51.5743),
     (144.4036, 177.2704, -157.4609, 7.7660, 62.2486, -51.5743),

@@ -14,6 +14,8 @@ import pytest
 
 from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 TABLE_1 = [144.6, 347.0, 110.3, 178.6, 277.6, 269.4]
 POSE = (119.030, 88.011, 71.936, 10.001, 20.990, 14.992)
 MODES = [np.array(POSE), np.array([91.608, 100.062, 42.934, 7.371, 35.260, 15.558])]

@@ -11,6 +11,8 @@ import pytest
 
 from helpers.study_outcome import Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
 
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+
 
 @pytest.fixture(scope="module")
 def zhao(tmp_path_factory) -> Outcome:

@@ -117,6 +117,7 @@ def test_random_points_without_a_mode_are_marked(tmp_path, quantity):
     assert ax.get_xlim()[0] <= line.open().x.min() <= line.open().x.max() <= ax.get_xlim()[1]
 
 
+@pytest.mark.slow
 def test_captions_name_the_angle_about_z(tmp_path):
     """What is held or offset is in the caption: gamma where it does not vary, its offset where rz does, nothing where gamma
     does."""

@@ -55,6 +55,7 @@ def blank(path: Path) -> None:
 ARRAYS = ["count", "completeness", "position", "quaternion", "joints", "residual", "done", "digest", "leg1", "joint", "axis"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("array", ARRAYS)
 @pytest.mark.parametrize("harm", [lose, cut, empty, blank], ids=lambda harm: harm.__name__)
 def test_a_harmed_file_is_written_anew(array, harm, whole, tmp_path) -> None:

@@ -153,6 +153,7 @@ def test_poses_off_the_motion():
     assert [COMPLETENESS[c] for c in found.completeness] == ["probability one", "off the motion"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mechanism", "kind"), [(delta(), "inverse"), (three_rps(), "direct")])
 def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind):
     """Such a point has the count -1 and says so, whether blocks or the branches of one block multiply; nothing is raised."""

@@ -192,6 +192,7 @@ def test_conditioning_and_reach(tmp_path):
 # --- refusals ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
     [

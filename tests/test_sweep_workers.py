@@ -79,6 +79,7 @@ def children(pid):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.skipif(not os.path.isdir("/proc"), reason="needs /proc")
 @pytest.mark.usefixtures("heard_interrupts")
@@ -214,6 +215,7 @@ def processes(tmp_path):
         process.wait()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, monkeypatch, capfd):

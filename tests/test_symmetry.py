@@ -65,6 +65,7 @@ def random_rows(system: AlgebraicSystem, symmetries: Symmetries, draw, rng: np.r
 # --- maps that keep the rows ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @given(rng=seeds)
 def test_every_row_keeps_its_absolute_value(name, rng):
@@ -147,6 +148,7 @@ def test_frames_of_flat_points(rng):
     assert np.linalg.det(frame.rotation) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @given(rng=seeds)
 def test_the_reflection_keeps_the_distances(rng):
     """In any frames the reflection of flat base and platform keeps the rows of six distances, is its own inverse on

@@ -29,6 +29,7 @@ def _run(folder, *arguments, code=None):
     return folder / "found.json"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_eight_threads_find_what_one_finds(tmp_path):
     """All verbs on a shared mechanism and on others, from a first call that all threads make together."""

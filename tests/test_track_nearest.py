@@ -30,6 +30,7 @@ def parallelogram(gap: float) -> Mechanism:
     return Mechanism("parallelogram", limbs, motion="planar", platform_position=(b[0], b[1], 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-9, 1e-10, 1e-11, 1e-12, -1e-12, -1e-11, -1e-10])
 def test_a_near_miss_is_no_bifurcation(gap: float) -> None:
     """Beside the fold of a parallelogram by 1e-9 to 1e-12 of a millimetre: folded, passed or unproved, but no branches meet."""
@@ -49,6 +50,7 @@ def test_branches_that_meet_are_a_bifurcation() -> None:
     assert found.stop.kind == "bifurcation"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [-1e-6, -1e-3, -0.1])
 def test_the_nearest_place_is_where_the_closed_form_says(gap: float) -> None:
     """Crank along the bases is the middle of the path; the distance of type 2 there, of coupler and rocker nearly in line, is

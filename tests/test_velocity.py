@@ -61,6 +61,7 @@ def test_jacobians_solve_the_equations(name):
         np.testing.assert_allclose(rates, np.eye(len(rates)), atol=1e-13 * max(10.0, case.condition))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in cases.NAMES if n != "redundant actuation"])
 def test_jacobians_equal_differences_of_solved_configurations(name):
     """Column k of J and Jp: twist and passive rates while actuated joint k moves, by central differences, to 1e-7 of the
@@ -78,6 +79,7 @@ def _rates_along_joint(case, k, count, step):
     return np.concatenate([cases.twist(case, path, step), cases.joint_rates(case, path, step, "passive")])[:count]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases.UNCONSTRAINED)
 def test_inverse_equals_differences_of_solved_configurations(name):
     """Column of J^-1: rates of the actuated joints while the pose moves along one component of the motion, to 1e-7 of the
