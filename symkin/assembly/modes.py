@@ -9,6 +9,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
@@ -17,6 +18,7 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Given, Joints, are_many, given_from, given_many
+from symkin.position.given_by_name import Values, named_given, problem_of, refuse_unless_determined
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -31,7 +33,7 @@ Solver = str | Newton | LeastSquares | None
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
-    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
+    given: Values | None = None, method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
     progress: Progress | None = None,
 ) -> Modes: ...  # fmt: skip
 @overload
@@ -52,6 +54,7 @@ def modes(
     *,
     joints: Any = None,
     pose: Any = None,
+    given: Values | None = None,
     method: str | None = None,
     starts: int | None = None,
     seed: int | None = None,
@@ -62,7 +65,8 @@ def modes(
 
     `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
     qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
-    a fraction of the time.
+    a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
+    torsion of the platform, or its whole "pose"; as many as the mobility.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
@@ -77,9 +81,20 @@ def modes(
     [4, 4]
     """
     search = Search.of(method, starts, seed, solver)
+    if given is not None or mechanism.is_graph:
+        return _of_coordinates(mechanism, named_given(mechanism, joints, pose, given), search, progress)
     if are_many(joints) or are_many(pose):
         return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
     return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
+
+
+def _of_coordinates(mechanism: Mechanism, given: Given, search: Search, progress: Progress | None) -> Modes:
+    """The modes for coordinates that are given by name, structure group by structure group."""
+    begin = time.perf_counter()
+    problem = problem_of(mechanism, given)
+    refuse_unless_determined(problem)
+    found, _ = modes_by_groups(problem, given, search, progress)
+    return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
 @without_float_warnings

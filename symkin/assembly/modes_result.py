@@ -20,6 +20,17 @@ _PRINTED_ROWS = 64
 """Modes that the command prints; of more, one at each pose."""
 
 
+@dataclass(frozen=True)
+class Group:
+    """A structure group of a problem: its unknown coordinates, its complex solutions for one choice of what it reads, and what is
+    said of its list."""
+
+    name: str
+    unknowns: tuple[str, ...]
+    complex_count: int | None
+    completeness: Completeness
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Modes(Result):
     """All solutions found for one set of given values, with a statement of completeness that is never too large.
@@ -50,6 +61,7 @@ class Modes(Result):
     positive_dimensional: bool = False
     notes: tuple[str, ...] = field(default=())
     engine: str | None = None
+    groups: tuple[Group, ...] = ()
 
     def __len__(self) -> int:
         return len(self.modes)

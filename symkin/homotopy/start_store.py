@@ -197,10 +197,11 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
-    found = mobility(problem.mechanism)
-    if problem.kind == "direct" and found.closed and found.direct_rank.value < found.rank.value:
-        return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
-    rank = system.count - (redundant_rows(problem, block) if problem.kind == "direct" else 0)
+    if problem.kind == "direct":
+        found = mobility(problem.mechanism)
+        if found.closed and found.direct_rank.value < found.rank.value:
+            return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
+    rank = system.count - (redundant_rows(problem, block) if problem.kind != "inverse" else 0)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)

@@ -22,6 +22,8 @@ from symkin.position.problem import KNOWN, Problem
 def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     """The blocks of a problem over the complex numbers. Platforms held by six rods share one system, whose known values
     are lengths and points."""
+    if problem.kind == "given":
+        return (_of_given(problem),)
     if is_universal(problem):
         return (universal_system(),)
     return _build(problem, replace_universal=True)
@@ -85,6 +87,15 @@ def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSyste
     return tuple(_part(whole, cut, {c.name for c in block.unknowns}) for block in problem.blocks)
 
 
+def _of_given(problem: Problem) -> AlgebraicSystem:
+    """The rows of a problem whose unknowns are angles and lengths, as they are."""
+    system, size = problem.system, problem.closure.characteristic_length
+    scale_z, scale_k = _scales(system.unknowns, size), _scales(problem.known_coordinates, size)
+    z, k = system.unknown, system.known
+    rows = ca.substitute(system.rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))) / size
+    return AlgebraicSystem(size, system.unknowns, z, k, rows, ())
+
+
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
     """The algebraic system of one block of a problem; the systems stand in the order of the blocks."""
     numbers = [number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns]
@@ -141,6 +152,6 @@ def unsuitable(problem: Problem) -> str | None:
     for c in problem.system.unknowns:
         if c.kind == "turns":
             return f"the closure is not algebraic in {c.name} (helical joint)"
-        if c.kind == "quaternion" and c.role != "pose":
+        if c.kind == "quaternion" and (c.role != "pose" or problem.kind == "given"):
             return f"{c.name} is a spherical joint that the closure keeps"
     return None

@@ -32,11 +32,13 @@ LARGEST_GIVEN = 1e150
 @dataclass(frozen=True)
 class Given:
     """Known values of a problem: `values` in inside units, `echo` as the user gave them; `off_motion` is how far a
-    pose lies off the platform's motion (length unit), 0 when it lies on it or was projected."""
+    pose lies off the platform's motion (length unit), 0 when it lies on it or was projected; `names` are the coordinates of a
+    "given" problem."""
 
     kind: Kind
     values: np.ndarray
-    echo: dict[str, list[float]]
+    echo: dict[str, Any]
+    names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     off_motion: float = 0.0
 
@@ -247,7 +249,7 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     if off == 0.0:
         values, off, more = _feasible(mechanism, values)
         notes += more
-    return Given("inverse", values, {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}, notes, off)
+    return Given("inverse", values, {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}, (), notes, off)
 
 
 def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:

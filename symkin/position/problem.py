@@ -12,7 +12,7 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure, random_values
+from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
 from symkin.closure.rows import ALL_JOINTS, POSE_CONDITIONS, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
@@ -144,7 +144,7 @@ def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Proble
         unknowns,
         _stack(closure, unknowns),
         _stack(closure, known),
-        closure.bound(closure.rows),
+        numbered_rows(closure) if kind == "given" else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
     )

@@ -1,0 +1,168 @@
+"""Read values of coordinates that are given by name: joints, passive ones too, and coordinates of the platform's pose."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from symkin.closure.rows import POSE_CONDITIONS
+from symkin.computed_once import lru_cache
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import Rank
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.given import LARGEST_GIVEN, Given, given_from, pose_from
+from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.problem import Problem, build_problem
+from symkin.text import shown
+
+WHOLE_POSE = ("pose.x", "pose.y", "pose.z", "pose.quaternion")
+_SUGGESTED = 4
+"""Names that a message lists."""
+
+Values = Mapping[str, float | Sequence[float]]
+
+
+def given_by_name(mechanism: Mechanism, values: Values) -> Given:
+    """The known values of a problem from values by name, in the mechanism's units; "pose" is x, y, z, qw, qx, qy, qz as a whole.
+    Raises InputError for a name that nothing has and a value that is none."""
+    coordinates = _coordinates(mechanism)
+    names: list[str] = []
+    numbers: list[float] = []
+    for name, value in values.items():
+        if name == "pose" and mechanism.platform_link is not None:
+            pose = pose_from(value)  # type: ignore[arg-type]
+            names += WHOLE_POSE
+            numbers += [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]
+            continue
+        if name not in coordinates:
+            raise InputError(_unknown(mechanism, name, list(coordinates)))
+        names.append(name)
+        numbers.append(_number(mechanism, coordinates[name], value))
+    clash = sorted(set(names) & set(POSE_CONDITIONS)) if "pose.x" in names else []
+    if clash:
+        raise InputError(f"given: the whole pose and {', '.join(clash)} beside it; give one or the other")
+    echo = {name: value if np.ndim(value) == 0 else [float(v) for v in value] for name, value in values.items()}  # type: ignore[union-attr]
+    return Given("given", np.array(numbers), {"given": echo}, tuple(names))
+
+
+def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
+    """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
+    if given is not None:
+        if joints is not None or pose is not None:
+            raise InputError("given: values by name and joints or a pose beside them; give one of them")
+        return given_by_name(mechanism, given)
+    named = given_from(mechanism, joints, pose)
+    if named.kind == "direct":
+        return replace(named, kind="given", names=tuple(c.name for c in mechanism.actuated))
+    if mechanism.platform_link is None:
+        raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
+    return replace(named, kind="given", names=WHOLE_POSE)
+
+
+def _coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
+    """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
+    found = {c.name: c for joint in mechanism.all_joints for c in joint.coordinates if c.kind != "quaternion"}
+    found |= {c.name: c for c in mechanism.actuated}
+    if mechanism.platform_link is not None or not mechanism.is_graph:
+        pose = {n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given") for n in POSE_CONDITIONS}
+        found = pose | found
+    return found
+
+
+def _unknown(mechanism: Mechanism, name: str, known: list[str]) -> str:
+    near = get_close_matches(str(name), known, 3)
+    guess = f"; the nearest names are {', '.join(near)}" if near else ""
+    return f"given: {mechanism.name} has no coordinate {shown(name)}{guess}; allowed: {', '.join(known)}"
+
+
+def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"given: {c.name} = {value!r} is not a number") from None
+    if not math.isfinite(number) or abs(number) > LARGEST_GIVEN:
+        raise InputError(f"given: {c.name} = {value!r}; a finite number is needed, of magnitude up to {LARGEST_GIVEN:g}")
+    if c.least is not None and number < c.least:
+        raise InputError(
+            f"given: {c.name} = {number:g} makes a rod of length {number - c.least:g} {mechanism.length_unit}; allowed: "
+            f"{c.least + 0.0:g} and above"
+        )
+    return mechanism.angle_in(number) if c.is_angular else number
+
+
+def problem_of(mechanism: Mechanism, given: Given) -> Problem:
+    """The problem for which values are given."""
+    return build_problem(mechanism, given.kind, given.names)
+
+
+# --- as many as the mobility ---------------------------------------------------------------------------------------
+
+
+def refuse_unless_determined(problem: Problem) -> None:
+    """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
+    too_many, free, binding = _determination(problem)
+    name = problem.mechanism.name
+    listed = ", ".join(c.name for c in problem.known_coordinates) or "nothing"
+    if too_many:
+        raise InputError(
+            f"given: {listed} are {len(problem.known_coordinates)} coordinates of {name} for a mobility of "
+            f"{len(problem.known_coordinates) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
+            f"{'it' if len(too_many) == 1 else 'them'} out"
+        )
+    if free:
+        some = ", ".join(binding[:_SUGGESTED])
+        raise InputError(
+            f"given: {listed}; that leaves {name} {free} freedom{'s' * (free != 1)}, and its configurations are not isolated: give "
+            f"{free} more, for example {some}; or use solve with a start for one of them"
+        )
+
+
+@lru_cache(maxsize=128)
+def _determination(problem: Problem) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
+    """Given coordinates that others decide; freedoms that are left; coordinates that would bind them."""
+    closure = problem.closure
+    system = whole_system(closure)
+    candidates = closed_configurations(closure, 0)
+    jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in candidates]
+    jacobian = max(jacobians, key=lambda j: Rank.of(j).value)
+    motions = null_space(jacobian, RANK_TOLERANCE, relative=True)
+    columns: dict[str, list[int]] = {}
+    for column, coordinate in enumerate(held for held in closure.coordinates for _ in range(held.freedom)):
+        columns.setdefault(coordinate.name, []).append(column)
+    left = motions.T
+    too_many: list[str] = []
+    basis = np.zeros((0, left.shape[1]))
+    for c in problem.known_coordinates:
+        basis, grown = _with_rows(basis, left[columns[c.name]])
+        if grown < c.freedom:
+            too_many.append(c.name)
+    free = left.shape[1] - len(basis)
+    binding = []
+    for c in closure.coordinates:
+        if c in problem.known_coordinates or c.kind == "quaternion" or c.role in ("body", "pose"):
+            continue
+        more, grown = _with_rows(basis, left[columns[c.name]])
+        if grown:
+            binding.append(c.name)
+            basis = more
+    return tuple(too_many), free, tuple(binding)
+
+
+def _with_rows(basis: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, int]:
+    """An orthonormal basis with what some rows add to it, and how many that are."""
+    grown = 0
+    for row in rows:
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        length = float(np.linalg.norm(rest))
+        if length > 1e-7 * max(1.0, float(np.linalg.norm(row))):
+            basis, grown = np.vstack([basis, rest / length]), grown + 1
+    return basis, grown
