@@ -57,7 +57,8 @@ def modes_by_groups(
     rng = np.random.default_rng(search.seed)
     width = int(problem.closure.variables.shape[0])
     values = np.zeros((1, width))
-    values[:, problem.known_places] = given.values
+    # of a structure nothing moves, its geometry is what is given
+    values[:, problem.known_places] = given.values if len(given.values) else problem.reference_known
     solved = []
     for group in structure_groups(problem):
         found, values = _extended(group, values, search, rng, progress)
@@ -228,6 +229,7 @@ def _certified(problem: Problem, given: Given, found: SolutionList) -> SolutionL
     named = {c.name: found.values[:, problem.closure.slices[c.name]] for c in block.unknowns}
     z = algebraic_points(problem, system, named)
     size = problem.closure.characteristic_length
-    batch = certify_batch(system, z, knowns_of(problem, given.values[None]), np.zeros(z.shape[1], dtype=np.intc), size)
+    values = given.values if len(given.values) else problem.reference_known
+    batch = certify_batch(system, z, knowns_of(problem, values[None]), np.zeros(z.shape[1], dtype=np.intc), size)
     index, radius = batch.find(z, np.zeros(z.shape[1], dtype=int), None)
     return replace(found, certified=(index >= 0).astype(int), radius=radius, _made={})

@@ -105,6 +105,8 @@ def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Cl
 def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
     builder = RowBuilder(mechanism, partition=partition)
     builder.build_rows()
+    if partition.geometry:
+        builder.declare_geometry()
     return _assemble(builder)
 
 
@@ -135,7 +137,7 @@ def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool, re
 
 
 def _assemble(builder: RowBuilder) -> Closure:
-    order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "given": 4}
+    order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "given": 4, "geometry": 5}
     pairs = sorted(builder.coordinates.values(), key=lambda pair: order[pair[0].role])
     actuated = {c.name: k for k, c in enumerate(builder.mechanism.actuated)}
     in_file_order = sorted((p for p in pairs if p[0].role == "actuated"), key=lambda p: actuated[p[0].name])
@@ -167,7 +169,7 @@ def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.nd
     everything = ca.vertcat(*table.symbols)
     # axes that cancel in the rows are no parameters: nothing could be said of them by measuring
     depends = ca.which_depends(ca.vertcat(*builder.rows, builder.pose.position, builder.pose.quaternion), everything, 1, False)
-    used = [k for k, flag in enumerate(depends) if flag]
+    used = [k for k, flag in enumerate(depends) if flag and table.names[k] not in builder.coordinates]
     symbols = ca.vertcat(*(table.symbols[k] for k in used)) if used else ca.SX(0, 1)
     return symbols, tuple(table.names[k] for k in used), np.array([table.values[k] for k in used])
 
@@ -175,7 +177,7 @@ def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.nd
 def _without_unused(builder: RowBuilder, names: Sequence[str]) -> ca.SX:
     """The checks with the nominal values of parameters that the rows do not depend on: axes that cancel in them, say."""
     table, kept = builder.table, set(names)
-    unused = [k for k, name in enumerate(table.names) if name not in kept]
+    unused = [k for k, name in enumerate(table.names) if name not in kept and name not in builder.coordinates]
     errors = ca.vertcat(*builder.errors)
     symbols, values = [table.symbols[k] for k in unused], [table.values[k] for k in unused]
     return ca.substitute(errors, ca.vertcat(*symbols), ca.SX(ca.DM(values))) if unused else errors

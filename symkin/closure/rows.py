@@ -62,11 +62,12 @@ class ReplacedUniversalJoint:
 class Partition:
     """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether the platform of a graph has
     pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one (see `POSE_CONDITIONS`), as variables
-    with rows of their own. Any closure holds the actuated joints and those that couplings name."""
+    with rows of their own; with `geometry`, points and lengths are known coordinates too. Any closure holds the actuated joints and those that couplings name."""
 
     kept: frozenset[str] = frozenset()
     pose: bool = False
     pose_conditions: tuple[str, ...] = ()
+    geometry: bool = False
 
 
 POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
@@ -297,6 +298,15 @@ class RowBuilder:
             side = side.extended(tuple(step.inverse() for step in reversed(self._steps(elements[k : k + 1]))))
             self.links[branch.links[k - 1]] = side
         return side
+
+    def declare_geometry(self) -> None:
+        """Make coordinates of the lengths and the components of points on which the rows depend."""
+        rows, table = ca.vertcat(*self.rows), self.table
+        for name, symbol, value in zip(table.names, table.symbols, table.values, strict=True):
+            if name.rsplit(".", 2)[-2:-1] in (["axis"], ["axis2"]) or name.endswith((".zero", ".pitch", ".w")):
+                continue
+            if "quaternion" not in name and any(ca.which_depends(rows, symbol, 1, True)):
+                self.coordinates[name] = (Coordinate(name, "length", "geometry", (value,)), symbol)
 
     # --- branches ------------------------------------------------------------------------------------------------
 

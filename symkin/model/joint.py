@@ -40,7 +40,7 @@ class Coordinate:
 
     name: str
     kind: Kind
-    role: Literal["actuated", "passive", "body", "pose", "given"]
+    role: Literal["actuated", "passive", "body", "pose", "given", "geometry"]
     reference: tuple[float, ...] = (0.0,)
     limits: tuple[float, float] | None = None
     least: float | None = None

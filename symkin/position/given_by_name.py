@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.closure.closure import build_closure
 from symkin.closure.rows import POSE_CONDITIONS
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
@@ -110,11 +111,12 @@ def refuse_unless_determined(problem: Problem) -> None:
     """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
     too_many, free, binding = _determination(problem)
     name = problem.mechanism.name
-    listed = ", ".join(c.name for c in problem.known_coordinates) or "nothing"
+    known = [c.name for c in problem.known_coordinates if c.role != "geometry"]
+    listed = ", ".join(known) or "nothing"
     if too_many:
         raise InputError(
-            f"given: {listed} are {len(problem.known_coordinates)} coordinates of {name} for a mobility of "
-            f"{len(problem.known_coordinates) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
+            f"given: {listed} are {len(known)} coordinates of {name} for a mobility of "
+            f"{len(known) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
             f"{'it' if len(too_many) == 1 else 'them'} out"
         )
     if free:
@@ -128,7 +130,7 @@ def refuse_unless_determined(problem: Problem) -> None:
 @lru_cache(maxsize=128)
 def _determination(problem: Problem) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
     """Given coordinates that others decide; freedoms that are left; coordinates that would bind them."""
-    closure = problem.closure
+    closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
     system = whole_system(closure)
     candidates = closed_configurations(closure, 0)
     jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in candidates]
@@ -140,7 +142,7 @@ def _determination(problem: Problem) -> tuple[tuple[str, ...], int, tuple[str, .
     left = motions.T
     too_many: list[str] = []
     basis = np.zeros((0, left.shape[1]))
-    for c in problem.known_coordinates:
+    for c in (c for c in problem.known_coordinates if c.role != "geometry"):
         basis, grown = _with_rows(basis, left[columns[c.name]])
         if grown < c.freedom:
             too_many.append(c.name)

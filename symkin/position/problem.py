@@ -39,6 +39,11 @@ class Problem:
         return self.closure.mechanism
 
     @cached_property
+    def reference_known(self) -> np.ndarray:
+        """The known values at the reference."""
+        return self.select_values(self.closure.reference, self.known_coordinates)
+
+    @cached_property
     def blocks(self) -> tuple[System, ...]:
         """Independent parts of the system: limbs decouple once the pose is given. A rotation that is sought stays with all
         other unknowns, and the joints of a limb that is not cut stay together, as over the complex numbers, where the
@@ -121,7 +126,7 @@ class Problem:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
-        names = tuple(c.name for c in self.known_coordinates) if self.kind == "given" else ()
+        names = tuple(c.name for c in self.known_coordinates if c.role != "geometry") if self.kind == "given" else ()
         return build_problem, (self.mechanism, self.kind, names)
 
 
@@ -136,7 +141,7 @@ def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Proble
     closure = build_closure(mechanism, _partition(mechanism, kind, names))
     if kind == "given":
         named = {c.name: c for c in closure.coordinates}
-        known = tuple(named[name] for name in names)
+        known = tuple(named[name] for name in names) or closure.role("geometry")
     else:
         known = closure.role(KNOWN[kind])
     unknowns = tuple(c for c in closure.coordinates if c not in known)
@@ -144,7 +149,7 @@ def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Proble
         unknowns,
         _stack(closure, unknowns),
         _stack(closure, known),
-        numbered_rows(closure) if kind == "given" else closure.bound(closure.rows),
+        numbered_rows(closure) if kind == "given" and not closure.partition.geometry else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
     )
@@ -158,7 +163,7 @@ def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Part
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
     conditions = tuple(name for name in POSE_CONDITIONS if name in names and name not in joints)
     whole = kind == "inverse" or any(name.startswith("pose.") for name in names)
-    return Partition(frozenset(names) & joints, pose=whole, pose_conditions=conditions)
+    return Partition(frozenset(names) & joints, pose=whole, pose_conditions=conditions, geometry=not names)
 
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
