@@ -185,13 +185,10 @@ class Graph(GraphFile):
 
     def observed(self, x: Array) -> tuple[Array, Array]:
         """Numbers (n, f) by which configurations are told apart, and their derivatives by the tangent (n, f, freedom)."""
-        v, count = self.values(x), len(self.names)
-        angle = np.array([c.angle for c in self.coordinates], bool)
-        parts, derivatives = (
-            [np.where(angle, np.cos(v), v), np.where(angle, np.sin(v), 0.0)],
-            [np.zeros((len(x), len(angle), self.freedom))],
-        )
-        derivatives[0][:, np.arange(len(angle)), 6 * count + np.arange(len(angle))] = 1
+        kept = [k for k in range(len(self.coordinates)) if k not in self.idle]
+        v, angle = self.values(x)[:, kept], np.array([self.coordinates[k].angle for k in kept], bool)
+        parts = [np.where(angle, np.cos(v), v), np.where(angle, np.sin(v), 0.0)]
+        derivatives = [np.tile(np.eye(self.freedom)[[6 * len(self.names) + k for k in kept]], (len(x), 1, 1))]
         for i, there in self.points:
             parts.append(self.point(x, i, there))
             derivatives.append(self.point_derivative(x, i, there))

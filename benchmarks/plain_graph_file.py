@@ -114,6 +114,7 @@ class GraphFile:
     couplings: list[Coupling]
     points: list[tuple[int, Array]]
     platform: int = -1
+    idle: frozenset[int] = frozenset()
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
@@ -271,5 +272,43 @@ def _scaled(g: GraphFile, platform: int) -> GraphFile:
     ]
     rods = [Rod(r.links, (r.ends[0] * s, r.ends[1] * s), r.length * s, r.coordinate) for r in g.rods]
     return GraphFile(
-        g.names, g.size, g.centres * s, coordinates, joints, rods, g.couplings, [(i, p * s) for i, p in g.points], platform
+        g.names,
+        g.size,
+        g.centres * s,
+        coordinates,
+        joints,
+        rods,
+        g.couplings,
+        [(i, p * s) for i, p in g.points],
+        platform,
+        _idle_angles(g, platform),
     )
+
+
+def _idle_angles(g: GraphFile, platform: int) -> frozenset[int]:
+    """Angles within a strut: links that only two spherical ends hold, joined along the line between these ends alone."""
+    coupled = {k for c in g.couplings for k in (c.joint, *(place for place, _ in c.terms))}
+    idle: set[int] = set()
+    for group in _rigidly_oriented(g) - {next(s for s in _rigidly_oriented(g) if -1 in s)}:
+        ends = [j.ends[0] for j in g.joints if not j.holds[1] and len(group & set(j.links)) == 1]
+        ends += [r.ends[k] for r in g.rods for k in (0, 1) if r.links[k] in group]
+        inner = [j for j in g.joints if j.holds[1] and set(j.links) <= group]
+        if platform not in group and len(ends) == 2 and all(_along(j, ends[0], ends[1]) for j in inner):
+            idle |= {k for j in inner for _, k, _ in j.turns if not g.coordinates[k].actuated and k not in coupled}
+    return frozenset(idle)
+
+
+def _rigidly_oriented(g: GraphFile) -> set[frozenset[int]]:
+    """Sets of links connected by joints other than spherical ones; the base is -1."""
+    groups = {frozenset([i]) for i in range(-1, len(g.names))}
+    for joint in (j for j in g.joints if j.holds[1]):
+        met = {s for s in groups if s & set(joint.links)}
+        groups = groups - met | {frozenset().union(*met)}
+    return groups
+
+
+def _along(joint: Joint, a: Array, b: Array) -> bool:
+    """Whether a joint turns about the line through two points, freely of any slide, or slides along it."""
+    screw = {k for _, k, _ in joint.turns} & {k for _, k, _ in joint.slides}
+    arms = [axis for axis, _, _ in (*joint.turns, *joint.slides)] + ([joint.ends[0] - a] if joint.turns else [])
+    return not screw and all(np.linalg.norm(np.cross(v, b - a)) < 1e-9 * np.linalg.norm(b - a) ** 2 for v in arms)

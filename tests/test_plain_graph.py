@@ -111,7 +111,7 @@ def test_derivatives_are_finite_differences():
         change = (value(g.move(x, h * step))[0] - value(g.move(x, -h * step))[0]) / (2 * h)
         expected = np.einsum("nrf,nf->nr", value(x)[1], step)
         if value == g.observed:
-            turns = len(g.coordinates)  # cosines and sines stand for these
+            turns = len(g.coordinates)  # two numbers stand for each
             change, expected = change[:, 2 * turns :], expected[:, turns:]
         assert change == pytest.approx(expected, abs=1e-7)
 
@@ -124,19 +124,51 @@ def test_starts_of_a_tree_are_closed():
         assert np.max(np.abs(rows)) < 1e-12
 
 
+CRANKS = """
+[[joint]]
+name = "a"
+type = "R"
+links = ["base", "arm"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "b"
+type = "R"
+links = ["base", "rocker"]
+point = [100, 0, 0]
+axis = [0, 1, 1]
+"""
+
+
+def rod(actuated: bool) -> str:
+    """A rod between the two cranks."""
+    text = '[[rod]]\nname = "rod"\nlinks = ["arm", "rocker"]\nfrom = [0, 40, 0]\nto = [120, 70, 10]\n'
+    return CRANKS + text + ("actuated = true\n" if actuated else "")
+
+
+def strut(kind: str) -> str:
+    """The same of a link, or of two with a joint along the line between the spherical ends."""
+    ends = (("near", "arm", "strut", [0, 40, 0]), ("far", "rocker", "strut2" if kind else "strut", [120, 70, 10]))
+    balls = "".join(f'[[joint]]\nname = "{n}"\ntype = "S"\nlinks = ["{a}", "{b}"]\npoint = {p}\n' for n, a, b, p in ends)
+    middle = f'[[joint]]\nname = "middle"\ntype = "{kind}"\nlinks = ["strut", "strut2"]\npoint = [60, 55, 5]\naxis = [12, 3, 1]\n'
+    return CRANKS + balls + (middle if kind else "")
+
+
 def test_a_rod_is_a_link_between_two_spherical_joints():
     """Both give the same configurations; the link's spin is idle and no mobility."""
-    crank = '[[joint]]\nname = "%s"\ntype = "R"\nlinks = ["base", "%s"]\npoint = [%s, 0, 0]\naxis = [0, %s, 1]\n'
-    cranks = crank % ("a", "arm", "0", "0") + crank % ("b", "rocker", "100", "1")
-    ends = ("[0, 40, 0]", "[120, 70, 10]")
-    rod = cranks + f'[[rod]]\nname = "rod"\nlinks = ["arm", "rocker"]\nfrom = {ends[0]}\nto = {ends[1]}\n'
-    ball = '[[joint]]\nname = "%s"\ntype = "S"\nlinks = ["%s", "rod"]\npoint = %s\n'
-    link = cranks + ball % ("s1", "arm", ends[0]) + ball % ("s2", "rocker", ends[1])
-    assert structure(graph(rod)).mobility == structure(graph(link)).mobility == 1
-    assert (structure(graph(rod)).idle, structure(graph(link)).idle) == (0, 1)
-    found = [configurations(graph(text), {"a": 20}, 100) for text in (rod, link)]
-    angles = [np.sort(np.cos(f.x[:, -1])) for f in found]
-    assert angles[0] == pytest.approx(angles[1], abs=1e-9)
+    found = [configurations(graph(text), {"a": 20}, 100) for text in (rod(False), strut(""))]
+    followers = [np.sort(np.cos(f.x[:, -1])) for f in found]
+    assert followers[0] == pytest.approx(followers[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "mobility", "idle"),
+    [(rod(False), 1, 0), (strut(""), 1, 1), (rod(True), 2, 0), (strut("P"), 2, 1), (strut("C"), 2, 2), (strut("R"), 1, 2)],
+)
+def test_spins_of_struts_are_idle(text, mobility, idle):
+    """A joint along a strut between spherical ends lets its halves spin alone; its slide is a freedom of the mechanism."""
+    s = structure(graph(text))
+    assert (s.mobility, s.idle) == (mobility, idle)
 
 
 @pytest.mark.parametrize(("name", "mobility"), [("zhao2000_links", 4), ("zhao2000", 4), ("ren2008", 6), ("zhang2009", 6)])
