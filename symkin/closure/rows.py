@@ -279,6 +279,10 @@ class RowBuilder:
             steps.extend(moved if element.along else (step.inverse() for step in reversed(moved)))
         return tuple(steps)
 
+    def chain_of(self, elements: Sequence[Element]) -> Chain:
+        """The joints of a part of a branch, once rows are built, as if they began at the base."""
+        return Chain(self._steps(elements))
+
     def _from_first(self, branch: Branch, count: int) -> Side:
         """Where the link behind the first `count` elements of a branch is, from the branch's first body; all links before it
         are noted."""
