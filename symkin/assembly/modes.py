@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 
 from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
@@ -17,8 +18,9 @@ from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
+from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
-from symkin.position.given_by_name import Values, named_given, plain_case, problem_of, refuse_unless_determined
+from symkin.position.given_by_name import Values, named_given, plain_case, problem_of
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -110,6 +112,7 @@ def _of_coordinates(mechanism: Mechanism, given: Given, search: Search, progress
     problem = problem_of(mechanism, given)
     refuse_unless_determined(problem)
     found, _ = modes_by_groups(problem, given, search, progress)
+    found = with_least_modes(problem, given, search, found)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
