@@ -98,7 +98,9 @@ class Solution(Result):
         kinds = {c.name: c for c in _coordinates(self.mechanism)}
         out: dict[str, Any] = {}
         for name, value in self.values.items():
-            c = kinds[name]
+            c = kinds.get(name)
+            if c is None:
+                continue
             if c.kind == "quaternion":
                 out[name] = [float(v) for v in value]
             else:
@@ -148,7 +150,7 @@ def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
     """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
     numbers = values.tolist()
     named: dict[str, Any] = {}
-    for c in closure.coordinates:
+    for c in (c for c in closure.coordinates if c.role != "geometry"):
         place = closure.slices[c.name]
         named[c.name] = numbers[place.start] if c.width == 1 else tuple(numbers[place])
     return named
@@ -161,9 +163,8 @@ def pose_of(closure: Closure, values: np.ndarray) -> Pose:
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    from symkin.closure.closure import build_closure
-
-    return build_closure(mechanism).coordinates
+    """Coordinates of all joints and actuated rods."""
+    return (*(c for joint in mechanism.all_joints for c in joint.coordinates), *mechanism.actuated)
 
 
 def finite(value: float | None) -> float | None:
