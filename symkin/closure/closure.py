@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,8 @@ class Closure:
     `variables` stacks the coordinates in the order actuated, passive, pose; a quaternion takes four numbers, and its
     norm is not among the rows. `errors` restates every constraint without squares and with whole rotation matrices:
     distances for the distance rows, axis and frame vectors times the size for the others (length unit). `pose` is the
-    platform's pose as an expression of the pose coordinates; `forward` that of the joints, where a limb has no passive
+    platform's pose as an expression of the pose coordinates (or of the joints that carry it); `row_numbers` are the places of the
+    rows among all that the branches write; `forward` that of the joints, where a limb has no passive
     joint (a serial arm); `idle` names the freedoms that the closure does not hold.
     """
 
@@ -38,6 +39,7 @@ class Closure:
     parameter_values: np.ndarray
     rows: ca.SX
     row_sources: tuple[Row, ...]
+    row_numbers: tuple[int, ...]
     errors: ca.SX
     pose: Pose
     forward: Pose | None
@@ -120,6 +122,28 @@ def numbered_rows(closure: Closure) -> ca.SX:
     return ca.substitute(ca.vertcat(*(builder.rows[k] for k in kept)), variables, closure.variables)
 
 
+def algebraic_rows(closure: Closure, forms: Mapping[str, PoseForm]) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """The rows of a closure with some floating bodies in an algebraic form, geometry bound, over the closure's variables and the
+    symbols of these bodies' poses: Study coordinates (e; g), or position and a quaternion of any length. Bodies are named as their
+    coordinates are: "pose" is the platform."""
+    bound, platform = not closure.partition.geometry, closure.mechanism.platform_link or ""
+    by_link = {platform if name == "pose" else name: form for name, form in forms.items()}
+    builder = RowBuilder(closure.mechanism, bound=bound, partition=closure.partition, body_forms=by_link)
+    builder.build_rows()
+    symbols = {name: builder.body_symbols[platform if name == "pose" else name] for name in forms}
+    names = [c.name for c in closure.coordinates if c.name in builder.coordinates]
+    ours = [builder.coordinates[name][1] for name in names]
+    theirs = [closure.variables[closure.slices[name]] for name in names]
+    rows = ca.vertcat(*(builder.rows[k] for k in closure.row_numbers))
+    if not bound:
+        numbers = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
+        for name, symbol, value in zip(builder.table.names, builder.table.symbols, builder.table.values, strict=True):
+            known = name in closure.slices
+            ours.append(symbol)
+            theirs.append(closure.variables[closure.slices[name]] if known else ca.SX(float(numbers.get(name, value))))
+    return ca.substitute(rows, ca.vertcat(*ours), ca.vertcat(*theirs)), symbols
+
+
 def build_algebraic_closure(
     mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
 ) -> AlgebraicClosure:
@@ -156,6 +180,7 @@ def _assemble(builder: RowBuilder) -> Closure:
         parameter_values=values,
         rows=ca.vertcat(*(builder.rows[k] for k in kept)),
         row_sources=tuple(builder.sources[k] for k in kept),
+        row_numbers=kept,
         errors=_without_unused(builder, names),
         pose=builder.pose,
         forward=builder.forward,

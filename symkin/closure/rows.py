@@ -11,7 +11,7 @@ only where e is a turn about a, so that these rows have no spurious roots and st
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -94,10 +94,12 @@ class RowBuilder:
 
     def __init__(
         self, mechanism: Mechanism, form: PoseForm | None = None, *, eliminate: bool = False, replace_universal: bool = True,
-        bound: bool | None = None, partition: Partition = ALL_JOINTS,
+        bound: bool | None = None, partition: Partition = ALL_JOINTS, body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:  # fmt: skip
         self.mechanism = mechanism
         self.form = form if mechanism.motion in ("spatial", "spherical") else None
+        self.body_forms = dict(body_forms or {})
+        self.body_symbols: dict[str, ca.SX] = {}
         self.eliminate = eliminate
         self.replace_universal = replace_universal
         self.partition = partition
@@ -166,7 +168,9 @@ class RowBuilder:
     def _declare_bodies(self) -> None:
         """Poses of the bodies that float: the platform's first."""
         for body in self.layout.floating:
-            if body == self._platform:
+            if body in self.body_forms:
+                self.bodies[body] = self._declare_algebraic_body(body)
+            elif body == self._platform:
                 self._declare_pose(self.reference)
                 self.bodies[body] = PlatformSide(self.platform_pose, self.reference)
             else:
@@ -176,10 +180,26 @@ class RowBuilder:
     def _platform(self) -> str | None:
         return self.mechanism.platform_link if self.mechanism.is_graph else PLATFORM
 
+    def _declare_algebraic_body(self, body: str) -> PlatformSide:
+        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length."""
+        e = ca.SX.sym(f"{body}.e", 4)
+        reference = self.reference if body == self._platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        if self.body_forms[body] == "study":
+            g = ca.SX.sym(f"{body}.g", 4)
+            self.body_symbols[body] = ca.vertcat(e, g)
+            return PlatformSide(StudyPose(e, g), reference)
+        t = ca.SX.sym(f"{body}.t", 3)
+        self.body_symbols[body] = ca.vertcat(t, e)
+        return PlatformSide(HomogeneousPose(t, e), reference)
+
+    def _middle(self, body: str) -> np.ndarray:
+        """The middle of a body's joint points at the reference."""
+        ends = [_end_of(branch, body) for branch in self.layout.branches if body in branch.ends]
+        return np.asarray(np.mean([self._place(element, first=first) for element, first in ends], axis=0))
+
     def _declare_body(self, body: str) -> PlatformSide:
         """A floating body by the position of the middle of its joints' points and its turn from the reference."""
-        ends = [_end_of(branch, body) for branch in self.layout.branches if body in branch.ends]
-        middle = np.mean([self._place(element, first=first) for element, first in ends], axis=0)
+        middle = self._middle(body)
         values = {
             f"{body}.{key}": Coordinate(f"{body}.{key}", "length", "body", (float(value),))
             for key, value in zip("xyz", middle, strict=True)
@@ -235,12 +255,15 @@ class RowBuilder:
         """The pose of a platform that the joints carry, as an expression of theirs; the base's frame where there is none."""
         platform = self._platform
         if platform in self.layout.floating:
+            if platform in self.body_forms:
+                self.platform_pose = self.bodies[platform].pose  # type: ignore[union-attr]
             return
         if platform is None:
             self.pose = Pose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
             return
         side = self._link(platform)
         self.pose = Pose(side.move(self.reference.position), multiply(side.quaternion, self.reference.quaternion))
+        self.platform_pose = UnitPose(ca.SX(self.pose.position), ca.SX(self.pose.quaternion))
 
     def _condition_pose(self) -> None:
         """Rows for the coordinates of the pose that are given one by one."""
@@ -251,8 +274,10 @@ class RowBuilder:
         angles = tilt_and_torsion(np.asarray(reference.quaternion))
         nominal = dict(zip(POSE_CONDITIONS, (*np.asarray(reference.position).tolist(), *angles), strict=True))
         values = {n: self._symbol(Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))) for n in names}
-        rows = [values[n] - self.pose.position["xyz".index(n)] for n in names if n in "xyz"]
-        turns, checks = rotation_conditions(self.pose.quaternion, values)
+        pose = self.platform_pose
+        place = pose.point(ca.SX(3, 1))
+        rows = [pose.weight * values[n] - place["xyz".index(n)] for n in names if n in "xyz"]
+        turns, checks = rotation_conditions(pose.quaternion, values)
         rows, checks = [*rows, *(size * row for row in turns)], [*rows, *(size * check for check in checks)]
         self._add("platform", "given", rows, checks)
 
@@ -278,6 +303,10 @@ class RowBuilder:
             moved = symbols.steps(values)
             steps.extend(moved if element.along else (step.inverse() for step in reversed(moved)))
         return tuple(steps)
+
+    def chain_of(self, elements: Sequence[Element]) -> Chain:
+        """The joints of a part of a branch, once rows are built, as if they began at the base."""
+        return Chain(self._steps(elements))
 
     def _from_first(self, branch: Branch, count: int) -> Side:
         """Where the link behind the first `count` elements of a branch is, from the branch's first body; all links before it

@@ -26,7 +26,8 @@ class AlgebraicSystem:
     `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are the affine
     coordinates, in order, before it. `eliminated` are angles that the rows do not hold, with their values at real roots.
     `limbs` are places of joints that a known pose separates from each other: the pose alone tells roots apart, and each
-    limb has its own branches there. `known_ray` are places in k of a quaternion of any length.
+    limb has its own branches there. `known_ray` are places in k of a quaternion of any length; `body` begins the names of the
+    coordinates for which the projective point stands.
     """
 
     characteristic_length: float
@@ -38,6 +39,7 @@ class AlgebraicSystem:
     eliminated: tuple[tuple[Coordinate, ca.SX], ...] = ()
     limbs: tuple[tuple[int, ...], ...] = ()
     known_ray: tuple[int, ...] = ()
+    body: str = "pose"
 
     @cached_property
     def width(self) -> int:

@@ -19,6 +19,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.problem import Problem
+from symkin.position.roots import merge
 from symkin.position.starts import random_starts
 
 COMPLEX_POINTS, REAL_POINTS = 32, 32
@@ -36,6 +37,25 @@ def roots_elsewhere(
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     ends = carried(system, z, k, start.k)
     return ends[:, uncovered(system, start.z, ends) < 0]
+
+
+def real_seeds(
+    problem: Problem, system: AlgebraicSystem, block: System, points: Points, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Roots (width, n) at a random complex base, and this: closed configurations carried there. Rows that are redundant at closed
+    configurations alone, as those of Bennett's linkage are, have no other points near which Newton's method finds a root."""
+    z, k = _real_roots(problem, system, block, rng)
+    if not z.shape[1]:
+        return None
+    base = points(rng, True)[1]
+    ends = carried(system, z, k, base)
+    return (_distinct(system, ends), base) if ends.shape[1] else None
+
+
+def _distinct(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
+    features = system.all_features(z)
+    first, _ = merge(np.hstack([features.real, features.imag]), 1e-6)
+    return np.asarray(z[:, first])
 
 
 def _real_roots(

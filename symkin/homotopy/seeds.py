@@ -14,6 +14,7 @@ from symkin.homotopy.engine import track
 from symkin.homotopy.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
+from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
 Points = Callable[[np.random.Generator, bool], tuple[np.ndarray, np.ndarray]]
@@ -120,13 +121,22 @@ def random_point(
     anywhere."""
     z = _about_reference(problem, system.unknowns, rng, near)
     if system.projective:
-        pose = problem.mechanism.reference_pose
+        pose = _reference_pose(problem, system)
         ray = _noise(4, rng, near) + (np.asarray(pose.quaternion) if near else 0.0)
         if len(system.projective) == 8:
             t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.characteristic_length + _noise(3, rng, near)])
             ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
         z = np.concatenate([z, ray])
     return z, known_values(problem, random_known(problem, rng, near=near))
+
+
+def _reference_pose(problem: Problem, system: AlgebraicSystem) -> Pose:
+    """Of the body for which the projective point stands."""
+    places, reference = problem.closure.slices, problem.closure.reference
+    if system.body == "pose":
+        return problem.mechanism.reference_pose
+    position = [float(reference[places[f"{system.body}.{axis}"]][0]) for axis in "xyz"]
+    return Pose(np.array(position), reference[places[f"{system.body}.quaternion"]])
 
 
 def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> np.ndarray:

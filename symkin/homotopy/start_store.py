@@ -12,7 +12,7 @@ import logging
 import zlib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -24,7 +24,7 @@ from symkin.computed_once import computing, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.branches import uncovered
-from symkin.homotopy.components import free_system, roots_elsewhere
+from symkin.homotopy.components import free_system, real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
 from symkin.homotopy.engine import aligned, newton, track, track_lines
 from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre, loop_radius, orbits, within_reach
@@ -201,25 +201,28 @@ def _by_monodromy(
         found = mobility(problem.mechanism)
         if found.closed and found.direct_rank.value < found.rank.value:
             return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
-    rank = system.count - (redundant_rows(problem, block) if problem.kind != "inverse" else 0)
+    # fewer combinations of the rows than these are no more redundant than they
+    whole = int(block.rows.shape[0]) - (redundant_rows(problem, block) if problem.kind != "inverse" else 0)
+    rank = min(system.count, whole) if problem.kind == "given" else system.count - int(block.rows.shape[0]) + whole
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
 
-    if not _is_determined(system, points):
+    if not _is_determined(system, _closed_points(problem, system, block) if problem.kind == "given" else points):
         return None, TIED
     combined = system.count < system_of(problem, block).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
     looping = Looping(known_angles(problem), bound, most_loops=loops)
-    first = fibre(system, points, np.random.default_rng(0), 0, rank, looping, progress=progress)
+    search = _Searching(problem, system, block, points, rank, looping)
+    first = search.fibre(0, 0, progress=progress)
     if first is None:
         return None, "no generic complex solution was found"
     if bound is not None:
         return first, ""
     for seed in range(1, 1 + runs):
         LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
-        grown = _agree(system, points, rank, first, seed, looping)
+        grown = _agree(search, first, seed)
         best = grown or first
         missing = missing_roots(problem, system, block, best, seed)
         fresh = np.hstack([missing, roots_elsewhere(problem, system, block, points, rank, best, seed)])
@@ -229,7 +232,7 @@ def _by_monodromy(
             first = best
             continue
         known = (np.concatenate([best.z, fresh], axis=1), best.k)
-        first = fibre(system, points, np.random.default_rng(seed + 100), seed, rank, looping, known) or best
+        first = search.fibre(seed + 100, seed, known) or best
     return None, "independent searches for the generic count disagree"
 
 
@@ -284,6 +287,19 @@ def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known
     return np.array(columns).T.reshape(system.width, len(columns))
 
 
+def _closed_points(problem: Problem, system: AlgebraicSystem, block: System) -> Points:
+    """Draws generic closed configurations: rows that close for any known values may still depend on them elsewhere."""
+    closed = closed_configurations(problem.closure, 0)
+
+    def draw(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - all are near the reference
+        values = closed[int(rng.integers(len(closed)))]
+        named = {c.name: values[problem.closure.slices[c.name]] for c in block.unknowns}
+        z = algebraic_point(problem, system, named)
+        return z, known_values(problem, problem.select_values(values, problem.known_coordinates)).astype(complex)
+
+    return draw
+
+
 def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     """Whether the rows can be met for known values near given ones: they are no more than the unknowns, or depend on
     each other where they are met."""
@@ -296,20 +312,46 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
 
 
-def _agree(system: AlgebraicSystem, points: Points, rank: int, first: Fibre, seed: int, looping: Looping) -> Fibre | None:
+@dataclass(frozen=True)
+class _Searching:
+    """What every search of a block's generic roots is told."""
+
+    problem: Problem
+    system: AlgebraicSystem
+    block: System
+    points: Points
+    rank: int
+    looping: Looping
+
+    def fibre(
+        self, draw: int, seed: int, known: tuple[np.ndarray, np.ndarray] | None = None, *, bound: int | None = None,
+        progress: Progress | None = None,
+    ) -> Fibre | None:  # fmt: skip
+        """Roots from random complex points, or from the `known` ones; where no such point leads to a root, from closed
+        configurations."""
+        looping = self.looping if bound is None else replace(self.looping, bound=bound)
+        rng = np.random.default_rng(draw)
+        found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
+        if found is None and known is None:
+            known = real_seeds(self.problem, self.system, self.block, self.points, np.random.default_rng([draw, 2]))
+            if known is not None:
+                found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
+        return found
+
+
+def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
     """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
     union, grown by more loops."""
-    no_more = replace(looping, bound=first.z.shape[1])
-    second = fibre(system, points, np.random.default_rng(seed), seed, rank, no_more)
+    second = search.fibre(seed, seed, bound=first.z.shape[1])
     if second is None:
         return None
-    tracked = track(system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
+    tracked = track(search.system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
     ends = tracked.z[:, tracked.arrived]
-    fresh = ends[:, uncovered(system, first.z, ends) < 0]
+    fresh = ends[:, uncovered(search.system, first.z, ends) < 0]
     if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
         return None
     start = np.concatenate([first.z, fresh], axis=1)
-    return fibre(system, points, np.random.default_rng(seed + 50), seed, rank, looping, (start, first.k))
+    return search.fibre(seed + 50, seed, (start, first.k))
 
 
 # --- files -------------------------------------------------------------------------------------------------------

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import AlgebraicClosure, build_algebraic_closure
+from symkin.closure.closure import AlgebraicClosure, algebraic_rows, build_algebraic_closure
+from symkin.closure.rows import PoseForm
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system
@@ -88,12 +89,50 @@ def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSyste
 
 
 def _of_given(problem: Problem) -> AlgebraicSystem:
-    """The rows of a problem whose unknowns are angles and lengths, as they are."""
-    system, size = problem.system, problem.closure.characteristic_length
-    scale_z, scale_k = _scales(system.unknowns, size), _scales(problem.known_coordinates, size)
-    z, k = system.unknown, system.known
-    rows = ca.substitute(system.rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))) / size
-    return AlgebraicSystem(size, system.unknowns, z, k, rows, ())
+    """The rows of a problem of given coordinates: joints as they are, a floating body that is unknown in Study coordinates, those
+    that are known by position and a quaternion of any length."""
+    closure, system, size = problem.closure, problem.system, problem.closure.characteristic_length
+    unknown, known = floating_bodies(system.unknowns), floating_bodies(problem.known_coordinates)
+    forms: dict[str, PoseForm] = {**dict.fromkeys(unknown, "study"), **dict.fromkeys(known, "homogeneous")}
+    rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
+    rows = rows if problem.row_places is None or not forms else rows[list(problem.row_places), 0]
+    affine = tuple(c for c in system.unknowns if c.role not in ("body", "pose"))
+    stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
+    z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
+    for body in unknown:
+        z_parts.append(symbols[body])
+        z_scale += [1.0] * 4 + [size] * 4
+        rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
+    k_parts, k_scale, ray = _known_parts(problem, symbols)
+    z, k = ca.vertcat(*z_parts), ca.vertcat(ca.SX(0, 1), *k_parts)
+    rows = ca.substitute(rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale))) / size
+    projective = tuple(range(len(affine), int(z.shape[0]))) if unknown else ()
+    return AlgebraicSystem(size, affine, z, k, rows, projective, known_ray=ray, body=unknown[0] if unknown else "pose")
+
+
+def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[ca.SX], list[float], tuple[int, ...]]:
+    """Symbols and scales of the known coordinates in their order, and the places of the first known quaternion."""
+    closure, size = problem.closure, problem.closure.characteristic_length
+    parts: list[ca.SX] = []
+    scale: list[float] = []
+    ray: tuple[int, ...] = ()
+    for c in problem.known_coordinates:
+        body, _, key = c.name.rpartition(".")
+        if body in symbols and c.role in ("body", "pose"):
+            symbol = symbols[body][3:] if key == "quaternion" else symbols[body]["xyz".index(key)]
+        else:
+            symbol = closure.variables[closure.slices[c.name]]
+        if c.kind == "quaternion" and not ray:
+            ray = tuple(range(len(scale), len(scale) + 4))
+        parts.append(symbol)
+        scale += [1.0 if c.is_angular or c.kind == "quaternion" else size] * c.width
+    return parts, scale, ray
+
+
+def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
+    """The bodies whose pose is among some coordinates, by the part of these names before the last point."""
+    names = [c.name.rpartition(".")[0] for c in coordinates if c.role in ("body", "pose")]
+    return tuple(dict.fromkeys(names))
 
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
@@ -152,6 +191,9 @@ def unsuitable(problem: Problem) -> str | None:
     for c in problem.system.unknowns:
         if c.kind == "turns":
             return f"the closure is not algebraic in {c.name} (helical joint)"
-        if c.kind == "quaternion" and (c.role != "pose" or problem.kind == "given"):
+        if c.kind == "quaternion" and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
+    bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()
+    if len(bodies) > 1:
+        return f"the poses of {' and '.join(bodies)} are found together"
     return None

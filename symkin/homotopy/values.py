@@ -45,7 +45,7 @@ def many_real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k
         angles = system.angles_eliminated(z.real.T, k.real.T)
         values |= {c.name: angle[:, :, 0] for (c, _), angle in zip(system.eliminated, angles, strict=True)}
     if system.projective:
-        values |= _pose_values(z[list(system.projective)], size)
+        values |= {f"{system.body}.{key}": value for key, value in _pose_values(z[list(system.projective)], size).items()}
     return values
 
 
@@ -53,10 +53,10 @@ def _pose_values(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
     """Of rays (4 or 8, n)."""
     rays = (rays / rays[np.argmax(np.abs(rays), axis=0), np.arange(rays.shape[1])]).real
     rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
-    values = {"pose.quaternion": rays[:4].T}
+    values = {"quaternion": rays[:4].T}
     if len(rays) == 8:
         position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
-        values |= {f"pose.{axis}": position[i][:, None] for i, axis in enumerate("xyz")}
+        values |= {axis: position[i][:, None] for i, axis in enumerate("xyz")}
     return values
 
 
@@ -70,7 +70,9 @@ def algebraic_points(problem: Problem, system: AlgebraicSystem, values: dict[str
     size = problem.closure.characteristic_length
     z = [values[c.name].T / (1.0 if c.is_angular else size) for c in system.unknowns]
     if system.projective:
-        z.append(pose_point({name: value.T for name, value in values.items() if name.startswith("pose.")}, size))
+        start = f"{system.body}."
+        own = {f"pose.{name.removeprefix(start)}": value.T for name, value in values.items() if name.startswith(start)}
+        z.append(pose_point(own, size))
     return np.concatenate(z).astype(complex)
 
 

@@ -48,8 +48,9 @@ def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coo
     closure = problem.closure
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     allowed = {c.name for c in (*unknowns, *earlier, *problem.known_coordinates)}
-    rows = _rows_of(problem.system.rows, problem, unknowns, allowed)
-    errors = _rows_of(problem.system.errors, problem, unknowns, allowed)
+    places = _rows_of(problem.system.rows, problem, unknowns, allowed)
+    rows = problem.system.rows[places, 0]
+    errors = problem.system.errors[_rows_of(problem.system.errors, problem, unknowns, allowed), 0]
     held = ca.vertcat(rows, errors)
     known = tuple(
         c for c in (*problem.known_coordinates, *earlier) if ca.which_depends(held, stacked[c.name], 1, True).count(True)
@@ -62,11 +63,11 @@ def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coo
         errors,
         closure.characteristic_length,
     )
-    return replace(problem, kind="given", system=system, known_coordinates=known)
+    return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
 
 
-def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> ca.SX:
-    """The rows that hold some of the unknowns and nothing that is found later."""
+def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> list[int]:
+    """Places of the rows that hold some of the unknowns and nothing that is found later."""
     closure, rng = problem.closure, np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
@@ -78,7 +79,7 @@ def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], al
         held = {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
         if held & own and held <= allowed:
             kept.append(k)
-    return rows[kept, 0]
+    return kept
 
 
 def _parts(problem: Problem) -> list[set[int]]:
@@ -96,7 +97,20 @@ def _parts(problem: Problem) -> list[set[int]]:
     needs: list[set[int]] = [set() for _ in system.unknowns]
     for column, others in enumerate(after):
         needs[int(columns[column])] |= others
+    for body in _bodies(system.unknowns):
+        # the coordinates of a pose are found together
+        for place in body:
+            needs[place] |= body
     return _components(needs)
+
+
+def _bodies(unknowns: tuple[Coordinate, ...]) -> list[set[int]]:
+    """Places of the pose coordinates of each floating body."""
+    found: dict[str, set[int]] = {}
+    for place, c in enumerate(unknowns):
+        if c.role in ("body", "pose"):
+            found.setdefault(c.name.rsplit(".", 1)[0], set()).add(place)
+    return list(found.values())
 
 
 def _closed_jacobian(problem: Problem) -> np.ndarray:

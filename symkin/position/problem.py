@@ -27,12 +27,14 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A position problem of one mechanism; values of the known coordinates are bound at each solve."""
+    """A position problem of one mechanism; values of the known coordinates are bound at each solve. `row_places` are the rows of
+    the closure that its system holds, None for all of them."""
 
     closure: Closure
     kind: Kind
     system: System
     known_coordinates: tuple[Coordinate, ...]
+    row_places: tuple[int, ...] | None = None
 
     @property
     def mechanism(self) -> Mechanism:

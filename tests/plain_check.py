@@ -1,0 +1,30 @@
+"""Configurations of symkin on the rows of `benchmarks/plain_graph.py`, which gives every link and every joint coordinates of its own."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from symkin.closure.closure import Closure
+from symkin.closure.link_poses import joint_readings, link_poses
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "benchmarks"))
+
+from plain_graph import read  # noqa: E402
+
+MECHANISMS = ROOT / "symkin" / "mechanisms"
+
+
+def plain_gap(path: Path, closure: Closure, values: np.ndarray) -> float:
+    """The largest row (share of the size, rad) of the plain graph at full vectors of variables (m, variables) of a closure."""
+    g = read(path)
+    poses = link_poses(closure, values)
+    joints = joint_readings(closure, poses) | {c.name: values[:, closure.slices[c.name].start] for c in closure.role("actuated")}
+    x = np.tile(g.reference(), (len(values), 1))
+    for i, name in enumerate(g.names):
+        x[:, 7 * i : 7 * i + 3] = poses[name].apply(g.size * g.centres[i][:, None]).T / g.size
+        x[:, 7 * i + 3 : 7 * i + 7] = poses[name].quaternion.T
+    for k, c in enumerate(g.coordinates):
+        x[:, 7 * len(g.names) + k] = joints[c.name] / (1.0 if c.angle else g.size)
+    return float(np.max(np.abs(g.closure(x)[0])))
