@@ -18,6 +18,7 @@ from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import load, shipped_names
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Calibration",
+    "Coupling",
     "DHRow",
     "DHTable",
     "Example",
@@ -59,6 +61,9 @@ __all__ = [
     "Jacobian",
     "Joint",
     "Limb",
+    "LinkJoint",
+    "LinkPoint",
+    "LinkRod",
     "Loci",
     "Measurements",
     "Mechanism",

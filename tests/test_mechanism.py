@@ -45,11 +45,13 @@ def test_text_names_mechanism_and_limbs(rng):
 
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_actuated_coordinates_stand_in_file_order(name):
-    """Limb after limb, joint after joint, actuated ones only."""
+    """Limb after limb, joint after joint, rod after rod, actuated ones only."""
     mechanism = symkin.load(name)
     order = []
     for limb in mechanism.limbs:
         order += [limb.name] if isinstance(limb, RodLimb) else [j.name for j in limb.joints if j.actuated]
+    order += [c.name for entry in mechanism.link_joints if entry.joint.actuated for c in entry.joint.coordinates]
+    order += [rod.name for rod in mechanism.link_rods if rod.actuated]
     assert [c.name for c in mechanism.actuated] == order
 
 

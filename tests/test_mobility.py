@@ -127,7 +127,7 @@ def test_the_couples_of_the_trt_limbs() -> None:
     assert len(found.platform_constraints) == 2
 
 
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", [name for name in symkin.shipped_names() if symkin.load(name).platform_link is not None])
 def test_platform_twists_and_constraints_make_six(name: str) -> None:
     """A screw system and its reciprocal one have dimensions that add up to six, and do no work on each other."""
     found = symkin.mobility(symkin.load(name))
@@ -145,7 +145,7 @@ def test_rank_counts_singular_values() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", [name for name in symkin.shipped_names() if not symkin.load(name).is_graph])
 def test_show_prints_what_is_promised(name: str) -> None:
     """`show` names limbs, equations, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
     text = describe(symkin.load(name))
@@ -157,4 +157,4 @@ def test_show_warns_when_inputs_are_not_the_mobility() -> None:
     """Fewer actuated joints than the mobility: a warning names both numbers."""
     joints = [Joint("a", "R", (0, 0, 0), (0, 0, 1), actuated=True), Joint("b", "R", (1, 0, 0), (0, 0, 1))]
     text = describe(Mechanism("open_chain", [Limb("only", [*joints, Joint("c", "R", (2, 0, 0), (0, 0, 1))])], (2, 0, 0)))
-    assert "1 actuated joints for a mobility of 3" in text
+    assert "1 actuated joint for a mobility of 3" in text

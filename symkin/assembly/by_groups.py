@@ -82,14 +82,9 @@ def _extended(
     which = which.ravel()
     solved, points, owner = _solve(group, known, search, rng, progress)
     solved.count = int(np.bincount(owner, minlength=1).max())
-    rows, chosen = [], []
-    for place, mine in enumerate(which.tolist()):
-        columns = np.flatnonzero(owner == mine)
-        rows.append(np.full(len(columns), place))
-        chosen.append(columns)
-    place, column = np.concatenate(rows).astype(int), np.concatenate(chosen).astype(int)
-    wider = values[place]
-    wider[:, group.unknown_places] = points[column]
+    chosen = [np.flatnonzero(owner == mine) for mine in which.tolist()]
+    wider = values[np.repeat(np.arange(len(values)), [len(columns) for columns in chosen])]
+    wider[:, group.unknown_places] = points[np.concatenate(chosen)]
     return solved, wider
 
 

@@ -94,7 +94,7 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     platform's pose."""
     if not mechanism.is_graph:
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
-    edges = list(_edges(mechanism))
+    edges = list(edges_of(mechanism))
     return _spanned(
         _chains(edges, {mechanism.platform_link} if pose and mechanism.platform_link else set()), mechanism, kept, pose
     )
@@ -146,7 +146,7 @@ def _rods_of_limb(limb: Limb) -> Iterator[Element]:
 # --- graphs --------------------------------------------------------------------------------------------------------
 
 
-def _edges(mechanism: Mechanism) -> Iterator[Branch]:
+def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
     """Joints and rods as branches of one element each, limbs by their joints."""
     for limb in mechanism.limbs:
         first, last = limb.links

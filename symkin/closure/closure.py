@@ -27,7 +27,8 @@ class Closure:
     distances for the distance rows, axis and frame vectors times the size for the others (length unit). `pose` is the
     platform's pose as an expression of the pose coordinates (or of the joints that carry it); `row_numbers` are the places of the
     rows among all that the branches write; `forward` that of the joints, where a limb has no passive
-    joint (a serial arm); `idle` names the freedoms that the closure does not hold.
+    joint (a serial arm); `idle` names the freedoms that the closure does not hold; `vanishing` counts the rows that are left out since
+    they vanish at every configuration, as those of a planar loop out of its plane.
     """
 
     mechanism: Mechanism
@@ -44,6 +45,7 @@ class Closure:
     pose: Pose
     forward: Pose | None
     idle: tuple[str, ...]
+    vanishing: int = 0
 
     @property
     def characteristic_length(self) -> float:
@@ -185,6 +187,7 @@ def _assemble(builder: RowBuilder) -> Closure:
         pose=builder.pose,
         forward=builder.forward,
         idle=tuple(text for text in builder.idle if text),
+        vanishing=len(builder.rows) - len(kept),
     )
 
 

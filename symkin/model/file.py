@@ -8,14 +8,15 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.foreign_keys import JOINT_TYPES, foreign_key, is_second_platform, second_platform
-from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
-from symkin.model.joint import PLATFORM, Joint, interval
+from symkin.model.foreign_keys import JOINT_TYPES, LINKS_IN_A_LIMB, foreign_key, is_second_platform, second_platform
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod, coupling_scale
+from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
@@ -96,6 +97,7 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
         model = JointLimbTable if "joint" in raw or "rod" in raw else RodLimbTable
         limbs.append(_validated(model, raw, ("limb", k), context))
     _check_frames(_form(table, limbs), table, limbs)
+    _check_link_tables(table, limbs)
     options: dict[str, Any] = {
         "length_unit": table.length_unit,
         "angle_unit": table.angle_unit,
@@ -199,9 +201,10 @@ class _Builder:
         if isinstance(table.of, str):
             powers = None
             if table.polynomial is not None:
-                powers = [own * c / unit.get(table.of, 1.0) ** k for k, c in enumerate(table.polynomial)]
+                other = unit.get(table.of, 1.0)
+                powers = [coupling_scale(own, other, k) * c for k, c in enumerate(table.polynomial)]
             return Coupling(table.joint, table.of, own * table.offset, powers)
-        terms = {name: own * factor / unit.get(name, 1.0) for name, factor in table.of.items()}
+        terms = {name: coupling_scale(own, unit.get(name, 1.0), 1) * factor for name, factor in table.of.items()}
         return Coupling(table.joint, terms, own * table.offset, table.polynomial)
 
     def rod(self, limb: str, k: int, table: Any) -> Rod:
@@ -274,6 +277,18 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
         raise MechanismError("platform.position is missing; limbs of joints need it")
 
 
+def _check_link_tables(table: Any, limbs: Sequence[Any]) -> None:
+    """Every [[link]] is one that a joint, a rod or a limb names."""
+    held = [link for entry in (*table.joint, *table.rod, *limbs) for link in entry.links or ()]
+    for k, link in enumerate(table.link):
+        if link.name not in held and link.name != BASE:
+            near = get_close_matches(link.name, held, 1)
+            raise MechanismError(
+                f"link[{k}] ({link.name}): nothing holds it; name it in the links of a joint or rod"
+                + (f", or do you mean {near[0]}?" if near else "")
+            )
+
+
 def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict[str, Any]) -> Any:
     from pydantic import ValidationError
 
@@ -309,7 +324,7 @@ def _sentence(path: str, error: Any, model: Any) -> str:
         case "missing":
             return f"{path} is missing"
         case "extra_forbidden":
-            return f"{path} is an unknown key; allowed: {', '.join(_allowed_keys(model, error['loc']))}"
+            return _unknown_key(path, str(error["loc"][-1]), _allowed_keys(model, error["loc"]))
         case "literal_error":
             instead = JOINT_TYPES.get(value) if path.endswith(".type") and isinstance(value, str) else None
             allowed = f"{path} = {shown(value)} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
@@ -319,6 +334,14 @@ def _sentence(path: str, error: Any, model: Any) -> str:
             return f"{path} = {shown(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
         case _:
             return f"{path} = {shown(value)}: {error['msg']}"
+
+
+def _unknown_key(path: str, key: str, allowed: list[str]) -> str:
+    """What is said of a key that a table has not, with the nearest that it has."""
+    if key == "links" and ".joint[" in path:
+        return f"{path} is an unknown key; {LINKS_IN_A_LIMB}"
+    near = get_close_matches(key, allowed, 1)
+    return f"{path} is an unknown key{f' (near: {near[0]})' if near else ''}; allowed: {', '.join(allowed)}"
 
 
 def _allowed_keys(model: Any, loc: tuple[str | int, ...]) -> list[str]:

@@ -24,12 +24,16 @@ _KEYS = {
 }
 """Keys that no table of the format has, with what they ask for and what to write in its place."""
 JOINT_TYPES = {
-    **dict.fromkeys(("fixed", "rigid"), "a joint that does not move is a weld"),
+    **dict.fromkeys(
+        ("fixed", "rigid", "weld"),
+        "a joint that does not move is a weld between links ([[joint]] with links); in a limb it is left out",
+    ),
     **dict.fromkeys(("Pa", "parallelogram"), "a parallelogram is two rods ([[rod]], or [[limb.rod]] at the end of a limb)"),
     **dict.fromkeys(("G", "gear", "belt"), _COUPLING),
     "E": "a planar joint is written as two P joints and an R joint",
 }
 """Names of joints that the format has not, with what to write in their place."""
+LINKS_IN_A_LIMB = "joints of a limb follow each other, from link to link; a joint between two named links stands at the top of the file, as [[joint]]"
 _DEEPEST = 6
 """Keys and numbers on the way to the deepest table of the format are fewer."""
 

@@ -81,7 +81,9 @@ class LinkRod:
         if self.length is not None and self.length <= 0.0:
             raise MechanismError(f"{where}: length = {self.length!r} must be positive")
         if self.length is None and not self.actuated and coincide(self.start, self.end):
-            raise MechanismError(f"{where}: its ends lie at one point at the reference; a rod has a length")
+            raise MechanismError(
+                f"{where}: its ends `from` and `to` lie at one point at the reference; a rod has a length, so part them or give `length`"
+            )
 
     @property
     def reference_length(self) -> float:
@@ -153,9 +155,21 @@ class Coupling:
         return (self.of,) if isinstance(self.of, str) else tuple(name for name, _ in self.terms)
 
 
+def coupling_scale(own: float, other: float, power: int) -> float:
+    """What a coefficient c of a file, q / own = c (q' / other)^power + ..., is multiplied by: exactly 1 for a power 1 and like units."""
+    return own if power == 0 else own / other / other ** (power - 1)
+
+
 @dataclass(frozen=True)
 class LinkPoint:
-    """A point of a link, by name: in the base frame at the reference configuration."""
+    """A point of a link, by name: in the base frame at the reference configuration.
+
+    Raises MechanismError for what is not three finite numbers.
+
+    >>> import symkin
+    >>> symkin.LinkPoint("foot", "toe", [0, 0, -10]).point
+    (0.0, 0.0, -10.0)
+    """
 
     link: str
     name: str

@@ -29,6 +29,12 @@ class Graph(Protocol):
     @property
     def platform_link(self) -> str | None: ...
     @property
+    def platform_position(self) -> Sequence[float]: ...
+    @property
+    def platform_quaternion(self) -> Sequence[float]: ...
+    @property
+    def motion(self) -> str: ...
+    @property
     def all_joints(self) -> Iterator[Joint]: ...
     @property
     def actuated(self) -> tuple[Coordinate, ...]: ...
@@ -50,6 +56,8 @@ def check_graph(graph: Graph) -> None:
         if graph.platform_link == BASE:
             raise MechanismError("platform.link = 'base'; the base does not move, name the link whose pose is wanted")
         _check_known(graph.platform_link, links, "platform.link", "links")
+    elif _has_frame(graph):
+        raise MechanismError(f"platform.link is missing; name the link that carries the platform frame: {', '.join(links[1:])}")
     for point in graph.link_points:
         _check_known(point.link, links, "link", "links")
         check_name(point.name, f"link {point.link!r}: points")
@@ -58,6 +66,11 @@ def check_graph(graph: Graph) -> None:
         if names.count(name) > 1:
             raise MechanismError(f"two points are named {name!r}; names must be unique in the file")
     _check_couplings(graph)
+
+
+def _has_frame(graph: Graph) -> bool:
+    frame = tuple(graph.platform_position), tuple(graph.platform_quaternion), graph.motion
+    return frame != ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), "spatial")
 
 
 def _check_held(graph: Graph, links: Sequence[str]) -> None:
@@ -91,6 +104,11 @@ def _check_couplings(graph: Graph) -> None:
     depends: dict[str, tuple[str, ...]] = {}
     for coupling in graph.couplings:
         where = f"coupling of {coupling.joint!r}"
+        ball = next((name for name in (coupling.joint, *coupling.names) if name in coordinates and name not in known), None)
+        if ball is not None:
+            raise MechanismError(
+                f"{where}: {ball!r} is a spherical joint, which has no angle to couple; allowed: {', '.join(known)}"
+            )
         _check_known(coupling.joint, known, "coupling: joint", "coordinates")
         for name in coupling.names:
             _check_known(name, known, f"{where}: of", "coordinates")

@@ -51,10 +51,10 @@ class Example:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Limbs between a base and a platform; a serial arm (`serial`: one limb, all joints actuated, platform = tool); or a graph of
-    links, with joints (`link_joints`), rods (`link_rods`), limbs between any two of them, and `couplings` of joints.
+    """Limbs between a base and a platform, a serial arm, or a graph of links.
 
-    Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
+    A serial arm (`serial`) is one limb, all of its joints actuated, its platform the tool. A graph has joints (`link_joints`),
+    rods (`link_rods`) and limbs between any two links, and `couplings` of joints. Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
     `platform_quaternion` (w, x, y, z) of the base frame. `motion` ("spatial", "schoenflies", "planar", "translation",
     "spherical") restricts the platform's pose to a group of the base frame's axes from there. `platform_link` names the link that
     carries the platform frame, None where a graph has no such link; `link_points` are named points of links. Angles in joints are radians;
@@ -92,8 +92,9 @@ class Mechanism:
             object.__setattr__(self, key, tuple(getattr(self, key)))
         object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{frame}.position"))
         object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{frame}.quaternion"))
-        if self.is_graph and self.platform_link == PLATFORM and PLATFORM not in links_of(self):
-            object.__setattr__(self, "platform_link", None)
+        if self.is_graph and self.platform_link in (None, PLATFORM):
+            # the link of that name carries the platform frame where no other does
+            object.__setattr__(self, "platform_link", PLATFORM if PLATFORM in links_of(self) else None)
         _check_names(self)
         for key in ("title", "source"):
             object.__setattr__(self, key, check_text(getattr(self, key), key))

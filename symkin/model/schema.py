@@ -67,9 +67,10 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
-class JointTable(Table):
+class JointKeys(Table):
+    """Keys that joints of limbs, of serial arms and of graphs have in common."""
+
     name: Name
-    type: Literal["R", "P", "H", "C", "U", "S"]
     point: Vector | None = None
     axis: Vector | None = None
     axis2: Vector | None = None
@@ -79,7 +80,11 @@ class JointTable(Table):
     limits: Range | None = None
 
 
-class LinkJointTable(JointTable):
+class JointTable(JointKeys):
+    type: Literal["R", "P", "H", "C", "U", "S"]
+
+
+class LinkJointTable(JointKeys):
     """A joint at the top of a file: with `links` one of a graph, without a serial arm's."""
 
     type: Literal["R", "P", "H", "C", "U", "S", "weld"]

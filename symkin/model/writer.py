@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
 from typing import Any, Protocol
 
 import tomlkit
 
 from symkin.model.dh import DHTable
-from symkin.model.joint import Joint
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod, coupling_scale
+from symkin.model.joint import Coordinate, Joint
+from symkin.model.limb import LIMB_LINKS, Limb, RodLimb
 
 
 class Description(Protocol):
@@ -35,6 +37,22 @@ class Description(Protocol):
     def platform_quaternion(self) -> Sequence[float]: ...
     @property
     def example(self) -> object | None: ...
+    @property
+    def is_graph(self) -> bool: ...
+    @property
+    def link_joints(self) -> Sequence[LinkJoint]: ...
+    @property
+    def link_rods(self) -> Sequence[LinkRod]: ...
+    @property
+    def couplings(self) -> Sequence[Coupling]: ...
+    @property
+    def link_points(self) -> Sequence[LinkPoint]: ...
+    @property
+    def platform_link(self) -> str | None: ...
+    @property
+    def all_joints(self) -> Iterator[Joint]: ...
+    @property
+    def actuated(self) -> tuple[Coordinate, ...]: ...
 
 
 def mechanism_to_toml(mechanism: Description) -> str:
@@ -49,6 +67,8 @@ def mechanism_to_toml(mechanism: Description) -> str:
     elif mechanism.serial:
         _frame(document, "tool", mechanism)
         document["joint"] = _tables([_joint(mechanism, joint) for _, joint in mechanism.joints])
+    elif mechanism.is_graph:
+        _graph(document, mechanism)
     else:
         _frame(document, "platform", mechanism)
         document["limb"] = _tables([_limb(mechanism, limb) for limb in mechanism.limbs])
@@ -58,8 +78,27 @@ def mechanism_to_toml(mechanism: Description) -> str:
     return tomlkit.dumps(document)
 
 
+def _graph(document: tomlkit.TOMLDocument, mechanism: Description) -> None:
+    if mechanism.platform_link is not None:
+        _frame(document, "platform", mechanism)
+    tables = {
+        "joint": [_link_joint(mechanism, entry) for entry in mechanism.link_joints],
+        "rod": [_link_rod(rod) for rod in mechanism.link_rods],
+        "limb": [_limb(mechanism, limb) for limb in mechanism.limbs],
+        "coupling": [_coupling(mechanism, coupling) for coupling in mechanism.couplings],
+        "link": [
+            {"name": link, "points": {point.name: list(point.point) for point in points}}
+            for link, points in groupby(mechanism.link_points, key=lambda point: point.link)
+        ],
+    }
+    for key, entries in tables.items():
+        if entries:
+            document[key] = _tables(entries)
+
+
 def _frame(document: tomlkit.TOMLDocument, key: str, mechanism: Description) -> None:
-    table: dict[str, Any] = {"position": list(mechanism.platform_position), "quaternion": list(mechanism.platform_quaternion)}
+    table: dict[str, Any] = {} if not mechanism.is_graph else {"link": mechanism.platform_link}
+    table |= {"position": list(mechanism.platform_position), "quaternion": list(mechanism.platform_quaternion)}
     if mechanism.motion != "spatial":
         table["motion"] = mechanism.motion
     document[key] = table
@@ -70,13 +109,50 @@ def _limb(mechanism: Description, limb: Limb | RodLimb) -> dict[str, Any]:
         table: dict[str, Any] = {"name": limb.name, "type": limb.type, "base": list(limb.base), "platform": list(limb.platform)}
         if limb.offset:
             table["offset"] = limb.offset
-        return table | _range(limb.limits)
-    table = {"name": limb.name, "joint": _tables([_joint(mechanism, joint) for joint in limb.joints])}
+        return table | _links_of_limb(limb) | _range(limb.limits)
+    table = {"name": limb.name} | _links_of_limb(limb)
+    table["joint"] = _tables([_joint(mechanism, joint) for joint in limb.joints])
     rods = []
     for rod in limb.rods:
         entry: dict[str, Any] = {"from": list(rod.start), "platform": list(rod.platform)}
         rods.append(entry | ({} if rod.length is None else {"length": rod.length}))
     return table | ({"rod": _tables(rods)} if rods else {})
+
+
+def _links_of_limb(limb: Limb | RodLimb) -> dict[str, Any]:
+    return {} if tuple(limb.links) == LIMB_LINKS else {"links": list(limb.links)}
+
+
+def _link_joint(mechanism: Description, entry: LinkJoint) -> dict[str, Any]:
+    table = _joint(mechanism, entry.joint)
+    return {"name": table.pop("name"), "type": table.pop("type"), "links": list(entry.links)} | table
+
+
+def _link_rod(rod: LinkRod) -> dict[str, Any]:
+    table: dict[str, Any] = {"name": rod.name, "links": list(rod.links), "from": list(rod.start), "to": list(rod.end)}
+    if rod.length is not None:
+        table["length"] = rod.length
+    if rod.actuated:
+        table["actuated"] = True
+    if rod.offset:
+        table["offset"] = rod.offset
+    return table | _range(rod.limits)
+
+
+def _coupling(mechanism: Description, coupling: Coupling) -> dict[str, Any]:
+    """Numbers in the file's units, as `coupling_scale` reads them."""
+    coordinates = [*(c for joint in mechanism.all_joints for c in joint.coordinates), *mechanism.actuated]
+    unit = {c.name: math.radians(1.0) if c.is_angular and mechanism.angle_unit == "deg" else 1.0 for c in coordinates}
+    own = unit[coupling.joint]
+    table: dict[str, Any] = {"joint": coupling.joint}
+    if coupling.polynomial is not None:
+        (name,) = coupling.names
+        powers = [_scaled(c, coupling_scale(own, unit[name], k)) for k, c in enumerate(coupling.polynomial)]
+        return table | {"of": name, "polynomial": powers}
+    factors = tomlkit.inline_table()
+    factors.update({name: _scaled(factor, coupling_scale(own, unit[name], 1)) for name, factor in coupling.terms})
+    table["of"] = factors
+    return table | ({"offset": _scaled(coupling.offset, own)} if coupling.offset else {})
 
 
 def _joint(mechanism: Description, joint: Joint) -> dict[str, Any]:
@@ -122,13 +198,20 @@ def _tables(tables: list[dict[str, Any]]) -> Any:
 
 def _angle(mechanism: Description, radians: float) -> float:
     """The shortest number in the mechanism's angle unit that reads back as exactly these radians, if there is one."""
-    if mechanism.angle_unit == "rad":
-        return radians
-    degrees = math.degrees(radians)
+    return radians if mechanism.angle_unit == "rad" else _shortest(math.degrees(radians), radians, math.radians)
+
+
+def _scaled(value: float, scale: float) -> float:
+    """The shortest number that, times `scale`, is exactly this value, if there is one."""
+    return value if scale == 1.0 else _shortest(value / scale, value, lambda number: scale * number)
+
+
+def _shortest(number: float, value: float, read: Callable[[float], float]) -> float:
+    """The shortest number beside `number` that is read as exactly `value`; `number` itself where there is none."""
     # degrees(radians(x)) is not always x: try the shorter spellings that read back as these very radians
     for digits in (12, 14, 15, 16, 17):
-        candidate = float(f"{degrees:.{digits}g}")
-        if math.radians(candidate) == radians:
+        candidate = float(f"{number:.{digits}g}")
+        if read(candidate) == value:
             return candidate
-    neighbours = (math.nextafter(degrees, math.inf), math.nextafter(degrees, -math.inf))
-    return next((n for n in neighbours if math.radians(n) == radians), degrees)
+    neighbours = (math.nextafter(number, math.inf), math.nextafter(number, -math.inf))
+    return next((n for n in neighbours if read(n) == value), number)

@@ -1,14 +1,15 @@
-"""What `symkin show` prints: limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
+"""What `symkin show` prints of limbs and arms: unknowns, rank, mobility, redundant constraints, reciprocal screws.
+
+Graphs: see `describe_graph`."""
 
 from __future__ import annotations
 
 from collections import Counter
 
-import numpy as np
-
-from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.position.describe_graph import describe_graph
+from symkin.position.describe_parts import joint_text, rows_text, vector_text
 from symkin.position.mobility import Mobility, fewer_rows, mobility
 from symkin.position.problem import build_problem
 
@@ -16,6 +17,8 @@ from symkin.position.problem import build_problem
 def describe(mechanism: Mechanism) -> str:
     """A readable account of a mechanism, with every figure computed from its closure."""
     found = mobility(mechanism)
+    if mechanism.is_graph:
+        return describe_graph(found)
     sections = [
         _heading(mechanism),
         _limbs(mechanism, found),
@@ -45,26 +48,19 @@ def _limbs(mechanism: Mechanism, found: Mobility) -> str:
             ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
         )
         lines.append(f"  {limb.name} ({limb.type}): rows: {rows}")
-        lines += [f"    {_joint(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
+        lines += (
+            [f"    {joint_text(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
+        )
         if isinstance(limb, Limb):
-            lines += [f"    rod from {_vector(rod.start)} to {_vector(rod.platform)} (platform)" for rod in limb.rods]
+            lines += [f"    rod from {vector_text(rod.start)} to {vector_text(rod.platform)} (platform)" for rod in limb.rods]
     if found.closure.idle:
         lines.append("  not in the closure: " + "; ".join(found.closure.idle))
     return "\n".join(lines)
 
 
-def _joint(mechanism: Mechanism, joint: Joint) -> str:
-    place = f"at {_vector(joint.point)}" if joint.type != "P" else ""
-    axis = f"along {_vector(joint.axis)}" if joint.axis else ""
-    second = f"then {_vector(joint.axis2)}" if joint.axis2 else ""
-    pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
-    drive = "actuated" if joint.actuated else ""
-    return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
-
-
 def _rod(limb: RodLimb) -> str:
     offset = f", length = value + {limb.offset:g}" if limb.offset else ""
-    return f"rod from {_vector(limb.base)} to {_vector(limb.platform)} (platform), actuated{offset}"
+    return f"rod from {vector_text(limb.base)} to {vector_text(limb.platform)} (platform), actuated{offset}"
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:
@@ -105,24 +101,8 @@ def _mobility(m: Mobility) -> str:
 def _screws(m: Mobility) -> str:
     lines = ["Reciprocal screws (wrenches that do no work on what the joints allow)"]
     for limb in m.limbs:
-        lines += _rows(f"  {limb.limb}: constraint", limb.constraints)
-        lines += _rows(f"  {limb.limb}: with actuated joints locked", limb.locked)
-    lines += _rows(f"  platform: constraints of all limbs, rank {len(m.platform_constraints)}", m.platform_constraints)
-    lines += _rows("  platform: twists left (angular velocity; velocity at the origin)", m.platform_twists)
+        lines += rows_text(f"  {limb.limb}: constraint", limb.constraints)
+        lines += rows_text(f"  {limb.limb}: with actuated joints locked", limb.locked)
+    lines += rows_text(f"  platform: constraints of all limbs, rank {len(m.platform_constraints)}", m.platform_constraints)
+    lines += rows_text("  platform: twists left (angular velocity; velocity at the origin)", m.platform_twists)
     return "\n".join(lines)
-
-
-def _rows(title: str, rows: np.ndarray) -> list[str]:
-    if len(rows) == 0:
-        return [f"{title}: none"]
-    if len(rows) == 6:
-        return [f"{title}: all"]
-    return [f"{title}:"] + [f"    ({_plain(row[:3])}; {_plain(row[3:])})" for row in rows]
-
-
-def _plain(values: np.ndarray) -> str:
-    return ", ".join(f"{0.0 if abs(v) < 5e-6 else v:.5g}" for v in values)
-
-
-def _vector(values: object) -> str:
-    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float)) + ")"

@@ -13,8 +13,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from symkin.closure.branches import Bar, edges_of
 from symkin.closure.closure import Closure, build_closure
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, Joint
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -22,9 +23,35 @@ from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLEAR_GAP, CLOSED_CONFIGURATION, CLOSURE_TOLERANCE, RANK_TOLERANCE
+from symkin.position.loops import Loop, loops_at
 from symkin.position.solution import pose_of
 from symkin.result import Result, Summary
+from symkin.spatial.rotation import conjugate, multiply
 from symkin.spatial.screw import tidy_rows
+
+_DIGITS = 1e-5
+"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a file; and the share of the
+largest singular value below which others are zero to these digits. Files are written with five digits and more."""
+
+_BLUR = 30.0
+"""Singular values that are zero but for a misfit, over it (a share of the size): what loops are larger than their shortest links."""
+
+
+@dataclass(frozen=True)
+class ToDigits:
+    """What holds to the digits of a file: the largest closure error (length unit) of least-squares configurations, and the rank
+    there."""
+
+    misfit: float
+    rank: int
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How far loops stay open: the largest closure error at the best configuration found, and the loop that has it."""
+
+    length: float
+    loop: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +72,12 @@ class LimbScrews:
 class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
-    mobility = freedoms of all coordinates - rank; redundant = rows - rank. `values` are the closure's variables there;
+    mobility = freedoms of all coordinates - rank; redundant = rows - rank; of a graph the rows that vanish at every configuration
+    count as well. `values` are the closure's variables there;
     `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
-    reciprocal to them (rows, base origin). `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
+    reciprocal to them (rows, base origin). `loops` are those of a graph, `digits` is set where they close only to the digits of the
+    file, `misfit` where they do not close at all. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
     counts idle freedoms.
 
     >>> import symkin
@@ -70,6 +99,9 @@ class Mobility(Result):
     platform_twists: np.ndarray
     gruebler: int
     reference_rank: Rank | None = None
+    loops: tuple[Loop, ...] = ()
+    digits: ToDigits | None = None
+    misfit: Misfit | None = None
 
     @property
     def mobility(self) -> int:
@@ -89,15 +121,43 @@ class Mobility(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is doubtful: an unclear rank, actuated joints that are not as many as the mobility or do not decide it."""
-        found = []
+        found = [*self._closing]
         if self.rank.gap < CLEAR_GAP:
             found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
-        if self.actuated != self.mobility:
-            more = "some motion stays free" if self.actuated < self.mobility else "the inputs cannot be chosen freely"
-            found.append(f"{self.actuated} actuated joints for a mobility of {self.mobility}: {more}")
-        elif self.direct_rank.value < self.freedoms - self.actuated:
+        if self.misfit is not None:
+            return tuple(found)
+        mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
+        if self.actuated != mobility:
+            more = "some motion stays free" if self.actuated < mobility else "the inputs cannot be chosen freely"
+            found.append(
+                f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility of {mobility}: {more}"
+            )
+        elif self.digits is None and self.direct_rank.value < self.freedoms - self.actuated:
             found.append("the actuated joints do not determine the configuration, although their number is the mobility")
         return tuple(found)
+
+    @property
+    def is_graph(self) -> bool:
+        """Whether the mechanism is a graph of links."""
+        return self.closure.mechanism.is_graph
+
+    @property
+    def _closing(self) -> tuple[str, ...]:
+        """What is said of loops that do not close, or not exactly."""
+        unit = self.closure.mechanism.length_unit
+        if self.misfit is not None:
+            return (
+                f"no configuration closes the loops: the best one found leaves {self.misfit.length:.3g} {unit}, most of it in the loop "
+                f"of {self.misfit.loop}; what is said here holds at the open reference",
+            )
+        if self.digits is None:
+            return ()
+        rank = self.digits.rank
+        where, exactly = ("away from the reference ", f"; exactly, it is {self.mobility}") if self.closed else ("", "")
+        return (
+            f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
+            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.rows - rank} redundant constraints{exactly}",
+        )
 
     def summary(self, most_rows: int | None = None) -> Summary:
         """Mobility and redundant constraints, then the count of constraint wrenches that each limb exerts."""
@@ -106,6 +166,10 @@ class Mobility(Result):
             f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
             f"{self.rows} rows; redundant constraints: {self.redundant}{where}"
         ]
+        if self.is_graph:
+            cells = [[loop.name, str(loop.rows), str(loop.rank), str(loop.redundant)] for loop in self.loops]
+            below = [f"warning: {warning}" for warning in self.warnings]
+            return Summary(above, ["loop", "rows", "rank", "redundant"], cells[:most_rows], below)
         rows = [[limb.limb, *map(str, limb.counts)] for limb in self.limbs]
         rows.append(["platform", str(len(self.platform_constraints)), ""])
         header = ["limb", "constraint wrenches", "with actuated joints locked"]
@@ -116,7 +180,7 @@ class Mobility(Result):
         base origin."""
         mechanism, reference = self.closure.mechanism, self.reference_rank
         links, joints, _ = _counts(mechanism)
-        return {
+        described = {
             "mechanism": mechanism.name,
             "length_unit": mechanism.length_unit,
             "angle_unit": mechanism.angle_unit,
@@ -139,6 +203,29 @@ class Mobility(Result):
             "screws_at_reference": self.at_reference,
             "notes": list(self.warnings),
         }
+        return described | (self._of_graph() if self.is_graph else {})
+
+    def _of_graph(self) -> dict[str, Any]:
+        """What the JSON object of a graph has beside that of limbs."""
+        closure = self.closure
+        unknown = [c.name for c in closure.coordinates if c.role != "actuated"]
+        return {
+            "rods": len(closure.mechanism.link_rods),
+            "couplings": len(closure.mechanism.couplings),
+            "each_loop": [
+                {
+                    "joints": list(loop.joints), "links": list(loop.links), "rows": loop.rows, "rank": loop.rank,
+                    "redundant": loop.redundant,
+                }
+                for loop in self.loops
+            ],
+            "unknowns": unknown,
+            "idle": list(closure.idle),
+            "misfit": None if self.misfit is None else self.misfit.length,
+            "to_digits": None
+            if self.digits is None
+            else {"misfit": self.digits.misfit, "rank": self.digits.rank, "mobility": self.freedoms - self.digits.rank},
+        }  # fmt: skip
 
 
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
@@ -154,6 +241,8 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     >>> found.mobility, found.redundant, found.gruebler
     (4, 0, 1)
     """
+    if mechanism.is_graph:
+        return _mobility_of_graph(mechanism, seed)
     closure = build_closure(mechanism)
     system = whole_system(closure)
     nothing = np.zeros(0)
@@ -192,11 +281,95 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     )
 
 
+def _mobility_of_graph(mechanism: Mechanism, seed: int) -> Mobility:
+    closure = build_closure(mechanism)
+    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
+    reference = closure.reference
+    is_closed = system.residual(reference, nothing) <= CLOSURE_TOLERANCE * size
+    ends = _least_squares_ends(closure, seed)
+    misfits = system.residuals(ends, nothing)
+    candidates = [*ends[misfits <= CLOSED_CONFIGURATION * size]] or [reference]
+    ranks = [Rank.of(system.linearise_one(z, nothing)[1]) for z in candidates]
+    best = max(range(len(ranks)), key=lambda k: ranks[k].value)
+    generic, values = ranks[best], candidates[best]
+    reference_rank = Rank.of(system.linearise_one(reference, nothing)[1]) if is_closed else None
+    at_reference = reference_rank is not None and reference_rank.value == generic.value
+    values = reference if at_reference else values
+    closed = is_closed or bool((misfits <= CLOSED_CONFIGURATION * size).any())
+    digits = _to_digits(system, ends, misfits, generic.value if closed else None)
+    if not closed and digits is not None:
+        values = ends[int(np.argmin(misfits))]
+    jacobian = system.linearise_one(values, nothing)[1]
+    unknown = [k for k, c in enumerate(_per_freedom(closure.coordinates)) if c.role != "actuated"]
+    twists = _platform_twists(closure, system, values) if mechanism.platform_link is not None else np.zeros((0, 6))
+    wrenches = reciprocal_system(twists, size) if len(twists) else np.eye(6)
+    return Mobility(
+        closure=closure,
+        values=values,
+        at_reference=at_reference,
+        closed=closed,
+        freedoms=system.freedom,
+        rows=int(closure.rows.shape[0]) + closure.vanishing,
+        rank=generic,
+        direct_rank=Rank.of(jacobian[:, unknown]),
+        limbs=(),
+        platform_constraints=_row_space(wrenches, size) if mechanism.platform_link is not None else np.zeros((0, 6)),
+        platform_twists=twists,
+        gruebler=gruebler_kutzbach(mechanism),
+        reference_rank=reference_rank,
+        loops=loops_at(closure, values, RANK_TOLERANCE if digits is None else _DIGITS),
+        digits=digits,
+        misfit=None if closed or digits is not None else _misfit(closure, system, ends, misfits),
+    )
+
+
+def _to_digits(system: System, ends: np.ndarray, misfits: np.ndarray, rank: int | None) -> ToDigits | None:
+    """What holds at ends that close the loops only to the digits of a file, where more moves there than exactly (`rank`), or where
+    nothing closes exactly."""
+    size = system.characteristic_length
+    near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= _DIGITS * size))
+    if not near.size:
+        return None
+    _, jacobians = system.linearise(ends[near], np.zeros(0))
+    values = np.linalg.svd(jacobians, compute_uv=False)
+    zero = np.maximum(_DIGITS, _BLUR * misfits[near] / size)[:, None] * values[:, :1]
+    found = int(np.median(np.sum(values > zero, axis=1)))
+    return ToDigits(float(misfits[near].max()), found) if rank is None or found < rank else None
+
+
+def _misfit(closure: Closure, system: System, ends: np.ndarray, misfits: np.ndarray) -> Misfit:
+    """The least of the misfits, and the smallest loop through the joint or rod whose row has most of it."""
+    points = np.vstack([closure.reference, ends])
+    errors = np.concatenate([system.residuals(closure.reference[None], np.zeros(0)), misfits])
+    best = int(np.argmin(errors))
+    rows, _ = system.linearise_one(points[best], np.zeros(0))
+    worst = closure.row_sources[int(np.argmax(np.abs(rows)))].limb
+    loops = [loop for loop in loops_at(closure, points[best]) if worst in loop.joints]
+    return Misfit(float(errors[best]), min(loops, key=lambda loop: len(loop.joints)).name if loops else worst)
+
+
+def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
+    """Twists (angular velocity; velocity at the base origin) of the platform link that the closed loops leave, as rows."""
+    free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
+    pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+    rates = ca.mtimes(ca.jacobian(closure.bound(pose), closure.variables), system.tangent)
+    evaluate = ca.Function("platform", [closure.variables], [closure.bound(pose), rates])
+    at, moved = (np.asarray(part) for part in evaluate(values))
+    moved = moved @ free.T
+    position, quaternion = at[:3, 0], at[3:, 0]
+    twists = []
+    for rate in moved.T:
+        angular = 2.0 * np.asarray(multiply(rate[3:], conjugate(quaternion)))[1:]
+        twists.append(np.concatenate([angular, rate[:3] - np.cross(angular, position)]))
+    size = closure.characteristic_length
+    return _row_space(np.array(twists), size) if twists else np.zeros((0, 6))
+
+
 def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
     """The motion of a platform declared spatial that the joints leave it anyway and that removes most redundant rows, with
     the number of those left; None where there is none. Declared, it changes no solution of the same assembly."""
     mechanism = found.closure.mechanism
-    if mechanism.serial or mechanism.motion != "spatial" or not found.redundant or not found.closed:
+    if mechanism.serial or mechanism.is_graph or mechanism.motion != "spatial" or not found.redundant or not found.closed:
         return None
     restricted = [(m, mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
     kept = [(m, other.redundant) for m, other in restricted if other.closed and other.mobility == found.mobility]
@@ -207,7 +380,7 @@ def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
 def implied_motion(mechanism: Mechanism) -> Motion | None:
     """The motion of a platform declared spatial that its joints leave it anyway, each pose coordinate free: declared, no pose has
     to satisfy conditions. None where there is none, so that what moves is no group of motions, or tied within one."""
-    if mechanism.serial or mechanism.motion != "spatial":
+    if mechanism.serial or mechanism.is_graph or mechanism.motion != "spatial":
         return None
     spatial = mobility(mechanism)
     for motion in MOTIONS:
@@ -234,7 +407,9 @@ def gruebler_kutzbach(mechanism: Mechanism) -> int:
 
 
 def _counts(mechanism: Mechanism) -> tuple[int, int, int]:
-    """Links, joints, and the freedoms of the joints."""
+    """Links, joints, and the freedoms of the joints; of a graph a rod is one joint, of five freedoms, and a coupling takes one."""
+    if mechanism.is_graph:
+        return _counts_of_graph(mechanism)
     links, joints, freedoms = 2, 0, 0
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
@@ -246,8 +421,27 @@ def _counts(mechanism: Mechanism) -> tuple[int, int, int]:
     return links, joints, freedoms
 
 
+def _counts_of_graph(mechanism: Mechanism) -> tuple[int, int, int]:
+    parts = [(edge.ends, edge.elements[0].part) for edge in edges_of(mechanism)]
+    links = {link for ends, _ in parts for link in ends}
+    bars = [part for _, part in parts if isinstance(part, Bar)]
+    freedoms = sum(part.freedom for _, part in parts if isinstance(part, Joint))
+    # a rod takes the distance of its ends; one whose length is a coordinate takes nothing
+    freedoms += sum(5 if bar.coordinate is None else 6 for bar in bars) - len(mechanism.couplings)
+    return len(links), len(parts), freedoms
+
+
 def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     """Closed configurations from random steps off the reference; the reference itself where none closes."""
+    system, nothing = whole_system(closure), np.zeros(0)
+    ends = _least_squares_ends(closure, seed)
+    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.characteristic_length])
+    return closed or [closure.reference]
+
+
+def _least_squares_ends(closure: Closure, seed: int) -> np.ndarray:
+    """Where least squares from random steps off the reference end: closed configurations (n, width), and for graphs those that are
+    closed to the digits of a file, or to none."""
     system = whole_system(closure)
     rng = np.random.default_rng(seed)
     begin = np.tile(closure.reference, (24, 1))
@@ -255,9 +449,8 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = system.polish_many(batch.points[batch.converged], nothing).points
-    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.characteristic_length])
-    return closed or [closure.reference]
+    kept = batch.points if closure.mechanism.is_graph else batch.points[batch.converged]
+    return system.polish_many(kept, nothing).points
 
 
 def _per_freedom(coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:

@@ -105,14 +105,21 @@ class Solution(Result):
         return self.mechanism.platform_link is not None
 
     @property
+    def variables(self) -> np.ndarray:
+        """The full vector of the variables of the closure for its partition."""
+        closure = self._closure
+        values = closure.reference.copy()
+        for name, value in self.values.items():
+            values[closure.slices[name]] = value
+        return values
+
+    @property
     def _closure(self) -> Closure:
         return build_closure(self.mechanism, self.partition)
 
     @cached_property
     def _links(self) -> LinkPoses:
-        closure = self._closure
-        values = np.concatenate([np.atleast_1d(self.values[c.name]) for c in closure.coordinates])
-        return link_poses(closure, values[None])
+        return link_poses(self._closure, self.variables[None])
 
     def _in_units(self, name: str, value: Any) -> Any:
         """A coordinate's value as users read it."""
@@ -198,7 +205,7 @@ def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
     """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
     numbers = values.tolist()
     named: dict[str, Any] = {}
-    for c in closure.coordinates:
+    for c in (c for c in closure.coordinates if c.role != "geometry"):
         place = closure.slices[c.name]
         named[c.name] = numbers[place.start] if c.width == 1 else tuple(numbers[place])
     return named

@@ -1,0 +1,36 @@
+"""Joints, vectors and screws as `symkin show` writes them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.model.joint import Joint
+from symkin.model.mechanism import Mechanism
+
+
+def joint_text(mechanism: Mechanism, joint: Joint) -> str:
+    """A joint in a line: type, name, place, axes, drive."""
+    place = f"at {vector_text(joint.point)}" if joint.type not in ("P", "weld") else ""
+    axis = f"along {vector_text(joint.axis)}" if joint.axis else ""
+    second = f"then {vector_text(joint.axis2)}" if joint.axis2 else ""
+    pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
+    drive = "actuated" if joint.actuated else ""
+    return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
+
+
+def rows_text(title: str, rows: np.ndarray) -> list[str]:
+    """Screws, a line each, under a title."""
+    if len(rows) == 0:
+        return [f"{title}: none"]
+    if len(rows) == 6:
+        return [f"{title}: all"]
+    return [f"{title}:"] + [f"    ({_plain(row[:3])}; {_plain(row[3:])})" for row in rows]
+
+
+def _plain(values: np.ndarray) -> str:
+    return ", ".join(f"{0.0 if abs(v) < 5e-6 else v:.5g}" for v in values)
+
+
+def vector_text(values: object) -> str:
+    """A vector to six digits, rounding noise as 0."""
+    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float)) + ")"
