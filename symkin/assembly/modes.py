@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, overload
+from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
@@ -32,36 +32,33 @@ from symkin.spatial.pose import Pose
 Solver = str | Newton | LeastSquares | None
 
 
+class ModesOptions(TypedDict, total=False):
+    """Options of `modes`, which it describes."""
+
+    method: str | None
+    starts: int | None
+    seed: int | None
+    solver: Solver
+    progress: Progress | None
+
+
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None, method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
-    progress: Progress | None = None,
+    given: Values | None = None, **options: Unpack[ModesOptions],
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None,
-    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
-    progress: Progress | None = None,
+    pose: Sequence[Sequence[float] | Pose] | None = None, **options: Unpack[ModesOptions],
 ) -> tuple[Modes, ...]: ...  # fmt: skip
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, method: str | None = None,
-    starts: int | None = None, seed: int | None = None, solver: Solver = None, progress: Progress | None = None,
-) -> Any: ...  # fmt: skip
+    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, **options: Unpack[ModesOptions]
+) -> Any: ...
 @without_float_warnings
 def modes(
-    mechanism: Mechanism,
-    *,
-    joints: Any = None,
-    pose: Any = None,
-    given: Values | None = None,
-    method: str | None = None,
-    starts: int | None = None,
-    seed: int | None = None,
-    solver: Solver = None,
-    progress: Progress | None = None,
+    mechanism: Mechanism, *, joints: Any = None, pose: Any = None, given: Values | None = None, **options: Unpack[ModesOptions]
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
@@ -70,7 +67,7 @@ def modes(
     a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
     torsion of the platform, or its whole "pose"; as many as the mobility.
 
-    `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
+    Options: `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
     "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
     continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
@@ -83,7 +80,8 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    search = Search.of(method, starts, seed, solver)
+    progress = options.pop("progress", None)
+    search = Search.of(**options)  # type: ignore[misc]  # mypy does not see that progress was taken out
     plain = plain_case(mechanism, given) if joints is None and pose is None else None
     if plain is not None:
         joints, pose = plain
