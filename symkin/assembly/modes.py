@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
@@ -32,42 +33,52 @@ from symkin.spatial.pose import Pose
 Solver = str | Newton | LeastSquares | None
 
 
-class ModesOptions(TypedDict, total=False):
-    """Options of `modes`, which it describes."""
+class RandomStarts(TypedDict, total=False):
+    """Options of `modes` for what is searched from random starts."""
 
-    method: str | None
     starts: int | None
     seed: int | None
     solver: Solver
-    progress: Progress | None
 
 
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None, **options: Unpack[ModesOptions],
+    given: Values | None = None, choose: Sequence[int] = (), method: str | None = None, progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None, **options: Unpack[ModesOptions],
+    pose: Sequence[Sequence[float] | Pose] | None = None, method: str | None = None, progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> tuple[Modes, ...]: ...  # fmt: skip
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, **options: Unpack[ModesOptions]
-) -> Any: ...
+    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, method: str | None = None,
+    progress: Progress | None = None, **random: Unpack[RandomStarts],
+) -> Any: ...  # fmt: skip
 @without_float_warnings
 def modes(
-    mechanism: Mechanism, *, joints: Any = None, pose: Any = None, given: Values | None = None, **options: Unpack[ModesOptions]
+    mechanism: Mechanism,
+    *,
+    joints: Any = None,
+    pose: Any = None,
+    given: Values | None = None,
+    choose: Sequence[int] = (),
+    method: str | None = None,
+    progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
     `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
     qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
     a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform, or its whole "pose"; as many as the mobility.
+    torsion of the platform, or its whole "pose"; as many as the mobility. Modes for given values are found block by block (see
+    `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
 
-    Options: `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
+    `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
     "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
     continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
@@ -80,36 +91,36 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    progress = options.pop("progress", None)
-    search = Search.of(**options)  # type: ignore[misc]  # mypy does not see that progress was taken out
-    plain = plain_case(mechanism, given) if joints is None and pose is None else None
+    search = Search.of(method, **random)
+    plain = plain_case(mechanism, given) if joints is None and pose is None and not choose else None
     if plain is not None:
         joints, pose = plain
-    elif given is not None or mechanism.is_graph:
-        return _by_name(mechanism, joints, pose, given, search, progress)
+    elif given is not None or mechanism.is_graph or choose:
+        return _by_name(mechanism, joints, pose, given, partial(_of_coordinates, search=search, choose=choose, progress=progress))
     if are_many(joints) or are_many(pose):
         return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
     return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
 
 
 def _by_name(
-    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, search: Search, progress: Progress | None
+    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, find: Callable[[Mechanism, Given], Modes]
 ) -> Modes | tuple[Modes, ...]:
     """The modes for coordinates by name, or for one or many inputs of a graph."""
     if given is None and are_many(joints):
-        rows = joint_rows(mechanism, joints)
-        return tuple(_of_coordinates(mechanism, named_given(mechanism, row, pose, None), search, progress) for row in rows)
+        return tuple(find(mechanism, named_given(mechanism, row, pose, None)) for row in joint_rows(mechanism, joints))
     if given is None and are_many(pose):
-        return tuple(_of_coordinates(mechanism, named_given(mechanism, joints, one, None), search, progress) for one in pose)
-    return _of_coordinates(mechanism, named_given(mechanism, joints, pose, given), search, progress)
+        return tuple(find(mechanism, named_given(mechanism, joints, one, None)) for one in pose)
+    return find(mechanism, named_given(mechanism, joints, pose, given))
 
 
-def _of_coordinates(mechanism: Mechanism, given: Given, search: Search, progress: Progress | None) -> Modes:
+def _of_coordinates(
+    mechanism: Mechanism, given: Given, *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+) -> Modes:
     """The modes for coordinates that are given by name, structure group by structure group."""
     begin = time.perf_counter()
     problem = problem_of(mechanism, given)
     refuse_unless_determined(problem)
-    found, _ = modes_by_groups(problem, given, search, progress)
+    found = modes_by_groups(problem, given, search, choose, progress)
     found = with_least_modes(problem, given, search, found)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 

@@ -31,9 +31,8 @@ class Search:
 
     @staticmethod
     def of(
-        method: str | None = None, starts: int | None = None, seed: int | None = None,
-        solver: str | Newton | LeastSquares | None = None,
-    ) -> Search:  # fmt: skip
+        method: str | None, starts: int | None = None, seed: int | None = None, solver: str | Newton | LeastSquares | None = None
+    ) -> Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
         chosen = method or ("continuation" if solver is None else "multistart")
         if chosen not in METHODS:
