@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
+from symkin.closure.rows import POSE_CONDITIONS
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
@@ -44,12 +45,18 @@ def refuse_unless_determined(problem: Problem) -> None:
     refuse_contradictions(problem)
     found = determination(problem)
     if found.free:
-        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED])
+        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED] or _pose_names(problem))
         listed = ", ".join(c.name for c in _given(problem)) or "nothing"
         raise InputError(
             f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, and its configurations are not "
             f"isolated: give {found.free} more, for example {some}; or use solve with a start for one of them"
         )
+
+
+def _pose_names(problem: Problem) -> tuple[str, ...]:
+    """What may bind where no joint does."""
+    known = {c.name for c in problem.known_coordinates}
+    return tuple(name for name in POSE_CONDITIONS if name not in known) if problem.mechanism.platform_link is not None else ()
 
 
 def refuse_contradictions(problem: Problem) -> None:
