@@ -17,6 +17,7 @@ import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
 from helpers.latex_reader import evaluated
+from helpers.shipped import LIMBS
 from symkin import InputError
 from symkin.cli.app import main
 from symkin.codegen.jacobian_formats import FORMATS, jacobian_text, write_jacobian
@@ -193,7 +194,6 @@ _HASHES = """
 import hashlib
 import symkin
 from symkin.codegen.jacobian_formats import FORMATS, jacobian_text
-from helpers.shipped import LIMBS
 from symkin.velocity.jacobian import jacobian
 for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
     for language in FORMATS:
