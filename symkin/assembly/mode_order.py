@@ -1,4 +1,5 @@
-"""The order of modes: nearest to the example's start or the reference pose first, ties by joint values, all rounded."""
+"""The order of modes: nearest to the example's start or the reference pose first, without a platform to the reference's joints; ties
+by joint values, all rounded."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ def order_of_modes(
     problem: Problem, values: np.ndarray, position: np.ndarray, quaternion: np.ndarray, owner: np.ndarray
 ) -> np.ndarray:
     """Places (m,) that sort modes by their points `owner`, then by nearness, then by values (m, variables)."""
-    away = _distances(problem, position, quaternion)
+    without = problem.mechanism.platform_link is None
+    away = _joint_distances(problem, values) if without else _distances(problem, position, quaternion)
     order = np.lexsort((away, owner))
     tied = (np.diff(away[order]) == 0.0) & (np.diff(owner[order]) == 0)
     if not tied.any():
@@ -30,6 +32,24 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
     step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
     return np.asarray(np.round(turn + np.einsum("ni,ni->n", step, step), _DIGITS))
+
+
+def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
+    """Squares of the distances of coordinates from the reference's: chords of angles, lengths over the size."""
+    closure, total = problem.closure, np.zeros(len(values))
+    for c in closure.coordinates:
+        place = closure.slices[c.name]
+        gap = values[:, place] - closure.reference[place]
+        match c.kind:
+            case "angle":
+                total += 2.0 - 2.0 * np.cos(gap[:, 0])
+            case "quaternion":
+                total += 8.0 * (1.0 - (values[:, place] @ closure.reference[place]) ** 2)
+            case "turns":
+                total += gap[:, 0] ** 2
+            case _:
+                total += (gap[:, 0] / closure.characteristic_length) ** 2
+    return np.asarray(np.round(total, _DIGITS))
 
 
 def _first_pose(problem: Problem) -> Pose:
