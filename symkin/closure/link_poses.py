@@ -8,13 +8,13 @@ shortest way.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import Branch
-from symkin.closure.chain import Side
+from symkin.closure.chain import Chain, Side
 from symkin.closure.closure import Closure
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
@@ -102,7 +102,7 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
             centres = [np.array(builder.mechanism.places[branch.elements[k].name]) for k in (first - 1, last)]
             bridges.append(_Bridge(links[first : last + 1], (links[first - 1], links[last + 1]), (centres[0], centres[1])))
             sides |= {links[k]: builder.chain_of(branch.elements[first:k]) for k in range(first, last + 1)}
-    frames = [ca.vertcat(side.move(ca.SX(3, 1)) / side.weight, side.quaternion) for side in sides.values()]
+    frames = _frames(list(sides.values()))
     variables = ca.vertcat(ca.SX(0, 1), *(builder.coordinates[c.name][1] for c in closure.coordinates))
     fixed = [k for k, name in enumerate(builder.table.names) if name not in builder.coordinates]
     symbols = ca.vertcat(ca.SX(0, 1), *(builder.table.symbols[k] for k in fixed))
@@ -110,6 +110,26 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
     packed = ca.densify(ca.substitute(ca.vertcat(*frames), symbols, numbers))
     evaluate = ca.Function("links", [variables], [packed], {"cse": True})
     return _PlacedLinks(evaluate, tuple(sides), tuple(bridges), _joints_between(chains))
+
+
+def _frames(sides: Sequence[Side]) -> list[ca.SX]:
+    """Position and quaternion (7) of each side's last link; sides that begin with the same steps share what these give."""
+    known: dict[tuple[int, ...], Pose] = {}
+    frames = []
+    key: tuple[int, ...]
+    for side in sides:
+        if isinstance(side, Chain):
+            pose, key = Pose(ca.SX(3, 1), ca.SX([1, 0, 0, 0])), (0,)
+        else:
+            body = replace(side, steps=())
+            pose, key = Pose(body.move(ca.SX(3, 1)) / body.weight, body.quaternion), (id(side.pose),)
+        for step in side.steps:
+            key = (*key, id(step))
+            if key not in known:
+                known[key] = pose @ Pose(step.move(ca.SX(3, 1)), step.quaternion)
+            pose = known[key]
+        frames.append(ca.vertcat(pose.position, pose.quaternion))
+    return frames
 
 
 def _joints_between(chains: Sequence[tuple[Branch, tuple[str, ...]]]) -> dict[Joint, tuple[str, str]]:
