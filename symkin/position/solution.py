@@ -16,7 +16,7 @@ from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
-from symkin.position.readings import all_coordinates, points_at, readings
+from symkin.position.readings import points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -76,7 +76,7 @@ class Solution(Result):
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
         of the closure first."""
         held = self.held_joints
-        named = {c.name: c for c in all_coordinates(self.mechanism)}
+        named = {c.name: c for c in self.mechanism.coordinates}
         cut = {name: v[0] for name, v in readings(self._closure, self._links).items()} if len(named) > len(held) else {}
         found = held | {name: self._in_units(name, v if len(v) > 1 else float(v[0])) for name, v in cut.items()}
         return {name: found[name] for name in named if name in found} if self.mechanism.is_graph else found
@@ -123,7 +123,7 @@ class Solution(Result):
 
     def _in_units(self, name: str, value: Any) -> Any:
         """A coordinate's value as users read it."""
-        c = next(c for c in all_coordinates(self.mechanism) if c.name == name)
+        c = next(c for c in self.mechanism.coordinates if c.name == name)
         if c.kind == "quaternion":
             return [float(v) for v in value]
         return self.mechanism.angle_out(value) if c.is_angular else value

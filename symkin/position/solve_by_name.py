@@ -227,7 +227,7 @@ def _far_notes(found: Solution, start: Start) -> list[str]:
 
 
 def _is_angle(mechanism: Mechanism, name: str) -> bool:
-    return any(c.is_angular for joint in mechanism.all_joints for c in joint.coordinates if c.name == name)
+    return any(c.is_angular for c in mechanism.coordinates if c.name == name)
 
 
 def _history(problem: Problem, given: Given, attempt: _Attempt) -> list[Iterate]:
