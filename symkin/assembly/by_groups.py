@@ -48,6 +48,7 @@ class _Solved:
     notes: tuple[str, ...] = ()
     engine: str | None = None
     sampled: bool = False
+    count: int = 0
 
 
 def modes_by_groups(
@@ -80,6 +81,7 @@ def _extended(
     known, which = np.unique(values[:, group.known_places], axis=0, return_inverse=True)
     which = which.ravel()
     solved, points, owner = _solve(group, known, search, rng, progress)
+    solved.count = int(np.bincount(owner, minlength=1).max())
     rows, chosen = [], []
     for place, mine in enumerate(which.tolist()):
         columns = np.flatnonzero(owner == mine)
@@ -211,7 +213,7 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
 
 def _group(part: _Solved) -> Group:
     unknowns = tuple(c.name for c in part.problem.system.unknowns)
-    return Group(", ".join(unknowns), unknowns, part.complex_count, part.completeness)
+    return Group(", ".join(unknowns), unknowns, part.complex_count, part.completeness, part.count)
 
 
 def _certified(problem: Problem, given: Given, found: SolutionList) -> SolutionList:

@@ -139,7 +139,7 @@ def joined(plain: ModeTable, places: np.ndarray, others: dict[int, ModeTable]) -
 
 
 def _joints(solution: Solution) -> np.ndarray:
-    values = solution.joints.values()
+    values = solution.held_joints.values()
     return np.concatenate([np.zeros(0), *(np.atleast_1d(np.asarray(v, dtype=float)) for v in values)])
 
 

@@ -15,10 +15,10 @@ from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, Joints, are_many, given_from, given_many
-from symkin.position.given_by_name import Values, named_given, problem_of, refuse_unless_determined
+from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
+from symkin.position.given_by_name import Values, named_given, plain_case, problem_of, refuse_unless_determined
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -80,12 +80,28 @@ def modes(
     >>> [len(found) for found in symkin.modes(platform, joints=[legs, legs + 1.0])]
     [4, 4]
     """
+    require_mechanism(mechanism)
     search = Search.of(method, starts, seed, solver)
-    if given is not None or mechanism.is_graph:
-        return _of_coordinates(mechanism, named_given(mechanism, joints, pose, given), search, progress)
+    plain = plain_case(mechanism, given) if joints is None and pose is None else None
+    if plain is not None:
+        joints, pose = plain
+    elif given is not None or mechanism.is_graph:
+        return _by_name(mechanism, joints, pose, given, search, progress)
     if are_many(joints) or are_many(pose):
         return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
     return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
+
+
+def _by_name(
+    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, search: Search, progress: Progress | None
+) -> Modes | tuple[Modes, ...]:
+    """The modes for coordinates by name, or for one or many inputs of a graph."""
+    if given is None and are_many(joints):
+        rows = joint_rows(mechanism, joints)
+        return tuple(_of_coordinates(mechanism, named_given(mechanism, row, pose, None), search, progress) for row in rows)
+    if given is None and are_many(pose):
+        return tuple(_of_coordinates(mechanism, named_given(mechanism, joints, one, None), search, progress) for one in pose)
+    return _of_coordinates(mechanism, named_given(mechanism, joints, pose, given), search, progress)
 
 
 def _of_coordinates(mechanism: Mechanism, given: Given, search: Search, progress: Progress | None) -> Modes:

@@ -22,13 +22,24 @@ _PRINTED_ROWS = 64
 
 @dataclass(frozen=True)
 class Group:
-    """A structure group of a problem: its unknown coordinates, its complex solutions for one choice of what it reads, and what is
-    said of its list."""
+    """A structure group of a problem: its unknown coordinates, its complex solutions and the real ones (`count`, the most) for one
+    choice of what it reads, and what is said of its list."""
 
     name: str
     unknowns: tuple[str, ...]
     complex_count: int | None
     completeness: Completeness
+    count: int | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """One entry of `blocks` in the JSON of `symkin modes --json`."""
+        return {
+            "name": self.name,
+            "unknowns": list(self.unknowns),
+            "complex_count": self.complex_count,
+            "count": self.count,
+            "completeness": self.completeness,
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,7 +57,7 @@ class Modes(Result):
     """
 
     problem: Problem
-    given: dict[str, list[float]]
+    given: dict[str, Any]
     modes: Sequence[Solution]
     completeness: Completeness
     method: str
@@ -72,9 +83,15 @@ class Modes(Result):
     def __getitem__(self, index: int) -> Solution:
         return self.modes[index]
 
+    @property
+    def _has_platform(self) -> bool:
+        return self.problem.mechanism.platform_link is not None
+
     @cached_property
     def representatives(self) -> list[Solution]:
-        """The first mode at each distinct pose."""
+        """The first mode at each distinct pose; all of them without a platform."""
+        if not self._has_platform:
+            return list(self.modes)
         size = self.problem.closure.characteristic_length
         kept: list[Solution] = []
         known = np.zeros((0, 12))
@@ -96,7 +113,10 @@ class Modes(Result):
         return {
             **heading(self.problem, self.given),
             "modes": [mode.to_dict() for mode in self.modes],
-            "poses": self.poses,
+            "count": len(self),
+            "listed": len(self),
+            "poses": self.poses if self._has_platform else None,
+            "blocks": [group.to_dict() for group in self.groups] or None,
             "complex_count": self.complex_count,
             "completeness": self.completeness,
             "unresolved_paths": self.unresolved_paths,
@@ -117,12 +137,12 @@ class Modes(Result):
         """The modes as a table, and what is known of their completeness."""
         mechanism = self.problem.mechanism
         title = mechanism.name + (f" ({mechanism.title})" if mechanism.title else "")
-        above = [f"{title}: {self.problem.kind} problem, {given_text(self.given)}"]
+        above = [f"{title}: {self.problem.name} problem, {given_text(self.given)}"]
         below = [self._statement(), *(f"note: {note}" for note in self.notes)]
         shown = self._shown(most_rows)
         if len(shown) < len(self):
             below.insert(0, self._left_out(len(shown), most_rows))
-        header, rows = solution_columns(self.problem.kind, shown)
+        header, rows = solution_columns(self.problem, shown)
         return Summary(above, header, rows, below)
 
     def _shown(self, most_rows: int | None) -> list[Solution]:
@@ -132,7 +152,7 @@ class Modes(Result):
         return list(self.modes[:most])
 
     def _left_out(self, shown: int, most_rows: int | None) -> str:
-        if most_rows is None:
+        if most_rows is None and self._has_platform:
             return f"one of the modes at each of {shown} poses of {self.poses}; all {len(self)} modes with --json"
         return f"the first {shown} of {len(self)} modes"
 

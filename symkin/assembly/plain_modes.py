@@ -24,8 +24,9 @@ from symkin.numeric.cache_folder import cache_folder
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.canonical import canonical, poses_of, within_limits
+from symkin.position.canonical import canonical, poses_of
 from symkin.position.problem import Problem
+from symkin.position.readings import within_limits
 from symkin.position.roots import MOST_MODES
 
 _ROOTS_AT_ONCE = 40_000

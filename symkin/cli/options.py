@@ -33,9 +33,20 @@ JointsOption = Annotated[
 PoseOption = Annotated[
     str | None, typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.")
 ]
+GivenOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME=VALUE,...",
+        help="Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, azimuth, tilt, torsion of the "
+        "platform, or pose=X,Y,Z,QW,QX,QY,QZ.",
+    ),
+]
 StartOption = Annotated[
     str | None,
-    typer.Option(metavar="V1,V2,...", help="A pose for the direct problem, all actuated joints for the inverse one."),
+    typer.Option(
+        metavar="V1,V2,...",
+        help="A pose for the direct problem, all actuated joints for the inverse one; NAME=VALUE,... with --given and for graphs.",
+    ),
 ]
 SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of random numbers.")]
 SearchSeedOption = Annotated[
@@ -70,6 +81,32 @@ def joints_from(text: str | None, what: str, angle_unit: str) -> list[float] | d
             raise InputError(f"--{what}: {shown(name)} is given twice")
         found[name] = _number(value, name, what, angle_unit)
     return found
+
+
+def named_from(text: str | None, what: str, angle_unit: str) -> dict[str, float | list[float]] | None:
+    """Values by name from `crank=60,pose=0,0,100,1,0,0,0`: what follows a name up to the next one is its value."""
+    if text is None:
+        return None
+    found: dict[str, list[float]] = {}
+    name = ""
+    for part in text.split(",") if text.strip() else []:
+        before, equals, after = (piece.strip() for piece in part.partition("="))
+        if equals:
+            name = before
+            if not name:
+                raise InputError(f"--{what}: {shown(part.strip())} has no name; values are written NAME=VALUE,...")
+            if name in found:
+                raise InputError(f"--{what}: {shown(name)} is given twice")
+            found[name] = []
+        elif not name or name != "pose":
+            raise InputError(f"--{what}: {shown(part.strip())} has no name; values are written NAME=VALUE,...")
+        found[name].append(_number(after if equals else before, name, what, angle_unit))
+    return {name: values if name == "pose" and len(values) > 1 else values[0] for name, values in found.items()}
+
+
+def start_from(text: str | None, angle_unit: str) -> list[float] | dict[str, float | list[float]] | None:
+    """A start: numbers, or values by name."""
+    return named_from(text, "start", angle_unit) if text is not None and "=" in text else numbers_from(text, "start", angle_unit)
 
 
 def _number(text: str, which: str, what: str, angle_unit: str) -> float:

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import (
+    GivenOption,
     JointsOption,
     JsonOption,
     MechArgument,
@@ -16,8 +17,10 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
+    named_from,
     numbers_from,
     print_result,
+    start_from,
     whole_number,
 )
 from symkin.cli.progress import progress_bar
@@ -37,6 +40,7 @@ def modes(
     mech: MechArgument,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    given: GivenOption = None,
     method: Annotated[
         Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
     ] = Method.continuation,
@@ -62,6 +66,7 @@ def modes(
             mechanism,
             joints=joints_from(joints, "joints", mechanism.angle_unit),
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
+            given=named_from(given, "given", mechanism.angle_unit),
             method=method.value,
             starts=starts,
             seed=seed,
@@ -77,6 +82,7 @@ def solve(
     mech: MechArgument,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    given: GivenOption = None,
     start: StartOption = None,
     solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
     as_json: JsonOption = False,
@@ -89,7 +95,7 @@ def solve(
     unit = mechanism.angle_unit
     result = solve_one(
         mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        start=joints_from(start, "start", unit), solver=solver.value, check=False,
+        given=named_from(given, "given", unit), start=start_from(start, unit), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

@@ -31,7 +31,7 @@ from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotate
 
-_POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
+POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
     "spatial": (("x", "length"), ("y", "length"), ("z", "length"), ("quaternion", "quaternion")),
     "schoenflies": (("x", "length"), ("y", "length"), ("z", "length"), ("gamma", "angle")),
     "planar": (("x", "length"), ("y", "length"), ("gamma", "angle")),
@@ -223,7 +223,7 @@ class RowBuilder:
         m = self.mechanism
         values: dict[str, ca.SX] = {}
         nominal = {"x": 0, "y": 1, "z": 2}
-        for name, kind in _POSE_COORDINATES[m.motion]:
+        for name, kind in POSE_COORDINATES[m.motion]:
             if name == "quaternion":
                 start = m.platform_quaternion
             else:

@@ -60,12 +60,12 @@ def _chosen(modes: Modes, most: int) -> list[tuple[int, Solution]]:
 def _facts(modes: Modes) -> list[str]:
     """What is given, and the count of modes with its completeness."""
     mechanism = modes.problem.mechanism
-    given = "; ".join(f"{key} {_list(values)}" for key, values in modes.given.items())
+    given = "; ".join(f"{key} {_list(np.ravel(values).tolist())}" for key, values in modes.given.items())
     count = len(modes)
     found = f"{count} mode{'' if count == 1 else 's'}" if count else _nothing(modes)
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
     statement = f"{found}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
-    return [f"{modes.problem.kind} problem at {given} ({units})", statement]
+    return [f"{modes.problem.name} problem at {given} ({units})", statement]
 
 
 def _nothing(modes: Modes) -> str:

@@ -1,4 +1,4 @@
-"""The standard writing of configurations, and what follows from it: poses and joint limits, of many configurations at once."""
+"""The standard writing of configurations, and the platform's poses, of many configurations at once."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.tolerances import LIMIT_SLACK, ROUNDED_COMPONENT
+from symkin.numeric.tolerances import ROUNDED_COMPONENT
 from symkin.spatial.rotation import wrapped
 
 _TURN = 2.0 * math.pi
@@ -56,21 +56,6 @@ def _into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
     moved = angles + _TURN * np.ceil((low - angles) / _TURN - 1e-12)
     outside = (angles < low) | (angles > high)
     return np.where(outside & (moved <= high + 1e-12), moved, angles)
-
-
-def within_limits(closure: Closure, values: np.ndarray) -> np.ndarray | None:
-    """Which configurations (m, variables) lie within all joint limits; None where there are none."""
-    limited = [(c, c.limits) for c in closure.coordinates if c.limits is not None]
-    if not limited:
-        return None
-    inside = np.ones(len(values), dtype=bool)
-    for c, (low, high) in limited:
-        slack, value = (
-            LIMIT_SLACK * (1.0 if c.is_angular else closure.characteristic_length),
-            values[:, closure.slices[c.name].start],
-        )
-        inside &= (low - slack <= value) & (value <= high + slack)
-    return inside
 
 
 def poses_of(closure: Closure, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

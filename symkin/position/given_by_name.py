@@ -11,22 +11,24 @@ from typing import Any
 import numpy as np
 
 from symkin.closure.closure import build_closure
-from symkin.closure.rows import POSE_CONDITIONS
+from symkin.closure.rows import POSE_CONDITIONS, POSE_COORDINATES
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.given import LARGEST_GIVEN, Given, given_from, pose_from
+from symkin.position.given import LARGEST_GIVEN, Given, given_from
 from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.problem import Problem, build_problem
 from symkin.text import shown
 
-WHOLE_POSE = ("pose.x", "pose.y", "pose.z", "pose.quaternion")
 _SUGGESTED = 4
 """Names that a message lists."""
+
+_OPEN_RANK = 1e2
+"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
 
 Values = Mapping[str, float | Sequence[float]]
 
@@ -34,41 +36,55 @@ Values = Mapping[str, float | Sequence[float]]
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     """The known values of a problem from values by name, in the mechanism's units; "pose" is x, y, z, qw, qx, qy, qz as a whole.
     Raises InputError for a name that nothing has and a value that is none."""
-    coordinates = _coordinates(mechanism)
-    names: list[str] = []
-    numbers: list[float] = []
+    if not isinstance(values, Mapping):
+        raise InputError(f"given = {shown(str(values))} has no names; values by name are needed, as in given={{'crank': 60.0}}")
+    whole = given_from(mechanism, None, values["pose"]) if is_whole_pose(mechanism, values) else None  # type: ignore[arg-type]
+    names = [] if whole is None else list(pose_names(mechanism))
+    numbers = [] if whole is None else whole.values.tolist()
+    coordinates = given_coordinates(mechanism)
     for name, value in values.items():
-        if name == "pose" and mechanism.platform_link is not None:
-            pose = pose_from(value)  # type: ignore[arg-type]
-            names += WHOLE_POSE
-            numbers += [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]
+        if name == "pose" and whole is not None:
             continue
         if name not in coordinates:
             raise InputError(_unknown(mechanism, name, list(coordinates)))
         names.append(name)
         numbers.append(_number(mechanism, coordinates[name], value))
-    clash = sorted(set(names) & set(POSE_CONDITIONS)) if "pose.x" in names else []
+    clash = sorted(set(names) & set(POSE_CONDITIONS)) if whole is not None else []
     if clash:
         raise InputError(f"given: the whole pose and {', '.join(clash)} beside it; give one or the other")
-    echo = {name: value if np.ndim(value) == 0 else [float(v) for v in value] for name, value in values.items()}  # type: ignore[union-attr]
-    return Given("given", np.array(numbers), {"given": echo}, tuple(names))
+    echo: dict[str, Any] = {name: float(v) for name, v in values.items() if name != "pose" or whole is None}  # type: ignore[arg-type]
+    if whole is not None:
+        return replace(whole, kind="given", values=np.array(numbers), names=tuple(names), echo=whole.echo | echo)
+    return Given("given", np.array(numbers), echo, tuple(names))
+
+
+def is_whole_pose(mechanism: Mechanism, values: Values) -> bool:
+    """Whether values by name hold the platform's pose as a whole."""
+    return "pose" in values and "pose" not in given_coordinates(mechanism) and mechanism.platform_link is not None
+
+
+def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the coordinates of the platform's pose."""
+    return tuple(f"pose.{name}" for name, _ in POSE_COORDINATES[mechanism.motion])
 
 
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
     """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
+    require_mechanism(mechanism)
     if given is not None:
         if joints is not None or pose is not None:
             raise InputError("given: values by name and joints or a pose beside them; give one of them")
         return given_by_name(mechanism, given)
-    named = given_from(mechanism, joints, pose)
-    if named.kind == "direct":
-        return replace(named, kind="given", names=tuple(c.name for c in mechanism.actuated))
-    if mechanism.platform_link is None:
+    if joints is None and pose is None and mechanism.example is None and not mechanism.actuated:
+        return Given("given", np.zeros(0), {})
+    if pose is not None and mechanism.platform_link is None:
         raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
-    return replace(named, kind="given", names=WHOLE_POSE)
+    named = given_from(mechanism, joints, pose)
+    names = tuple(c.name for c in mechanism.actuated) if named.kind == "direct" else pose_names(mechanism)
+    return replace(named, kind="given", names=names)
 
 
-def _coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
+def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
     found = {c.name: c for joint in mechanism.all_joints for c in joint.coordinates if c.kind != "quaternion"}
     found |= {c.name: c for c in mechanism.actuated}
@@ -99,6 +115,17 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     return mechanism.angle_in(number) if c.is_angular else number
 
 
+def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | None:
+    """Joints and pose, one of them None, where the values by name are all actuated joints or the whole pose of limbs: the direct and
+    the inverse problem. None for any other values, and for a graph."""
+    if given is None or mechanism.is_graph or not isinstance(given, Mapping):
+        return None
+    if list(given) == ["pose"] and is_whole_pose(mechanism, given):
+        return None, given["pose"]
+    names = {c.name for c in mechanism.actuated}
+    return (given, None) if names and set(given) == names else None
+
+
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:
     """The problem for which values are given."""
     return build_problem(mechanism, given.kind, given.names)
@@ -109,21 +136,35 @@ def problem_of(mechanism: Mechanism, given: Given) -> Problem:
 
 def refuse_unless_determined(problem: Problem) -> None:
     """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
-    too_many, free, binding = _determination(problem)
+    refuse_contradictions(problem)
+    _, free, binding = _determination(problem)
     name = problem.mechanism.name
     known = [c.name for c in problem.known_coordinates if c.role != "geometry"]
     listed = ", ".join(known) or "nothing"
-    if too_many:
-        raise InputError(
-            f"given: {listed} are {len(known)} coordinates of {name} for a mobility of "
-            f"{len(known) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
-            f"{'it' if len(too_many) == 1 else 'them'} out"
-        )
     if free:
         some = ", ".join(binding[:_SUGGESTED])
         raise InputError(
             f"given: {listed}; that leaves {name} {free} freedom{'s' * (free != 1)}, and its configurations are not isolated: give "
             f"{free} more, for example {some}; or use solve with a start for one of them"
+        )
+
+
+def free_motions(problem: Problem) -> int:
+    """Freedoms that the given coordinates leave."""
+    return _determination(problem)[1]
+
+
+def refuse_contradictions(problem: Problem) -> None:
+    """Raise InputError where the given coordinates say the same thing twice."""
+    too_many = _determination(problem)[0]
+    if too_many:
+        name = problem.mechanism.name
+        known = [c.name for c in problem.known_coordinates if c.role != "geometry"]
+        listed = ", ".join(known)
+        raise InputError(
+            f"given: {listed} are {len(known)} coordinates of {name} for a mobility of "
+            f"{len(known) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
+            f"{'it' if len(too_many) == 1 else 'them'} out"
         )
 
 
@@ -135,7 +176,9 @@ def _determination(problem: Problem) -> tuple[tuple[str, ...], int, tuple[str, .
     candidates = closed_configurations(closure, 0)
     jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in candidates]
     jacobian = max(jacobians, key=lambda j: Rank.of(j).value)
-    motions = null_space(jacobian, RANK_TOLERANCE, relative=True)
+    # rows that are redundant but for the digits of a file are as independent as the loops are open
+    open_by = system.residual(candidates[0], np.zeros(0)) / closure.characteristic_length
+    motions = null_space(jacobian, max(RANK_TOLERANCE, min(_OPEN_RANK * open_by, 1e-3)), relative=True)
     columns: dict[str, list[int]] = {}
     for column, coordinate in enumerate(held for held in closure.coordinates for _ in range(held.freedom)):
         columns.setdefault(coordinate.name, []).append(column)

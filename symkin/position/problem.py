@@ -40,6 +40,16 @@ class Problem:
     def mechanism(self) -> Mechanism:
         return self.closure.mechanism
 
+    @property
+    def name(self) -> Kind:
+        """The kind as users read it: a problem whose coordinates are told by name is direct where these are all actuated joints,
+        inverse where they are the whole pose."""
+        if self.kind != "given" or not self.known_coordinates:
+            return self.kind
+        if all(c.role == "pose" for c in self.known_coordinates):
+            return "inverse"
+        return "direct" if {c.name for c in self.known_coordinates} == {c.name for c in self.mechanism.actuated} else "given"
+
     @cached_property
     def reference_known(self) -> np.ndarray:
         """The known values at the reference."""
@@ -132,15 +142,16 @@ class Problem:
         return build_problem, (self.mechanism, self.kind, names)
 
 
-def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = ()) -> Problem:
+def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None) -> Problem:
     """The problem of a mechanism; built once for each mechanism and kind. `names` are the known coordinates of a "given" one, in
-    the order of their values."""
-    return _problem(mechanism, kind, names)
+    the order of their values; `held` are others that the closure must hold, where they tell a start. Without `names` and `held` the
+    geometry is what is known."""
+    return _problem(mechanism, kind, names, held)
 
 
 @lru_cache(maxsize=128)
-def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Problem:
-    closure = build_closure(mechanism, _partition(mechanism, kind, names))
+def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None) -> Problem:
+    closure = build_closure(mechanism, _partition(mechanism, kind, names, held))
     if kind == "given":
         named = {c.name: c for c in closure.coordinates}
         known = tuple(named[name] for name in names) or closure.role("geometry")
@@ -158,14 +169,16 @@ def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Proble
     return Problem(closure, kind, system, known)
 
 
-def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...]) -> Partition:
-    """What the closure must hold for the known coordinates."""
+def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None) -> Partition:
+    """What the closure must hold for the known coordinates and those that are held beside them."""
     if not mechanism.is_graph and kind != "given":
         return ALL_JOINTS
+    wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
-    conditions = tuple(name for name in POSE_CONDITIONS if name in names and name not in joints)
-    whole = kind == "inverse" or any(name.startswith("pose.") for name in names)
-    return Partition(frozenset(names) & joints, pose=whole, pose_conditions=conditions, geometry=not names)
+    conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)
+    whole = kind == "inverse" or any(name.startswith("pose.") for name in wanted)
+    geometry = not names and held is None
+    return Partition(frozenset(wanted) & joints, pose=whole, pose_conditions=conditions, geometry=geometry)
 
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:

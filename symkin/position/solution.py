@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from symkin.closure.closure import Closure
-from symkin.model.joint import Coordinate
+from symkin.closure.closure import Closure, build_closure
+from symkin.closure.link_poses import LinkPoses, link_poses
+from symkin.closure.rows import ALL_JOINTS, Partition
+from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
+from symkin.position.readings import all_coordinates, points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -46,7 +49,8 @@ class Solution(Result):
     `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
     closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
     the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
-    `certified`. `values` are in radians and the length unit, `joints` in the mechanism's units.
+    `certified`. `values` are in radians and the length unit, those of the closure for a `partition`; `joints`, in the mechanism's
+    units, those of all joints. `pose` is the base's own where a graph names no platform link.
 
     >>> import symkin
     >>> found = symkin.solve(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2]).solution
@@ -65,11 +69,57 @@ class Solution(Result):
     radius: float | None = None
     notes: tuple[str, ...] = ()
     ground: PartialProof | None = None
+    partition: Partition = ALL_JOINTS
+
+    @cached_property
+    def joints(self) -> dict[str, Any]:
+        """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
+        of the closure first."""
+        held = self.held_joints
+        named = {c.name: c for c in all_coordinates(self.mechanism)}
+        cut = {name: v[0] for name, v in readings(self._closure, self._links).items()} if len(named) > len(held) else {}
+        found = held | {name: self._in_units(name, v if len(v) > 1 else float(v[0])) for name, v in cut.items()}
+        return {name: found[name] for name in named if name in found} if self.mechanism.is_graph else found
+
+    @cached_property
+    def held_joints(self) -> dict[str, Any]:
+        """The joint coordinates that the closure holds, in the mechanism's units."""
+        names = (c.name for c in self._closure.role("actuated", "passive"))
+        return {name: self._in_units(name, self.values[name]) for name in names}
+
+    @cached_property
+    def points(self) -> dict[str, list[float]]:
+        """Where the named points of links are, in the base frame."""
+        if not self.mechanism.link_points:
+            return {}
+        return {name: point[0].tolist() for name, point in points_at(self.mechanism, self._links).items()}
+
+    @cached_property
+    def link_poses(self) -> dict[str, Pose]:
+        """The displacement of each link from the reference, in the base frame."""
+        return self._links.at(0)
 
     @property
-    def joints(self) -> dict[str, Any]:
-        """Joint coordinates in the mechanism's units, passive ones included."""
-        return {name: value for name, value in self._user_values().items() if not name.startswith("pose.")}
+    def has_platform(self) -> bool:
+        """Whether `pose` is that of a link."""
+        return self.mechanism.platform_link is not None
+
+    @property
+    def _closure(self) -> Closure:
+        return build_closure(self.mechanism, self.partition)
+
+    @cached_property
+    def _links(self) -> LinkPoses:
+        closure = self._closure
+        values = np.concatenate([np.atleast_1d(self.values[c.name]) for c in closure.coordinates])
+        return link_poses(closure, values[None])
+
+    def _in_units(self, name: str, value: Any) -> Any:
+        """A coordinate's value as users read it."""
+        c = next(c for c in all_coordinates(self.mechanism) if c.name == name)
+        if c.kind == "quaternion":
+            return [float(v) for v in value]
+        return self.mechanism.angle_out(value) if c.is_angular else value
 
     @property
     def actuated_values(self) -> list[float]:
@@ -94,26 +144,17 @@ class Solution(Result):
     def rotation(self) -> np.ndarray:
         return np.asarray(self.pose.rotation, dtype=float)
 
-    def _user_values(self) -> dict[str, Any]:
-        kinds = {c.name: c for c in _coordinates(self.mechanism)}
-        out: dict[str, Any] = {}
-        for name, value in self.values.items():
-            c = kinds[name]
-            if c.kind == "quaternion":
-                out[name] = [float(v) for v in value]
-            else:
-                out[name] = self.mechanism.angle_out(value) if c.is_angular else value
-        return out
-
     def to_dict(self) -> dict[str, Any]:
         """One entry of `modes` in the JSON of `symkin modes --json`."""
+        pose = {
+            "position": self.position.tolist(),
+            "quaternion": self.quaternion.tolist(),
+            "matrix": self.rotation.tolist(),
+        }
         return {
-            "pose": {
-                "position": self.position.tolist(),
-                "quaternion": self.quaternion.tolist(),
-                "matrix": self.rotation.tolist(),
-            },
+            "pose": pose if self.has_platform else None,
             "joints": self.joints,
+            "points": self.points,
             "residual": self.residual,
             "condition": finite(self.condition),
             "certified": self.certified,
@@ -124,21 +165,30 @@ class Solution(Result):
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """Pose, joints and checks, a row each."""
+        """Pose, points, joints and checks, a row each."""
         unit = self.mechanism.length_unit
         pose = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True))
-        values = {**pose, **self.joints, f"residual, {unit}": self.residual, "condition": self.condition}
+        points = {f"{name} {axis}": v for name, point in self.points.items() for axis, v in zip("xyz", point, strict=True)}
+        values = {**(pose if self.has_platform else {}), **points, **self._printed_joints}
+        values |= {f"residual, {unit}": self.residual, "condition": self.condition}
         rows = [[name, f"{value:.7g}"] for name, value in values.items() if isinstance(value, float)]
         return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
+    @property
+    def _printed_joints(self) -> dict[str, Any]:
+        """All joints of a graph, those of the closure of limbs."""
+        return self.joints if self.mechanism.is_graph else self.held_joints
+
     def __str__(self) -> str:
-        position = ", ".join(f"{v:.6g}" for v in self.position)
-        quaternion = ", ".join(f"{v:.6f}" for v in self.quaternion)
-        joints = ", ".join(f"{k} = {v:.6g}" for k, v in self.joints.items() if isinstance(v, float))
-        return (
-            f"{self.mechanism.name} at ({position}) {self.mechanism.length_unit}, quaternion ({quaternion}); "
-            f"{joints}; residual {self.residual:.1e}, condition {self.condition:.3g}"
-        )
+        parts = [f"{k} = {v:.6g}" for k, v in self._printed_joints.items() if isinstance(v, float)]
+        where = self.mechanism.name
+        if self.has_platform:
+            position = ", ".join(f"{v:.6g}" for v in self.position)
+            quaternion = ", ".join(f"{v:.6f}" for v in self.quaternion)
+            where += f" at ({position}) {self.mechanism.length_unit}, quaternion ({quaternion})"
+        points = [f"{name} ({', '.join(f'{v:.6g}' for v in point)})" for name, point in self.points.items()]
+        texts = [where, *points, ", ".join(parts), f"residual {self.residual:.1e}, condition {self.condition:.3g}"]
+        return "; ".join(text for text in texts if text)
 
     def __repr__(self) -> str:
         return str(self)
@@ -160,23 +210,17 @@ def pose_of(closure: Closure, values: np.ndarray) -> Pose:
     return Pose(position[0], quaternion[0])
 
 
-def _coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    from symkin.closure.closure import build_closure
-
-    return build_closure(mechanism).coordinates
-
-
 def finite(value: float | None) -> float | None:
     """JSON has no infinity: null stands for it."""
     return value if value is not None and math.isfinite(value) else None
 
 
-def heading(problem: Problem, given: dict[str, list[float]]) -> dict[str, Any]:
+def heading(problem: Problem, given: Mapping[str, Any]) -> dict[str, Any]:
     mechanism = problem.mechanism
     return {
         "mechanism": mechanism.name,
-        "problem": problem.kind,
-        "given": given,
+        "problem": problem.name,
+        "given": dict(given),
         "length_unit": mechanism.length_unit,
         "angle_unit": mechanism.angle_unit,
     }

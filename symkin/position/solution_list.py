@@ -10,8 +10,9 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.numeric.tolerances import SINGULAR_CONDITION
-from symkin.position.canonical import canonical, poses_of, within_limits
+from symkin.position.canonical import canonical, poses_of
 from symkin.position.problem import Problem
+from symkin.position.readings import within_limits
 from symkin.position.solution import SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
@@ -58,6 +59,7 @@ class SolutionList(Sequence[Solution]):
             mechanism=self.closure.mechanism,
             values=named_values(self.closure, self.values[i]),
             pose=Pose(self.position[i], self.quaternion[i]),
+            partition=self.closure.partition,
             residual=float(self.residual[i]),
             condition=condition,
             within_limits=_flag(self.within_limits[i]),

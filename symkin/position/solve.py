@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
+from symkin.position.given_by_name import Values, named_given, plain_case
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
     StartRank,
@@ -26,6 +27,7 @@ from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution, pose_of
 from symkin.position.solution_list import make_solution
+from symkin.position.solve_by_name import Start, solve_by_name
 from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
@@ -45,17 +47,23 @@ def solve(
     *,
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Joints | Pose | None = None,
+    given: Values | None = None,
+    start: Start = None,
     solver: str | Solver = "newton",
     check: bool = True,
 ) -> SolveResult:
-    """Find one solution of F(q, x, X, p) = 0 near `start`: X and x for given `joints` q, or q and x for a given `pose` X.
+    """Find one solution of F(q, x, X, p) = 0 near `start`: X and x for given `joints` q, or q and x for a given `pose` X, or what is
+    left for values `given` by name.
 
     Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
     reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
     "fast_newton" (CasADi's rootfinders), "ipopt" (least squares with joint limits as bounds), or a value of
     `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is checked on all rows.
+
+    `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and torsion of the platform, or
+    its whole "pose". With it, and for a graph of links, `start` maps names to values as well, and "newton" means
+    Levenberg-Marquardt on all rows; where fewer are given than the mobility, the configuration is one near the start.
 
     Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit, and for
     a `start` where nothing is iterated.
@@ -67,13 +75,29 @@ def solve(
     >>> found.status, [round(v, 6) for v in back.solution.actuated_values]
     ('ok', [81.6, -157.2, -29.4, 105.2])
     """
-    given = given_from(mechanism, joints, pose)
-    problem = build_problem(mechanism, given.kind)
-    if problem.is_explicit or not problem.system.width:
-        refuse_ignored({"start": start}, _nothing_iterated(problem))
+    require_mechanism(mechanism)
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
         raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
+    plain = plain_case(mechanism, given) if joints is None and pose is None else None
+    if plain is None and (given is not None or mechanism.is_graph):
+        own = None if solver == "newton" else chosen
+        result = solve_by_name(mechanism, named_given(mechanism, joints, pose, given), start, own)
+    else:
+        joints, pose = (joints, pose) if plain is None else plain
+        result = _solved(mechanism, given_from(mechanism, joints, pose), start, chosen)
+    if check and result.solution is None:
+        raise SolveError("; ".join([result.message, *result.notes]), result)
+    return result
+
+
+def _solved(mechanism: Mechanism, given: Given, start: Start, chosen: Solver) -> SolveResult:
+    """The direct or the inverse problem of limbs."""
+    if isinstance(start, Mapping) and list(start) == ["pose"]:
+        start = start["pose"]
+    problem = build_problem(mechanism, given.kind)
+    if problem.is_explicit or not problem.system.width:
+        refuse_ignored({"start": start}, _nothing_iterated(problem))
     begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         z = start_values(problem, given, start)
@@ -83,10 +107,7 @@ def solve(
             result = solve_beside(problem, given, chosen, z, "start")
             if result.solution is not None:
                 result = replace(result, notes=(*result.notes, *start_notes(result.solution, given.kind, start)))
-    result = replace(result, elapsed_s=time.perf_counter() - begin)
-    if check and result.solution is None:
-        raise SolveError("; ".join([result.message, *result.notes]), result)
-    return result
+    return replace(result, elapsed_s=time.perf_counter() - begin)
 
 
 def _nothing_iterated(problem: Problem) -> str:

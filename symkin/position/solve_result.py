@@ -49,7 +49,7 @@ class SolveResult(Result):
     """
 
     problem: Problem
-    given: dict[str, list[float]]
+    given: dict[str, Any]
     status: Status
     solution: Solution | None
     iterations: int
@@ -82,7 +82,7 @@ class SolveResult(Result):
     def summary(self, most_rows: int | None = None) -> Summary:
         """The solution with its checks, or the status with its remedy."""
         mechanism, s = self.problem.mechanism, self.solution
-        above = [f"{mechanism.name}: {self.problem.kind} problem, {given_text(self.given)}"]
+        above = [f"{mechanism.name}: {self.problem.name} problem, {given_text(self.given)}"]
         below = [f"note: {note}" for note in self.notes]
         if s is None:
             return Summary([*above, self.message], below=below)
@@ -92,7 +92,7 @@ class SolveResult(Result):
         )
         if most_rows == 0:
             return Summary([*above, checks], below=below)
-        header, rows = solution_columns(self.problem.kind, [s])
+        header, rows = solution_columns(self.problem, [s])
         return Summary(above, header, rows, [checks, *below])
 
 

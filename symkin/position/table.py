@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
+
+from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 
+_MOST_COLUMNS = 16
+"""Coordinates of a graph that a table shows; the JSON holds all."""
 
-def solution_columns(kind: str, solutions: Sequence[Solution]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows for the solutions of one problem of a `kind`; both are empty where there is no solution."""
+
+def solution_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows for the solutions of one problem; both are empty where there is no solution."""
     if not solutions:
         return [], []
-    columns = {"#": [str(k + 1) for k in range(len(solutions))], **_coordinate_columns(kind, solutions)}
+    graph = problem.mechanism.is_graph
+    coordinates = _graph_columns(problem, solutions) if graph else _coordinate_columns(problem, solutions)
+    columns = {"#": [str(k + 1) for k in range(len(solutions))], **coordinates}
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["inside" if s.within_limits else "outside" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
@@ -20,12 +29,24 @@ def solution_columns(kind: str, solutions: Sequence[Solution]) -> tuple[list[str
     return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
 
 
-def _coordinate_columns(kind: str, solutions: Sequence[Solution]) -> dict[str, list[str]]:
+def _coordinate_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
     """What differs between the solutions: joints of an inverse problem, pose and passive joints of a direct one."""
-    serial = solutions[0].mechanism.serial
-    if kind == "inverse":
-        return _joint_columns(kind, solutions)
-    return _pose_columns(solutions) | ({} if serial else _joint_columns(kind, solutions))
+    if problem.name == "inverse":
+        return _joint_columns(problem, solutions)
+    return _pose_columns(solutions) | ({} if problem.mechanism.serial else _joint_columns(problem, solutions))
+
+
+def _graph_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
+    """Pose where there is one and it is not given, named points, then joints; as many as a table shows."""
+    columns: dict[str, list[str]] = {}
+    if solutions[0].has_platform and problem.name != "inverse":
+        columns |= _pose_columns(solutions)
+    size = problem.mechanism.characteristic_length
+    rows = [s.points for s in solutions]
+    for name in rows[0]:
+        columns |= {f"{name} {axis}": [_length(size, row[name][i]) for row in rows] for i, axis in enumerate("xyz")}
+    columns |= _joint_columns(problem, solutions)
+    return dict(list(columns.items())[:_MOST_COLUMNS])
 
 
 def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
@@ -43,12 +64,12 @@ def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
     return columns | {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
 
 
-def _joint_columns(kind: str, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """Joint coordinates that are one number; for a direct problem the passive ones."""
-    mechanism = solutions[0].mechanism
-    given = {c.name for c in mechanism.actuated} if kind == "direct" else set()
+def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
+    """Joint coordinates that are one number and were not given: all of a graph, those of the closure of limbs."""
+    mechanism = problem.mechanism
+    given = {c.name for c in problem.known_coordinates}
     digits = 3 if mechanism.characteristic_length > 10 else 5
-    rows = [s.joints for s in solutions]
+    rows = [s.joints if mechanism.is_graph else s.held_joints for s in solutions]
     names = [name for name, value in rows[0].items() if name not in given and isinstance(value, float)]
     return {name: [_fixed(row[name], digits) for row in rows] for name in names}
 
@@ -62,6 +83,8 @@ def _fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
-def given_text(given: Mapping[str, Sequence[float]]) -> str:
-    """The given values: `joints 1, 2, 3`."""
-    return "; ".join(f"{key} {', '.join(f'{v:.7g}' for v in values)}" for key, values in given.items())
+def given_text(given: Mapping[str, Any]) -> str:
+    """The given values: `joints 1, 2, 3`, `crank 60`."""
+    return (
+        "; ".join(f"{key} {', '.join(f'{v:.7g}' for v in np.ravel(values))}" for key, values in given.items()) or "nothing given"
+    )

@@ -190,7 +190,7 @@ def _solution_line(solution: Solution) -> str:
     position = ", ".join(f"{plain(float(v), mechanism.characteristic_length):.6g}" for v in solution.position)
     quaternion = ", ".join(f"{plain(float(v), least=5e-7):.6f}" for v in solution.quaternion)
     joints = ", ".join(
-        f"{k} = {plain(v, mechanism.characteristic_length):.6g}" for k, v in solution.joints.items() if isinstance(v, float)
+        f"{k} = {plain(v, mechanism.characteristic_length):.6g}" for k, v in solution.held_joints.items() if isinstance(v, float)
     )
     return (
         f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); {joints}; residual "

@@ -1,0 +1,260 @@
+"""One configuration near a start, for values of any coordinates that are given by name.
+
+Levenberg-Marquardt on all rows, then Gauss-Newton: where fewer coordinates are given than the mobility, its steps are the shortest
+ones, so that the configuration is near the start; where loops of redundant constraints are written with few digits, no configuration
+closes them exactly, and the one of least squares is the answer.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.given import Given
+from symkin.position.given_by_name import free_motions, given_by_name, refuse_contradictions
+from symkin.position.least_squares import LeastSquares
+from symkin.position.moved_starts import moved_starts
+from symkin.position.newton import Newton
+from symkin.position.problem import Problem, build_problem
+from symkin.position.solution import Solution, pose_of
+from symkin.position.solution_list import make_solution
+from symkin.position.solve_result import Iterate, SolveResult
+from symkin.position.starts import random_starts
+from symkin.spatial.pose import Pose
+
+_STEPS = 300
+"""Most steps of Levenberg-Marquardt; from a start nearby some ten suffice."""
+_PATIENCE = 60
+"""Steps without progress after which a start is given up."""
+_DIGITS = 1e-4
+"""Largest closure error, as a share of the size, that may be due to the digits of a file."""
+_REGULAR = 1e-5
+"""Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
+_RESTARTS = 20
+_FAR = 0.2
+"""A start further from what it led to than this (of the size, or rad) is noted."""
+
+Start = Mapping[str, Any] | Sequence[float] | Pose | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """Where an iteration began and ended, and how far the loops are open there (length unit)."""
+
+    begin: np.ndarray
+    end: np.ndarray
+    residual: float
+    steps: int
+
+
+def solve_by_name(mechanism: Mechanism, given: Given, start: Start, solver: Newton | LeastSquares | None) -> SolveResult:
+    """The configuration near a start that has the given values; `solver` in place of Levenberg-Marquardt."""
+    clock = time.perf_counter()
+    begin = _start_by_name(mechanism, given, start)
+    problem = build_problem(mechanism, "given", given.names, tuple(n for n in begin.names if n not in given.names))
+    refuse_contradictions(problem)
+    z = _unknowns_at(problem, given, begin)
+    notes = list(given.notes)
+    attempt = _iterated(problem, given, z, solver) if given.off_motion == 0.0 else _Attempt(z, z, given.off_motion, 0)
+    if given.off_motion == 0.0 and not _closes(problem, attempt) and not _is_least(problem, given, attempt):
+        attempt, more = _from_elsewhere(problem, given, attempt, by_default=start is None)
+        notes += more
+    left = free_motions(problem)
+    solution, misfit = None, _is_least(problem, given, attempt) if given.off_motion == 0.0 else False
+    if _closes(problem, attempt) or misfit:
+        if misfit:
+            notes.append(_misfit_note(problem, attempt))
+        if left:
+            notes.append(_free_note(problem, left, start is None))
+        solution = make_solution(problem, problem.join_values(attempt.end, given.values), notes=given.notes)
+        notes += _far_notes(solution, start)
+    return SolveResult(
+        problem=problem,
+        given=given.echo,
+        status="ok" if solution is not None else "infeasible" if math.isfinite(attempt.residual) else "nonfinite",
+        solution=solution,
+        iterations=attempt.steps,
+        history=tuple(_history(problem, given, attempt)),
+        smallest_residual=None if solution is not None else attempt.residual,
+        method="levenberg" if solver is None else solver.name,
+        elapsed_s=time.perf_counter() - clock,
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+# --- where it begins -----------------------------------------------------------------------------------------------
+
+
+def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
+    """The start as values of coordinates by name: those of the user, else the example's, else none."""
+    if start is None:
+        example = mechanism.example
+        if example is None or example.start is None:
+            return Given("given", np.zeros(0), {})
+        start = example.start
+    if isinstance(start, Mapping):
+        return _read_start(mechanism, start)
+    actuated = [c.name for c in mechanism.actuated]
+    direct = set(given.names) == set(actuated)
+    if isinstance(start, Pose) or (len(start) == 7 and (direct or len(actuated) != 7)):
+        return _read_start(mechanism, {"pose": start})
+    if len(start) != len(actuated):
+        raise InputError(
+            f"start: {len(start)} values given; values by name are needed (NAME=VALUE,...), a pose of 7 numbers, or the "
+            f"{len(actuated)} actuated joints of {mechanism.name}"
+        )
+    return _read_start(mechanism, dict(zip(actuated, start, strict=True)))
+
+
+def _read_start(mechanism: Mechanism, start: Mapping[str, Any]) -> Given:
+    try:
+        return given_by_name(mechanism, start)
+    except InputError as error:
+        raise InputError(f"start: {str(error).removeprefix('given: ')}") from None
+
+
+def _unknowns_at(problem: Problem, given: Given, start: Given) -> np.ndarray:
+    """Unknowns at the start: the closed configuration near the reference that has the start's values, or one that nearly has."""
+    closure = problem.closure
+    values = closure.reference.copy()
+    if start.names:
+        other = build_problem(problem.mechanism, "given", start.names, tuple(n for n in given.names if n not in start.names))
+        # the same coordinates, some of them in another place
+        values = _values_in(problem, other, _fitted(other, start))
+    values[problem.known_places] = given.values
+    return problem.select_values(values, problem.system.unknowns)
+
+
+def _fitted(problem: Problem, start: Given) -> np.ndarray:
+    begin = problem.select_values(problem.closure.reference, problem.system.unknowns)
+    if problem.system.width:
+        batch = levenberg_marquardt(problem.system, begin[None], start.values, max_iterations=_STEPS, patience=_PATIENCE)
+        begin = batch.points[0] if np.all(np.isfinite(batch.points)) else begin
+    return problem.join_values(begin, start.values)
+
+
+def _values_in(problem: Problem, other: Problem, values: np.ndarray) -> np.ndarray:
+    """The variables of one problem from those of another that holds the same coordinates."""
+    found = problem.closure.reference.copy()
+    for c in problem.closure.coordinates:
+        if c.name in other.closure.slices:
+            found[problem.closure.slices[c.name]] = values[other.closure.slices[c.name]]
+    return found
+
+
+# --- iterations ----------------------------------------------------------------------------------------------------
+
+
+def _iterated(problem: Problem, given: Given, z: np.ndarray, solver: Newton | LeastSquares | None) -> _Attempt:
+    system = problem.system
+    if system.width == 0:
+        return _Attempt(z, z, system.residual(z, given.values), 0)
+    if solver is not None:
+        path = solver.iterate(problem, z, given.values)
+        return _polished(problem, given, z, path[-1], len(path) - 1)
+    batch = levenberg_marquardt(system, z[None], given.values, max_iterations=_STEPS, patience=_PATIENCE)
+    return _polished(problem, given, z, batch.points[0], batch.iterations)
+
+
+def _polished(problem: Problem, given: Given, begin: np.ndarray, end: np.ndarray, steps: int) -> _Attempt:
+    system = problem.system
+    if not np.all(np.isfinite(end)):
+        return _Attempt(begin, begin, math.inf, steps)
+    end = system.polish(system.wrap(system.unit(end)), given.values)
+    return _Attempt(begin, end, system.residual(end, given.values), steps)
+
+
+def _from_elsewhere(problem: Problem, given: Given, first: _Attempt, *, by_default: bool) -> tuple[_Attempt, list[str]]:
+    """The first of starts beside the given one, or of random ones for the default start, that leads to a configuration."""
+    system = problem.system
+    starts = [*moved_starts(problem, first.begin, given.values)]
+    if by_default:
+        starts += list(random_starts(problem, system, given, _RESTARTS, np.random.default_rng(0))[1:])
+    batch = levenberg_marquardt(system, np.array(starts), given.values, max_iterations=_STEPS, patience=_PATIENCE)
+    tries = [_polished(problem, given, z, end, batch.iterations) for z, end in zip(starts, batch.points, strict=True)]
+    for attempt in tries:
+        if _closes(problem, attempt) or _is_least(problem, given, attempt):
+            which = "default start" if by_default else "start"
+            return attempt, [f"the {which} led to no configuration; another one (seed 0) did, which may be far from it"]
+    return min([first, *tries], key=lambda a: a.residual), []
+
+
+def _closes(problem: Problem, attempt: _Attempt) -> bool:
+    return attempt.residual <= CLOSURE_TOLERANCE * problem.system.characteristic_length
+
+
+def _is_least(problem: Problem, given: Given, attempt: _Attempt) -> bool:
+    """Whether rows that are redundant but for digits are all that is left: the error is small, and no motion would lessen it."""
+    system = problem.system
+    if not attempt.residual <= _DIGITS * system.characteristic_length or _closes(problem, attempt):
+        return False
+    needed = system.freedom - free_motions(problem)
+    _, jacobian = system.linearise_one(attempt.end, given.values)
+    if jacobian.shape[0] <= needed or needed <= 0:
+        return False
+    singular = np.linalg.svd(jacobian, compute_uv=False)
+    return bool(singular[needed - 1] > _REGULAR * singular[0])
+
+
+# --- what is said --------------------------------------------------------------------------------------------------
+
+
+def _misfit_note(problem: Problem, attempt: _Attempt) -> str:
+    unit = problem.mechanism.length_unit
+    return (
+        f"the loops close only to {attempt.residual:.2g} {unit}: constraints are redundant, and the numbers of the description do not "
+        "meet them to more digits; this is the configuration of least squares"
+    )
+
+
+def _free_note(problem: Problem, left: int, by_default: bool) -> str:
+    count, mobility = len(problem.known_coordinates), len(problem.known_coordinates) + left
+    where = "the reference" if by_default else "the start"
+    return (
+        f"{count} of the {mobility} coordinates that decide a configuration are given: this is one near {where}, to which shortest "
+        "steps of least squares have led"
+    )
+
+
+def _far_notes(found: Solution, start: Start) -> list[str]:
+    """A note where values of the start are far from what it led to."""
+    if not isinstance(start, Mapping):
+        return []
+    mechanism, far = found.mechanism, []
+    kinds = {c.name: c for c in found.mechanism.actuated}
+    for name, value in start.items():
+        there = found.joints.get(name)
+        if not isinstance(there, float):
+            continue
+        c = kinds.get(name)
+        gap = abs(there - float(value))
+        angular = name in found.joints and (c.is_angular if c is not None else _is_angle(mechanism, name))
+        gap = abs(math.remainder(mechanism.angle_in(gap), 2 * math.pi)) if angular else gap / mechanism.characteristic_length
+        if gap > _FAR:
+            unit = mechanism.angle_unit if angular else mechanism.length_unit
+            shown = mechanism.angle_out(gap) if angular else gap * mechanism.characteristic_length
+            far.append(f"{name} by {shown:.3g} {unit}")
+    return [f"the start lies far from the configuration that it led to: {', '.join(far)}"] if far else []
+
+
+def _is_angle(mechanism: Mechanism, name: str) -> bool:
+    return any(c.is_angular for joint in mechanism.all_joints for c in joint.coordinates if c.name == name)
+
+
+def _history(problem: Problem, given: Given, attempt: _Attempt) -> list[Iterate]:
+    steps = []
+    for z in (attempt.begin, attempt.end):
+        values = problem.join_values(z, given.values)
+        steps.append(
+            Iterate(values, pose_of(problem.closure, values), problem.system.residual(problem.system.unit(z), given.values))
+        )
+    return steps
