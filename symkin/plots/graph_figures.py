@@ -249,9 +249,7 @@ def _heading(ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, 
 
 
 def _legend(figure: Any, ax: Any, bodies: Sequence[GraphLines], planar: bool, width: float) -> None:
-    """Symbols of the joint types that are drawn, of rods, of the platform's link and of couplings, in a row at the foot."""
-    from matplotlib.lines import Line2D
-
+    """Symbols of the joint types that are drawn, of rods, of the platform's link and of couplings, in a row or two at the foot."""
     lines = bodies[0]
     kinds = [kind for kind in NAMES if any(joint.type == kind for joint in lines.joints)]
     entries: list[tuple[str, Any]] = [(NAMES[kind], (kind, False)) for kind in kinds]
@@ -267,19 +265,34 @@ def _legend(figure: Any, ax: Any, bodies: Sequence[GraphLines], planar: bool, wi
     )  # fmt: skip
     entries += [(name, look) for name, drawn, look in strokes if drawn]
     widths = [_text_extent(figure, ax, name, 9.5, {})[0] for name, _ in entries]
-    gap = min(84.0, (width - 20.0 - sum(widths)) / max(len(entries), 1))
-    x = 0.5 * (width - sum(widths) - gap * len(entries) + 24.0)
-    for (name, look), wide in zip(entries, widths, strict=True):
-        if isinstance(look, dict):
-            ends = [x + 0.25 * gap] if look["linewidth"] == 0.0 else [x, x + 0.5 * gap]
-            ax.add_line(Line2D(ends, [38.0] * len(ends), zorder=10.0, **look))
-        else:
-            kind, drives = look
-            end_on = planar and kind == "R"
-            axes = [np.zeros(2) if end_on else np.array([0.94, 0.2]), np.array([-0.3, 0.7])]
-            draw_symbol(ax, kind, np.array([x + 0.25 * gap, 38.0]), axes, 28.0, actuated=drives, label="legend", order=10.0)
-        ax.text(x + 0.62 * gap, 38.0, name, ha="left", va="center", fontsize=9.5, color=COLOURS["quiet"], parse_math=False)
-        x += wide + gap
+    half = math.ceil(len(entries) / 2)
+    one_row = sum(widths) + _ENTRY * len(entries) < width - 20.0
+    rows = [slice(0, len(entries))] if one_row else [slice(0, half), slice(half, len(entries))]
+    for k, row in enumerate(rows):
+        y = 38.0 + 40.0 * (len(rows) - 1 - k)
+        x = 0.5 * (width - sum(widths[row]) - _ENTRY * len(widths[row]) + 24.0)
+        for (name, look), wide in zip(entries[row], widths[row], strict=True):
+            _entry(ax, look, np.array([x, y]), end_on=planar)
+            ax.text(x + 0.62 * _ENTRY, y, name, ha="left", va="center", fontsize=9.5, color=COLOURS["quiet"], parse_math=False)
+            x += wide + _ENTRY
+
+
+_ENTRY = 84.0
+"""Pixels of an entry of the legend beside its text."""
+
+
+def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
+    """What stands before a text of the legend: a symbol (type, actuated), or a line of some look."""
+    from matplotlib.lines import Line2D
+
+    x, y = place
+    if isinstance(look, dict):
+        ends = [x + 0.25 * _ENTRY] if look["linewidth"] == 0.0 else [x, x + 0.5 * _ENTRY]
+        ax.add_line(Line2D(ends, [y] * len(ends), zorder=10.0, **look))
+        return
+    kind, drives = look
+    axes = [np.zeros(2) if end_on and kind == "R" else np.array([0.94, 0.2]), np.array([-0.3, 0.7])]
+    draw_symbol(ax, kind, np.array([x + 0.25 * _ENTRY, y]), axes, 28.0, actuated=drives, label="legend", order=10.0)
 
 
 def _write(ax: Any, x: float, y: float, text: str, **look: Any) -> None:

@@ -19,6 +19,8 @@ from symkin.plots.style import COLOURS
 LINK_COLOURS = ("#5b7a99", "#8a6d3b", "#6b8e4e", "#8e5572", "#4f8a8b", "#7a6fa8", "#a0614a", "#5f6b7a")
 """Of links other than the base and the platform's, in turn."""
 _SAME = 1e-6
+_NEAR = 0.2
+"""Share of a symbol within which two places are drawn as one."""
 
 
 @dataclass(eq=False)
@@ -89,10 +91,10 @@ class GraphPainter:
         points = np.array(self.lines.links.get(BASE, np.zeros((0, 3))))
         if not len(points):
             return
-        corners = outline(points) if len(points) >= 3 else points
+        corners = self._corners(points)
         if len(corners) >= 3 and not self.planar:
-            self._plate(corners, COLOURS["base"], COLOURS["base edge"], BASE, hatch="////")
-            points = np.array([p for p in points if np.min(np.linalg.norm(corners - p, axis=1)) > _SAME * self.size])
+            self._plate(corners, COLOURS["base"], COLOURS["base edge"], BASE, 1.0, hatch="////")
+            points = np.array([p for p in points if np.min(np.linalg.norm(corners - self.at(p), axis=1)) > _NEAR * self.symbol])
         for point in np.unique(np.round(points, 9), axis=0) if len(points) else ():
             self._ground(point)
 
@@ -117,26 +119,31 @@ class GraphPainter:
         if len(distinct) == 2:
             self._stroke(distinct[0], distinct[1], width, colour, f"link {link}", 3.0)
             return
-        corners = outline(distinct)
+        corners = self._corners(distinct)
         if len(corners) < 3:
-            self._stroke(corners[0], corners[-1], width, colour, f"link {link}", 3.0)
+            for start, end in pairwise(corners):
+                self._flat(start, end, width, colour, f"link {link}", 3.0 + 0.5 * self.depth(distinct.mean(axis=0)))
             return
-        self._plate(corners, colour, colour, f"link {link}", hatch=None)
-        for point in distinct:
+        self._plate(corners, colour, colour, f"link {link}", 2.0 + 0.5 * self.depth(distinct.mean(axis=0)), hatch=None)
+        for point in self.at(distinct):
             gaps = np.linalg.norm(corners - point, axis=1)
-            if gaps.min() > _SAME * self.size:
-                self._stroke(point, corners[int(np.argmin(gaps))], 0.6 * width, colour, f"link {link}", 3.0)
+            if gaps.min() > _NEAR * self.symbol:
+                self._flat(point, corners[int(np.argmin(gaps))], 0.6 * width, colour, f"link {link}", 3.0)
 
-    def _plate(self, corners: np.ndarray, face: str, edge: str, gid: str, hatch: str | None) -> None:
+    def _corners(self, points: np.ndarray) -> np.ndarray:
+        """The outline of points as they are seen, (k, 2)."""
+        flat = self.at(points)
+        return outline(flat) if len(flat) >= 3 else flat
+
+    def _plate(self, corners: np.ndarray, face: str, edge: str, gid: str, order: float, hatch: str | None) -> None:
         from matplotlib.patches import Polygon
 
-        order = 1.0 if gid == BASE else 2.0 + 0.5 * self.depth(corners.mean(axis=0))
         area = Polygon(
-            self.at(corners), closed=True, facecolor=face, edgecolor=edge, alpha=0.25, linewidth=0.0, hatch=hatch, zorder=order, gid=gid,
-        )  # fmt: skip
+            corners, closed=True, facecolor=face, edgecolor=edge, alpha=0.25, linewidth=0.0, hatch=hatch, zorder=order, gid=gid
+        )
         self.ax.add_patch(area)
         for start, end in pairwise([*corners, corners[0]]):
-            self._stroke(start, end, 1.2 if gid == BASE else 2.2, edge, gid, 1.0 if gid == BASE else 3.0)
+            self._flat(start, end, 1.2 if gid == BASE else 2.2, edge, gid, order + (0.0 if gid == BASE else 1.0))
 
     def _rod(self, rod: RodLine) -> None:
         for point in (rod.start, rod.end):

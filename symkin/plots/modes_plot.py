@@ -92,7 +92,7 @@ def _chosen(modes: Modes, most: int) -> list[tuple[int, Solution]]:
 def _facts(modes: Modes) -> list[str]:
     """What is given, and the count of modes with its completeness."""
     mechanism = modes.problem.mechanism
-    given = "; ".join(f"{key} {_list(np.ravel(values).tolist())}" for key, values in modes.given.items())
+    given = ", ".join(_given_text(key, values) for key, values in modes.given.items()) or "nothing"
     count = len(modes)
     found = f"{count} mode{'' if count == 1 else 's'}" if count else _nothing(modes)
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
@@ -101,7 +101,7 @@ def _facts(modes: Modes) -> list[str]:
 
 
 def _given_text(key: str, values: Any) -> str:
-    return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {_list(values)}"
+    return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {_list(np.ravel(values).tolist())}"
 
 
 def _nothing(modes: Modes) -> str:
