@@ -16,7 +16,7 @@ from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
-from symkin.position.readings import points_at, readings
+from symkin.position.readings import left_out, points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -75,11 +75,18 @@ class Solution(Result):
     def joints(self) -> dict[str, Any]:
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
         of the closure first."""
-        held = self.held_joints
-        named = {c.name: c for c in self.mechanism.coordinates}
-        cut = {name: v[0] for name, v in readings(self._closure, self._links).items()} if len(named) > len(held) else {}
-        found = held | {name: self._in_units(name, v if len(v) > 1 else float(v[0])) for name, v in cut.items()}
-        return {name: found[name] for name in named if name in found} if self.mechanism.is_graph else found
+        names = [c.name for c in self.mechanism.coordinates]
+        order = names if self.mechanism.is_graph else [*self.held_joints, *(n for n in names if n not in self.held_joints)]
+        return {name: self._in_units(name, self.all_values[name]) for name in order}
+
+    @cached_property
+    def all_values(self) -> dict[str, Any]:
+        """`values` with those of joints that the closure leaves out beside them, in radians and the length unit."""
+        closure = self._closure
+        if not left_out(closure):
+            return self.values
+        read = {name: v[0] for name, v in readings(closure, self._links).items()}
+        return self.values | {name: tuple(v.tolist()) if len(v) > 1 else float(v[0]) for name, v in read.items()}
 
     @cached_property
     def held_joints(self) -> dict[str, Any]:
