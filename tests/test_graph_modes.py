@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import samples
 from helpers.command_line import run, run_json
 from helpers.plain_check import MECHANISMS, plain_gap
 from symkin.assembly.modes_result import Modes
@@ -266,3 +267,38 @@ def test_mistakes_are_one_sentence(capsys: pytest.CaptureFixture[str], arguments
     assert (status, out, err.count("\n")) == (2, "", 1)
     for part in parts:
         assert part in err
+
+
+# --- limbs ---------------------------------------------------------------------------------------------------------
+
+GIVEN_BACK = [("x", "y", "z", "theta1"), ("radial1", "radial2", "radial3", "height1"), ("theta1", "theta2", "height1", "radial2"),
+              ("x", "y", "z", "torsion"), ("top1", "x", "y", "z"), ("op", "theta1", "radial2", "height3")]  # fmt: skip
+
+
+@pytest.mark.parametrize("names", GIVEN_BACK, ids=",".join)
+def test_a_mode_of_limbs_is_found_from_any_of_its_coordinates(names: tuple[str, ...]) -> None:
+    """What joints lead to is among the modes for as many other coordinates of it, passive and cut joints and the pose's alike."""
+    mechanism = symkin.load("zhao2000")
+    mode = symkin.modes(mechanism, joints=[81.6, 202.8, 330.6, 105.2])[0]
+    pose = dict(zip("xyz", mode.position.tolist(), strict=True)) | {"torsion": float(np.degrees(mode.values["pose.gamma"]))}
+    found = symkin.modes(mechanism, given={name: mode.joints.get(name, pose.get(name)) for name in names})
+    apart = [float(np.max(np.abs(other.position - mode.position))) for other in found]
+    joints = [
+        max(abs(np.exp(1j * np.radians(other.joints[n] - mode.joints[n])) - 1) for n in ("theta1", "theta2", "theta3"))
+        for other in found
+    ]
+    assert min(a + j for a, j in zip(apart, joints, strict=True)) < 1e-6
+
+
+def test_a_platform_of_three_freedoms_by_height_and_tilt() -> None:
+    """3-RPS: z, azimuth and tilt lead to modes that have them; their legs lead back to the same pose."""
+    mechanism = samples.three_rps()
+    for mode in symkin.modes(mechanism, given={"z": 290.0, "azimuth": 30.0, "tilt": 5.0}, method="multistart", starts=200):
+        axis = mode.rotation[:, 2]
+        assert mode.position[2] == pytest.approx(290.0)
+        angle = mechanism.angle_in(5.0), mechanism.angle_in(30.0)
+        wanted = [np.sin(angle[0]) * np.cos(angle[1]), np.sin(angle[0]) * np.sin(angle[1]), np.cos(angle[0])]
+        assert axis == pytest.approx(wanted, abs=1e-8)
+        back = symkin.solve(mechanism, joints=mode.actuated_values, start=mode.pose).solution
+        assert back is not None
+        assert back.position == pytest.approx(mode.position, abs=1e-6)

@@ -30,6 +30,7 @@ from helpers.samples import (
     seeds,
     three_rrr,
 )
+from helpers.shipped import LIMBS
 from symkin import InputError, Joint, Limb, Mechanism, Pose
 from symkin.closure.closure import build_closure, random_values
 from symkin.model.file import parse
@@ -298,7 +299,7 @@ def test_delta_has_eight_working_modes(position):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", LIMBS)
 def test_solve_finds_one_of_the_modes(name):
     """The solution of `solve` is among the modes of the same input."""
     mechanism = symkin.load(name)
@@ -412,7 +413,7 @@ def test_angles_are_moved_into_limits():
     assert mode.within_limits is False
 
 
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", LIMBS)
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least, for result and mode; no NaN; angles in (-180, 180]."""
     result = sampled(symkin.load(name), starts=300).to_dict()

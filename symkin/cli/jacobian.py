@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import MechArgument, check_output
+from symkin.errors import InputError
 
 
 class Format(StrEnum):
@@ -30,20 +31,40 @@ def jacobian(
     mech: MechArgument,
     language: Annotated[Format, typer.Option("--format", help="The language to write.")],
     kind: Annotated[
-        Kind, typer.Option(help="Twist by joint rates, joint rates by twist, pose rates, passive joint rates.")
-    ] = Kind.direct,
+        Kind | None,
+        typer.Option(help="Twist by joint rates, joint rates by twist, pose rates, passive joint rates. Default: direct."),
+    ] = None,
+    of: Annotated[
+        str | None, typer.Option(metavar="NAME,...", help="Coordinates whose rates are wanted, by those of --by.")
+    ] = None,
+    by: Annotated[
+        str | None, typer.Option(metavar="NAME,...", help="Coordinates that decide the motion, as many as the mobility.")
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.")] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
     from symkin.codegen.jacobian_formats import jacobian_text
     from symkin.files.outputs import write_output
     from symkin.model.file import load
+    from symkin.velocity.jacobian import AnyJacobian
     from symkin.velocity.jacobian import jacobian as symbolic
 
     check_output(output, mech)
-    text = jacobian_text(symbolic(load(mech), kind.value), language.value)
+    mechanism = load(mech)
+    made: AnyJacobian
+    if of is not None or by is not None:
+        if of is None or by is None or kind is not None:
+            raise InputError("--of and --by name the coordinates whose rates are related: give both, and no --kind")
+        made = symbolic(mechanism, of=_names(of), by=_names(by))
+    else:
+        made = symbolic(mechanism, (kind or Kind.direct).value)
+    text = jacobian_text(made, language.value)
     if output is None:
         print(text, end="")
     else:
         write_output(output, text)
         print(output)
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",")]

@@ -9,10 +9,10 @@ import casadi as ca
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.jacobian_header import header
 from symkin.text import c_comment
-from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.jacobian import AnyJacobian
 
 
-def c_source(jacobian: Jacobian) -> str:
+def c_source(jacobian: AnyJacobian) -> str:
     """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`, row-major. It takes plain doubles, so
     that it compiles beside the firmware of the same mechanism, of either type."""
     name, real = jacobian.mechanism.name, Real("double", "double")
@@ -33,7 +33,7 @@ def c_source(jacobian: Jacobian) -> str:
     ])  # fmt: skip
 
 
-def _comment(jacobian: Jacobian) -> list[str]:
+def _comment(jacobian: AnyJacobian) -> list[str]:
     names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
     order = (
         "variables[k] are the inputs, " + ("geometry[k] the geometry, " if jacobian.parameters else "") + "jacobian is row-major."

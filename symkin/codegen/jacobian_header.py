@@ -6,23 +6,25 @@ import textwrap
 from collections.abc import Collection, Sequence
 
 from symkin._version import __version__
-from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.jacobian import AnyJacobian
+from symkin.velocity.rates import RateJacobian
 
 _MEANING = {
     "direct": "twist = J * actuated joint rates; twist = (velocity of the {origin}, angular velocity), base frame",
     "inverse": "actuated joint rates = J * twist; twist = (velocity of the {origin}, angular velocity), base frame; J acts on "
     "feasible twists and vanishes on their complement",
     "analytic": "rates of the pose coordinates = J * actuated joint rates; base frame, unit quaternion w, x, y, z",
+    "rates": "rates of the rows' coordinates = J * rates of the columns' coordinates",
     "passive": "passive joint rates = J * actuated joint rates; a spherical joint has its angular velocity before the joint",
 }
 
 
-def meaning(jacobian: Jacobian) -> str:
+def meaning(jacobian: AnyJacobian) -> str:
     """The equation in words."""
     return _MEANING[jacobian.kind].format(origin=f"{'tool' if jacobian.mechanism.serial else 'platform'} origin")
 
 
-def header(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
+def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
     """Lines about a Jacobian: mechanism, kind, shape, units, frames, inputs in order (with their `names` in the language)."""
     mechanism = jacobian.mechanism
     rows, columns = jacobian.shape
@@ -39,12 +41,19 @@ def header(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
     ]
     if jacobian.parameters:
         lines += _listed("Geometry, after the inputs:", [f"{names[v.name]} ({v.source})" for v in jacobian.parameters])
-    if jacobian.closure.role("passive") and not jacobian.equations.differential.explicit:
+    if _reads_loops(jacobian):
         lines.append("Inputs must be those of a configuration that closes all loops.")
     return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 
-def allowed_names(jacobian: Jacobian, reserved: Collection[str]) -> dict[str, str]:
+def _reads_loops(jacobian: AnyJacobian) -> bool:
+    """Whether the inputs are tied by loops."""
+    if isinstance(jacobian, RateJacobian):
+        return True
+    return bool(jacobian.closure.role("passive")) and not jacobian.equations.differential.explicit
+
+
+def allowed_names(jacobian: AnyJacobian, reserved: Collection[str]) -> dict[str, str]:
     """For each input and parameter a name that is not reserved."""
     names: dict[str, str] = {}
     for v in (*jacobian.inputs, *jacobian.parameters):
@@ -69,7 +78,7 @@ def _listed(what: str, items: Sequence[str]) -> list[str]:
     return [line.replace("\0", " ") for line in lines]
 
 
-def _renamed(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
+def _renamed(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
     """Which joints' names had to change."""
     changed = [f"{names[v.name]} is {v.source}" for v in jacobian.inputs if names[v.name] != v.source]
     return _listed("Of these,", changed) if changed else []

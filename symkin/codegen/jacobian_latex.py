@@ -7,7 +7,7 @@ import re
 from symkin.codegen.expression import write
 from symkin.codegen.jacobian_header import header
 from symkin.codegen.latex import Latex, distinct, document, letter_of_values, symbol_name
-from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.jacobian import AnyJacobian
 from symkin.velocity.jacobian_names import Variable
 
 _LONGEST = 80
@@ -16,7 +16,7 @@ _LINES = 30
 """Lines of one align environment, which TeX sets as a whole."""
 
 
-def latex_source(jacobian: Jacobian) -> str:
+def latex_source(jacobian: AnyJacobian) -> str:
     """A document that compiles on its own: numbered definitions in order, then the entries J_{ij} that are not zero."""
     read = (*jacobian.inputs, *jacobian.parameters)
     symbols = distinct([symbol_of(v) for v in read], [v.name for v in read])
@@ -51,7 +51,7 @@ def _plain(text: str) -> str:
     return _ascii(text.replace(".", "_")).replace("_", r"\_")
 
 
-def _prose(jacobian: Jacobian) -> list[str]:
+def _prose(jacobian: AnyJacobian) -> list[str]:
     mechanism = jacobian.mechanism
     joints = ", ".join(f"${symbol_name(_ascii(name))}$" for name in (c.name for c in jacobian.closure.role("actuated")))
     return [

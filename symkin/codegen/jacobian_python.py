@@ -8,13 +8,13 @@ import textwrap
 from symkin.codegen.expression import Python, module_functions, write
 from symkin.codegen.jacobian_header import allowed_names, free_prefix, header
 from symkin.text import docstring_line
-from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.jacobian import AnyJacobian
 
 _NUMPY = module_functions("np", {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"})
 _SYMPY = module_functions("sp", {"abs": "Abs"})
 
 
-def numpy_source(jacobian: Jacobian) -> str:
+def numpy_source(jacobian: AnyJacobian) -> str:
     """A module that imports numpy only, with one function `jacobian` of the inputs (numbers, or arrays of one shape or of
     shapes that broadcast) which returns an array (..., rows, columns)."""
     names = allowed_names(jacobian, {*keyword.kwlist, "np", "matrix", "jacobian", "shape"})
@@ -41,7 +41,7 @@ def numpy_source(jacobian: Jacobian) -> str:
     return "\n".join([*_docstring(header(jacobian, names)), "", "import numpy as np", "", "", *head, *_indented(body), ""])
 
 
-def sympy_source(jacobian: Jacobian) -> str:
+def sympy_source(jacobian: AnyJacobian) -> str:
     """A module that imports sympy only: `inputs` (symbols), `definitions` (named intermediate values, in order), `matrix` over
     both, and the functions `expanded`, `lambdified`."""
     names = allowed_names(jacobian, {*keyword.kwlist, "sp", "inputs", "definitions", "matrix", "expanded", "lambdified", "named"})

@@ -16,6 +16,7 @@ from symkin.homotopy.six_distances import chosen_distances, distance_function, i
 from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, components
+from symkin.position.groups import without_later
 from symkin.position.problem import KNOWN, Problem
 
 
@@ -92,10 +93,14 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     """The rows of a problem of given coordinates: joints as they are, a floating body that is unknown in Study coordinates, those
     that are known by position and a quaternion of any length."""
     closure, system, size = problem.closure, problem.system, problem.closure.characteristic_length
-    unknown, known = floating_bodies(system.unknowns), floating_bodies(problem.known_coordinates)
+    unknown = floating_bodies(system.unknowns)
+    partly = {c.name.rpartition(".")[0] for c in system.unknowns}
+    known = tuple(body for body in floating_bodies(problem.known_coordinates) if body not in partly)
     forms: dict[str, PoseForm] = {**dict.fromkeys(unknown, "study"), **dict.fromkeys(known, "homogeneous")}
     rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
-    rows = rows if problem.row_places is None or not forms else rows[list(problem.row_places), 0]
+    if forms and problem.row_places is not None:
+        allowed = {c.name for c in (*system.unknowns, *problem.known_coordinates)}
+        rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
     affine = tuple(c for c in system.unknowns if c.role not in ("body", "pose") or c.name.rpartition(".")[0] not in unknown)
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
@@ -130,7 +135,8 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
 
 
 def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
-    """The bodies whose rotation is among some coordinates, by the part of these names before the last point."""
+    """The bodies whose rotation is among some coordinates, by the part of these names before the last point; a platform that keeps its
+    orientation, or turns about one axis, has numbers for coordinates as joints do."""
     names = [c.name.rpartition(".")[0] for c in coordinates if c.role in ("body", "pose") and c.kind == "quaternion"]
     return tuple(dict.fromkeys(names))
 
@@ -190,13 +196,10 @@ def unsuitable(problem: Problem) -> str | None:
     """Why a problem has no complex start system, if it has none."""
     for c in problem.system.unknowns:
         if c.kind == "turns":
-            return f"the closure is not algebraic in {c.name} (helical or coupled joint)"
+            return f"the closure is not algebraic in {c.name} (helical joint)"
         if c.kind == "quaternion" and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
     bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()
-    for body in bodies:
-        if f"{body}.x" not in {c.name for c in problem.system.unknowns}:
-            return f"the rotation of {body} is sought, and its position is not"
     if len(bodies) > 1:
         return f"the poses of {' and '.join(bodies)} are found together"
     return None

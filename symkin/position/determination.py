@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
+from symkin.closure.rows import POSE_CONDITIONS
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
@@ -21,6 +22,8 @@ DIGITS = 1e-4
 """Largest closure error, as a share of the size, that may be due to the digits of a file."""
 _OPEN_RANK = 1e3
 """Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
+_STATIONARY = 0.9
+"""A configuration whose rows one step would lessen to below this share is no minimum of them."""
 _REGULAR = 1e-5
 """Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
 _SUGGESTED = 4
@@ -44,12 +47,18 @@ def refuse_unless_determined(problem: Problem) -> None:
     refuse_contradictions(problem)
     found = determination(problem)
     if found.free:
-        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED])
+        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED] or _pose_names(problem))
         listed = ", ".join(c.name for c in _given(problem)) or "nothing"
         raise InputError(
             f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, and its configurations are not "
             f"isolated: give {found.free} more, for example {some}; or use solve with a start for one of them"
         )
+
+
+def _pose_names(problem: Problem) -> tuple[str, ...]:
+    """What may bind where no joint does."""
+    known = {c.name for c in problem.known_coordinates}
+    return tuple(name for name in POSE_CONDITIONS if name not in known) if problem.mechanism.platform_link is not None else ()
 
 
 def refuse_contradictions(problem: Problem) -> None:
@@ -121,8 +130,11 @@ def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float
     if not CLOSURE_TOLERANCE * system.characteristic_length < residual <= DIGITS * system.characteristic_length:
         return False
     needed = system.freedom - determination(problem).free
-    _, jacobian = system.linearise_one(z, known)
+    rows, jacobian = system.linearise_one(z, known)
     if jacobian.shape[0] <= needed or needed <= 0:
+        return False
+    step = np.linalg.lstsq(jacobian, -rows, rcond=RANK_TOLERANCE)[0]
+    if np.linalg.norm(rows + jacobian @ step) < _STATIONARY * np.linalg.norm(rows):
         return False
     singular = np.linalg.svd(jacobian, compute_uv=False)
     return bool(singular[needed - 1] > _REGULAR * singular[0])

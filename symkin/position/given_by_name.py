@@ -34,7 +34,7 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
         if name == "pose" and whole is not None:
             continue
         if name not in coordinates:
-            raise InputError(_unknown(mechanism, name, list(coordinates)))
+            raise InputError(unknown_name(mechanism, name, list(coordinates)))
         names.append(name)
         numbers.append(_number(mechanism, coordinates[name], value))
     clash = sorted(set(names) & set(POSE_CONDITIONS)) if whole is not None else []
@@ -81,10 +81,11 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     return found
 
 
-def _unknown(mechanism: Mechanism, name: str, known: list[str]) -> str:
+def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
+    """A sentence about a name that no coordinate has, with the nearest ones."""
     near = get_close_matches(str(name), known, 3)
     guess = f"; the nearest names are {', '.join(near)}" if near else ""
-    return f"given: {mechanism.name} has no coordinate {shown(name)}{guess}; allowed: {', '.join(known)}"
+    return f"{what}: {mechanism.name} has no coordinate {shown(name)}{guess}; allowed: {', '.join(known)}"
 
 
 def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:

@@ -11,12 +11,13 @@ Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import random_values
+from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.numeric.rank import Rank
@@ -51,6 +52,7 @@ def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coo
     places = _rows_of(problem.system.rows, problem, unknowns, allowed)
     rows = problem.system.rows[places, 0]
     errors = problem.system.errors[_rows_of(problem.system.errors, problem, unknowns, allowed), 0]
+    rows, errors = (without_later(part, closure, allowed) for part in (rows, errors))
     held = ca.vertcat(rows, errors)
     known = tuple(
         c for c in (*problem.known_coordinates, *earlier) if ca.which_depends(held, stacked[c.name], 1, True).count(True)
@@ -64,6 +66,16 @@ def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coo
         closure.characteristic_length,
     )
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
+
+
+def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:
+    """The same rows with the reference's values of coordinates that they hold with coefficients of rounding only."""
+    later = [c for c in closure.coordinates if c.name not in allowed]
+    if not later:
+        return rows
+    symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in later))
+    values = np.concatenate([closure.reference[closure.slices[c.name]] for c in later])
+    return ca.substitute(rows, symbols, ca.SX(ca.DM(values)))
 
 
 def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> list[int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import casadi as ca
 import numpy as np
@@ -20,6 +20,7 @@ from symkin.velocity.differential import differentiate, pose_rates, quaternion_r
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
+from symkin.velocity.rates import RateJacobian, rate_jacobian
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
@@ -200,13 +201,26 @@ class Jacobian(Result):
         return Summary([f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"])
 
 
-def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian:
+AnyJacobian = Jacobian | RateJacobian
+"""What the export formats write."""
+
+
+@overload
+def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian: ...
+@overload
+def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
+def jacobian(
+    mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False, of: Sequence[str] | None = None,
+    by: Sequence[str] | None = None,
+) -> Jacobian | RateJacobian:  # fmt: skip
     """Build a symbolic Jacobian of a mechanism from its velocity equations A t + P x' + B q' = 0.
 
     `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose coordinates) or "passive" (x' = Jp q'),
     as `Jacobian` says with shapes and units. With `parameters` the geometry stays symbols, else it is bound as numbers. Passive
-    joints are eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). Raises InputError for a kind
-    that is unknown or that the mechanism lacks.
+    joints are eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). `of` and `by` name coordinates of
+    any mechanism, a graph of links too: joints, passive ones too, and x, y, z, azimuth, tilt, torsion of the platform; the matrix is
+    that of the rates of `of` by those of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or
+    that the mechanism lacks, and for names that nothing has or that do not decide the motion.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
@@ -217,6 +231,11 @@ def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = F
         >>> bool(abs(direct.at(home) @ symkin.jacobian(arm, "inverse").at(home) - 1)[0, 0] < 1e-9)
         True
     """
+    if of is not None or by is not None:
+        if kind != "direct" or parameters or of is None or by is None:
+            raise InputError("of and by name the coordinates whose rates are related: give both, and neither kind nor parameters")
+        require_mechanism(mechanism)
+        return rate_jacobian(mechanism, of, by)
     require_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
     require_mechanism(mechanism)
     if kind not in KINDS:
@@ -232,7 +251,7 @@ def _built(mechanism: Mechanism, kind: JacobianKind, parameters: bool) -> Jacobi
     expressions = Expressions(equations, differential)
     expression: ca.SX = getattr(expressions, kind)
     rows, columns = labels(equations, kind)
-    inputs, numbers = variables_read(equations, expression)
+    inputs, numbers = variables_read(equations.closure, expression, explicit=equations.differential.explicit)
     return Jacobian(
         equations=equations,
         kind=kind,

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 
 import casadi as ca
 
+from symkin.closure.closure import Closure
 from symkin.model.names import identifier
 from symkin.velocity.equations import VelocityEquations
 
@@ -45,9 +46,10 @@ def labels(equations: VelocityEquations, kind: JacobianKind) -> tuple[tuple[str,
             return tuple(pose), joints
 
 
-def variables_read(equations: VelocityEquations, expression: ca.SX) -> tuple[tuple[Variable, ...], tuple[Variable, ...]]:
-    """The coordinates and the parameters that an expression reads; of a serial arm all joints."""
-    closure = equations.closure
+def variables_read(
+    closure: Closure, expression: ca.SX, *, explicit: bool = False
+) -> tuple[tuple[Variable, ...], tuple[Variable, ...]]:
+    """The coordinates and the parameters that an expression reads; of a serial arm (`explicit`) all joints."""
     taken = set(_TAKEN)
     size = int(closure.variables.shape[0])
     used = ca.which_depends(ca.vec(ca.densify(expression)), ca.vertcat(closure.variables, closure.parameters), 1, False)
@@ -56,7 +58,7 @@ def variables_read(equations: VelocityEquations, expression: ca.SX) -> tuple[tup
         unit = "1" if c.kind == "quaternion" else "rad" if c.is_angular else closure.mechanism.length_unit
         for k, source in enumerate(_components(c.name, c.width)):
             name = _identifier(source, taken)
-            if used[closure.slices[c.name].start + k] or (equations.differential.explicit and c.role == "actuated"):
+            if used[closure.slices[c.name].start + k] or (explicit and c.role == "actuated"):
                 inputs.append(Variable(name, source, unit, closure.slices[c.name].start + k, c.name))
     for k, source in enumerate(closure.parameter_names):
         if used[size + k]:

@@ -10,6 +10,7 @@ import numpy as np
 
 import symkin
 from helpers import joint_types, samples
+from helpers.shipped import LIMBS
 from symkin import Mechanism
 from symkin.closure.closure import Closure, build_closure
 from symkin.position.mobility import closed_configurations, whole_system
@@ -76,7 +77,7 @@ CLASSICAL = {
     "planar three_rrr": lambda: samples.three_rrr("planar"), "four_bar": lambda: samples.four_bar()[0],
     **{made.__name__: made for made in joint_types.MADE},
 }  # fmt: skip
-NAMES = [*symkin.shipped_names(), *CLASSICAL, *FAMILIES]
+NAMES = [*LIMBS, *CLASSICAL, *FAMILIES]
 
 
 @dataclass(frozen=True, eq=False)

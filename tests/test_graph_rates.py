@@ -1,0 +1,126 @@
+"""Rates of any coordinates by those of any others, against central differences of configurations; verbs that take no graph."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.command_line import run
+from symkin.position.solution import Solution
+from symkin.position.transfer import variables_elsewhere
+
+CASES = [
+    ("four_bar", ["follower", "crank_pin"], {"crank": 60.0}),
+    ("four_bar", ["crank"], {"follower": 20.0}),
+    ("slider_crank", ["piston"], {"crank": 50.0}),
+    ("stephenson_six_bar", ["crank", "rocker"], {"output": 2.0}),
+    ("klann_leg", ["x", "y"], {"crank": 100.0}),
+    ("ankle", ["upper_motor", "lower_motor"], {"ankle.1": 10.0, "ankle.2": 5.0}),
+    ("ankle", ["tilt", "azimuth", "ankle.2"], {"upper_motor": 8.0, "lower_motor": 12.0}),
+    ("double_wishbone", ["lower_hinge", "x"], {"z": 340.0, "rack": 5.0}),
+    ("planetary_gear", ["carrier"], {"sun": 50.0, "ring": 10.0}),
+    ("bennett", ["output", "crank_pin"], {"input": 40.0}),
+    ("zhao2000", ["theta1", "radial2"], {"x": 5.0, "y": 3.0, "theta2": -160.0, "op": 100.0}),
+    ("zhang2009", ["leg1", "z"], {"leg2": 300.0, "leg3": 280.0, "leg4": 320.0, "leg5": 300.0, "leg6": 310.0, "x": 5.0}),
+]
+STEP = 1e-4
+"""In the file's units: differences of configurations closed to 1e-13 are exact to about 1e-8."""
+
+
+def value(solution: Solution, name: str) -> float:
+    """A coordinate in radians or the length unit."""
+    if name in solution.joints:
+        return float(solution.all_values[name])
+    w, _, _, z = solution.quaternion
+    match name:
+        case "x" | "y" | "z":
+            return float(solution.position["xyz".index(name)])
+        case "tilt":
+            return float(np.arccos(solution.rotation[2, 2]))
+        case "azimuth":
+            return float(np.arctan2(solution.rotation[1, 2], solution.rotation[0, 2]))
+    return float(2 * np.arctan2(z, w))
+
+
+@pytest.mark.parametrize(("name", "of", "given"), CASES)
+def test_rates_are_central_differences(name: str, of: list[str], given: dict[str, float]) -> None:
+    """J is the slope of the configurations that solve finds beside one, from which they start; the expression gives the same."""
+    mechanism = symkin.load(name)
+    here = symkin.solve(mechanism, given=given).solution
+    assert here is not None
+    found = symkin.jacobian(mechanism, of=of, by=list(given))
+    assert found.shape == (len(of), len(given))
+    start = {n: v for n, v in here.joints.items() if isinstance(v, float) and n not in given}
+    if not mechanism.is_graph:
+        start = {"pose": [*here.position, *here.quaternion]}
+    expected = np.empty(found.shape)
+    for k, changed in enumerate(given):
+        ends = [
+            symkin.solve(mechanism, given=given | {changed: given[changed] + sign * STEP}, start=start).solution
+            for sign in (1, -1)
+        ]
+        apart = value(ends[0], changed) - value(ends[1], changed)
+        expected[:, k] = [np.remainder(value(ends[0], n) - value(ends[1], n) + np.pi, 2 * np.pi) - np.pi for n in of]
+        expected[:, k] /= apart
+    numbers = found.at(here)
+    assert numbers == pytest.approx(expected, rel=1e-4, abs=1e-5)
+    values = variables_elsewhere(found.closure, here)
+    assert np.asarray(found.function.call([values[v.index] for v in found.inputs])[0]) == pytest.approx(
+        numbers, rel=1e-7, abs=1e-9
+    )
+
+
+def test_rates_there_and_back_are_inverse() -> None:
+    mechanism = symkin.load("ankle")
+    here = symkin.solve(mechanism, given={"ankle.1": 10.0, "ankle.2": 5.0}).solution
+    motors, joints = ["upper_motor", "lower_motor"], ["ankle.1", "ankle.2"]
+    there = symkin.jacobian(mechanism, of=motors, by=joints).at(here)
+    back = symkin.jacobian(mechanism, of=joints, by=motors).at(here)
+    assert there @ back == pytest.approx(np.eye(2), abs=1e-9)
+
+
+def test_a_singular_configuration_has_no_rates() -> None:
+    """At the dead centre of a slider-crank the piston does not decide the crank."""
+    mechanism = symkin.load("slider_crank")
+    angles = np.linspace(-180.0, 180.0, 721)
+    ratio = symkin.jacobian(mechanism, of=["piston"], by=["crank"])
+    slopes = [ratio.at(symkin.solve(mechanism, given={"crank": float(a)}).solution)[0, 0] for a in angles]
+    dead = float(angles[int(np.argmin(np.abs(slopes)))])
+    found = symkin.solve(mechanism, given={"crank": dead}).solution
+    if abs(ratio.at(found)[0, 0]) < 1e-9:
+        with pytest.raises(symkin.SolveError, match="singular"):
+            symkin.jacobian(mechanism, of=["crank"], by=["piston"]).at(found)
+
+
+@pytest.mark.parametrize("language", ["casadi", "c", "numpy", "sympy", "latex"])
+def test_every_format_is_written(capsys: pytest.CaptureFixture[str], language: str) -> None:
+    status, out, err = run(capsys, "jacobian", "four_bar", "--of", "follower", "--by", "crank", "--format", language)
+    assert (status, err) == (0, "")
+    assert "rates" in out
+
+
+REFUSED = [
+    (["jacobian", "four_bar", "--format", "numpy"], "--of NAMES --by NAMES"),
+    (["jacobian", "four_bar", "--format", "numpy", "--of", "follower"], "give both"),
+    (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "nearest names are follower"),
+    (["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"], "1 freedom"),
+    (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
+    (["singularities", "four_bar"], "singularities takes limbs"),
+    (["track", "four_bar", "--from", "0", "--to", "5"], "track takes limbs"),
+    (["calibrate", "plan", "ankle", "-o", "plan.csv"], "calibrate takes limbs"),
+    (["calibrate", "simulate", "ankle", "-o", "sim.csv", "--readings", "position"], "calibrate takes limbs"),
+    (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
+    (["sweep", "four_bar", "--grid", "crank=0:10:3", "-o", "swept"], "sweep takes limbs"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "part"), REFUSED)
+def test_what_takes_no_graph_says_so(
+    capsys: pytest.CaptureFixture[str], tmp_path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], part: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert part in err
+    assert not list(tmp_path.iterdir())
