@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import symkin
-from plain_check import MECHANISMS, plain_gap
+from helpers.plain_check import MECHANISMS, plain_gap
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.closure.rows import Partition

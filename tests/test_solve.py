@@ -302,7 +302,8 @@ def test_the_driver_believes_no_solver(step):
         result = symkin.solve(mechanism, solver=Fixed(step), check=False)
         assert (result.status == "ok") == (result.solution is not None)
         if result.solution is not None:
-            assert closes(mechanism, result.solution)
+            assert mechanism.is_graph or closes(mechanism, result.solution)
+            assert result.solution.residual < 1e-9 * mechanism.characteristic_length
 
 
 @pytest.mark.parametrize("huge", [1e20, 1e100, 1e150])
@@ -486,8 +487,10 @@ def test_json_has_the_contract_keys(name):
     assert result["solution"].keys() >= SOLUTION_KEYS
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     pose = result["solution"]["pose"]
-    assert np.allclose(pose["matrix"], frame(pose["position"], pose["quaternion"])[:3, :3], atol=1e-12)
-    assert pose["quaternion"][0] >= 0
+    assert (pose is None) == (mechanism.platform_link is None)
+    if pose is not None:
+        assert np.allclose(pose["matrix"], frame(pose["position"], pose["quaternion"])[:3, :3], atol=1e-12)
+        assert pose["quaternion"][0] >= 0
     assert {c.name for c in mechanism.actuated} <= result["solution"]["joints"].keys()
     assert not any(key.startswith("pose") for key in result["solution"]["joints"])
 

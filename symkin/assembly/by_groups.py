@@ -6,7 +6,9 @@ with the sum of the groups and not with their product; groups that do not read e
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import prod
 
 import casadi as ca
@@ -18,7 +20,7 @@ from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
-from symkin.errors import TooManyModesError
+from symkin.errors import InputError, TooManyModesError
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.homotopy.values import algebraic_points
@@ -33,6 +35,8 @@ from symkin.position.solution_list import SolutionList, checked_solutions
 
 _RANKS: dict[Completeness, int] = {"proved": 0, "probability one": 1, "incomplete": 2, "sampled": 3}
 """Statements from the strongest to the weakest."""
+_DIGITS = 6
+"""Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
 
 
 @dataclass
@@ -52,44 +56,100 @@ class _Solved:
 
 
 def modes_by_groups(
-    problem: Problem, given: Given, search: Search, progress: Progress | None = None
-) -> tuple[Modes, bool | None]:
-    """The modes for one set of given values, and whether random starts were of use."""
+    problem: Problem, given: Given, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+) -> Modes:
+    """The modes for one set of given values; `choose` takes one solution of each of the first groups, by number."""
     rng = np.random.default_rng(search.seed)
-    width = int(problem.closure.variables.shape[0])
-    values = np.zeros((1, width))
+    begin = np.zeros((1, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
-    values[:, problem.known_places] = given.values if len(given.values) else problem.reference_known
-    solved = []
-    for group in structure_groups(problem):
-        found, values = _extended(group, values, search, rng, progress)
-        solved.append(found)
-        if not len(values):
-            break
-        if len(values) > MOST_MODES:
-            raise TooManyModesError(
-                f"{problem.mechanism.name}: the parts' solutions combine to {len(values)} modes and more, over the {MOST_MODES} that "
-                "are listed; solve for one of them near a start"
-            )
-    return _result(problem, given, search, solved, values), any(part.sampled for part in solved)
+    begin[:, problem.known_places] = given.values if len(given.values) else problem.reference_known
+    groups = structure_groups(problem)
+    _check_choices(problem, choose)
+    solved: dict[int, _Solved] = {}
+    parts = []
+    for part in independent_parts(groups):
+        values = begin
+        for number in part:
+            chosen = choose[number] if number < len(choose) else None
+            solved[number], values = _extended(groups[number], values, search, rng, chosen, progress)
+            if len(values) > MOST_MODES:
+                raise TooManyModesError(_too_many(problem, groups, number))
+            if not len(values):
+                break
+        columns = np.concatenate([groups[number].unknown_places for number in part])
+        parts.append((columns, values[:, columns]))
+    count = prod(len(values) for _, values in parts)
+    return _result(problem, given, search, [solved[k] for k in sorted(solved)], _combined(begin, parts, count), count)
+
+
+def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
+    """Numbers of the groups that read each other's values, directly or not: a left leg and a right one are two parts."""
+    label = list(range(len(groups)))
+    for k, group in enumerate(groups):
+        read = {c.name for c in group.known_coordinates}
+        for j in range(k):
+            if read & {c.name for c in groups[j].system.unknowns}:
+                old, new = label[j], label[k]
+                label = [new if mine == old else mine for mine in label]
+    return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
+
+
+def _combined(begin: np.ndarray, parts: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
+    """Every combination of the parts' solutions, or, where these are too many, the first of each with every one of one part."""
+    sizes = [len(values) for _, values in parts]
+    if count <= MOST_MODES:
+        chosen = np.array(list(product(*(range(n) for n in sizes))), dtype=int).reshape(count, len(parts))
+    else:
+        rows = [np.zeros(len(parts), dtype=int)]
+        for k, n in enumerate(sizes):
+            rows += [np.eye(1, len(parts), k, dtype=int)[0] * i for i in range(1, n)]
+        chosen = np.array(rows)
+    values = np.repeat(begin, len(chosen), axis=0)
+    for k, (columns, own) in enumerate(parts):
+        values[:, columns] = own[chosen[:, k]]
+    return values
+
+
+def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
+    groups = structure_groups(problem)
+    if len(choose) > len(groups):
+        raise InputError(
+            f"choose: {len(choose)} numbers for {len(groups)} blocks of {problem.mechanism.name}; one a block, in order"
+        )
+    for number in choose:
+        if isinstance(number, bool) or not isinstance(number, int) or number < 0:
+            raise InputError(f"choose: {number!r}; whole numbers from 0 on are needed, one a block")
+
+
+def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
+    names = ", ".join(c.name for c in groups[number].system.unknowns)
+    return (
+        f"{problem.mechanism.name}: the solutions of its blocks combine to more than the {MOST_MODES} modes that are listed, at "
+        f"block {number} ({names}) of {len(groups)}; take one solution of each of the first blocks by choose (--choose 0,1,...), or "
+        "solve for one near a start"
+    )
 
 
 def _extended(
-    group: Problem, values: np.ndarray, search: Search, rng: np.random.Generator, progress: Progress | None
+    group: Problem, values: np.ndarray, search: Search, rng: np.random.Generator, choice: int | None, progress: Progress | None
 ) -> tuple[_Solved, np.ndarray]:
-    """Each of the partial configurations (n, variables) with every solution of a group beside it."""
+    """Each of the partial configurations (n, variables) with every solution of a group beside it, or with the chosen one."""
     known, which = np.unique(values[:, group.known_places], axis=0, return_inverse=True)
     which = which.ravel()
     solved, points, owner = _solve(group, known, search, rng, progress)
+    order = np.lexsort((*np.round(points.T[::-1], _DIGITS), owner))
+    points, owner = points[order], owner[order]
     solved.count = int(np.bincount(owner, minlength=1).max())
-    rows, chosen = [], []
-    for place, mine in enumerate(which.tolist()):
-        columns = np.flatnonzero(owner == mine)
-        rows.append(np.full(len(columns), place))
-        chosen.append(columns)
-    place, column = np.concatenate(rows).astype(int), np.concatenate(chosen).astype(int)
-    wider = values[place]
-    wider[:, group.unknown_places] = points[column]
+    chosen = [np.flatnonzero(owner == mine) for mine in which.tolist()]
+    if choice is not None:
+        least = min((len(columns) for columns in chosen), default=0)
+        if choice >= least:
+            names = ", ".join(c.name for c in group.system.unknowns)
+            allowed = f"0 to {least - 1}" if least else "none"
+            raise InputError(f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: {allowed}")
+        chosen = [columns[choice : choice + 1] for columns in chosen]
+    wider = values[np.repeat(np.arange(len(values)), [len(columns) for columns in chosen])]
+    wider[:, group.unknown_places] = points[np.concatenate(chosen)]
     return solved, wider
 
 
@@ -181,15 +241,21 @@ def _linear(group: Problem, known: np.ndarray) -> tuple[_Solved, np.ndarray, np.
 # --- the result ----------------------------------------------------------------------------------------------------
 
 
-def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved], values: np.ndarray) -> Modes:
+def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved], values: np.ndarray, count: int) -> Modes:
     groups = structure_groups(problem)
     found = checked_solutions(problem, values, given.notes)
     order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(len(values), dtype=int))
     found = checked_solutions(problem, found.values[order], given.notes)
+    # what is listed closes: on all rows together, not only on those of its groups
+    closed = found.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    if not closed.all():
+        found = checked_solutions(problem, found.values[closed], given.notes)
     found = _certified(problem, given, found)
     whole = len(solved) == len(groups)
     counts = [part.complex_count for part in solved]
     completeness: Completeness = max((part.completeness for part in solved), key=lambda s: _RANKS[s], default="proved")
+    if not closed.all():
+        completeness, count = max(completeness, "incomplete", key=lambda s: _RANKS[s]), len(found)
     unresolved = [part.unresolved for part in solved]
     smallest = min((part.smallest for part in solved if np.isfinite(part.smallest)), default=None)
     continuum = any(part.continuum for part in solved)
@@ -208,6 +274,7 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
         notes=tuple(dict.fromkeys((*given.notes, *(note for part in solved for note in part.notes)))),
         engine=", ".join(dict.fromkeys(part.engine for part in solved if part.engine is not None)) or None,
         groups=tuple(_group(part) for part in solved),
+        count=count if whole else 0,
     )
 
 

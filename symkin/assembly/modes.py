@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, overload
+from functools import partial
+from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
 from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
@@ -17,8 +19,9 @@ from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
+from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
-from symkin.position.given_by_name import Values, named_given, plain_case, problem_of, refuse_unless_determined
+from symkin.position.given_by_name import Values, named_given, plain_case, problem_of
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -30,23 +33,30 @@ from symkin.spatial.pose import Pose
 Solver = str | Newton | LeastSquares | None
 
 
+class RandomStarts(TypedDict, total=False):
+    """Options of `modes` for what is searched from random starts."""
+
+    starts: int | None
+    seed: int | None
+    solver: Solver
+
+
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None, method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
-    progress: Progress | None = None,
+    given: Values | None = None, choose: Sequence[int] = (), method: str | None = None, progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> Modes: ...  # fmt: skip
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None,
-    method: str | None = None, starts: int | None = None, seed: int | None = None, solver: Solver = None,
-    progress: Progress | None = None,
+    pose: Sequence[Sequence[float] | Pose] | None = None, method: str | None = None, progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> tuple[Modes, ...]: ...  # fmt: skip
 @overload
 def modes(
     mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, method: str | None = None,
-    starts: int | None = None, seed: int | None = None, solver: Solver = None, progress: Progress | None = None,
+    progress: Progress | None = None, **random: Unpack[RandomStarts],
 ) -> Any: ...  # fmt: skip
 @without_float_warnings
 def modes(
@@ -55,18 +65,18 @@ def modes(
     joints: Any = None,
     pose: Any = None,
     given: Values | None = None,
+    choose: Sequence[int] = (),
     method: str | None = None,
-    starts: int | None = None,
-    seed: int | None = None,
-    solver: Solver = None,
     progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
 
     `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
     qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
     a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform, or its whole "pose"; as many as the mobility.
+    torsion of the platform, or its whole "pose"; as many as the mobility. Modes for given values are found block by block (see
+    `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
     complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
@@ -81,35 +91,37 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    search = Search.of(method, starts, seed, solver)
-    plain = plain_case(mechanism, given) if joints is None and pose is None else None
+    search = Search.of(method, **random)
+    plain = plain_case(mechanism, given) if joints is None and pose is None and not choose else None
     if plain is not None:
         joints, pose = plain
-    elif given is not None or mechanism.is_graph:
-        return _by_name(mechanism, joints, pose, given, search, progress)
+    elif given is not None or mechanism.is_graph or choose:
+        return _by_name(mechanism, joints, pose, given, partial(_of_coordinates, search=search, choose=choose, progress=progress))
     if are_many(joints) or are_many(pose):
         return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
     return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
 
 
 def _by_name(
-    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, search: Search, progress: Progress | None
+    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, find: Callable[[Mechanism, Given], Modes]
 ) -> Modes | tuple[Modes, ...]:
     """The modes for coordinates by name, or for one or many inputs of a graph."""
     if given is None and are_many(joints):
-        rows = joint_rows(mechanism, joints)
-        return tuple(_of_coordinates(mechanism, named_given(mechanism, row, pose, None), search, progress) for row in rows)
+        return tuple(find(mechanism, named_given(mechanism, row, pose, None)) for row in joint_rows(mechanism, joints))
     if given is None and are_many(pose):
-        return tuple(_of_coordinates(mechanism, named_given(mechanism, joints, one, None), search, progress) for one in pose)
-    return _of_coordinates(mechanism, named_given(mechanism, joints, pose, given), search, progress)
+        return tuple(find(mechanism, named_given(mechanism, joints, one, None)) for one in pose)
+    return find(mechanism, named_given(mechanism, joints, pose, given))
 
 
-def _of_coordinates(mechanism: Mechanism, given: Given, search: Search, progress: Progress | None) -> Modes:
+def _of_coordinates(
+    mechanism: Mechanism, given: Given, *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+) -> Modes:
     """The modes for coordinates that are given by name, structure group by structure group."""
     begin = time.perf_counter()
     problem = problem_of(mechanism, given)
     refuse_unless_determined(problem)
-    found, _ = modes_by_groups(problem, given, search, progress)
+    found = modes_by_groups(problem, given, search, choose, progress)
+    found = with_least_modes(problem, given, search, found)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 

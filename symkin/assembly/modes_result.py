@@ -73,6 +73,7 @@ class Modes(Result):
     notes: tuple[str, ...] = field(default=())
     engine: str | None = None
     groups: tuple[Group, ...] = ()
+    count: int | None = None
 
     def __len__(self) -> int:
         return len(self.modes)
@@ -103,6 +104,11 @@ class Modes(Result):
         return kept
 
     @property
+    def total(self) -> int:
+        """Count of modes, which may exceed those that are listed."""
+        return len(self) if self.count is None else self.count
+
+    @property
     def poses(self) -> int:
         """Count of distinct poses among the modes."""
         return len(self.representatives)
@@ -113,7 +119,7 @@ class Modes(Result):
         return {
             **heading(self.problem, self.given),
             "modes": [mode.to_dict() for mode in self.modes],
-            "count": len(self),
+            "count": self.total,
             "listed": len(self),
             "poses": self.poses if self._has_platform else None,
             "blocks": [group.to_dict() for group in self.groups] or None,
@@ -183,6 +189,8 @@ class Modes(Result):
         count, poses = len(self), self.poses
         if not count:
             return "no isolated solution" if self.positive_dimensional else "no real solution"
+        if self.total > count:
+            return f"{self.total} modes, of which {count} are listed: each block's solutions beside the first ones of the others"
         return f"{count} {_plural('mode', count)}" + (f" at {poses} {_plural('pose', poses)}" if poses != count else "")
 
 

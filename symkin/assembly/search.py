@@ -30,7 +30,9 @@ class Search:
     named: Mapping[str, object] = field(default_factory=dict)
 
     @staticmethod
-    def of(method: str | None, starts: int | None, seed: int | None, solver: str | Newton | LeastSquares | None) -> Search:
+    def of(
+        method: str | None, starts: int | None = None, seed: int | None = None, solver: str | Newton | LeastSquares | None = None
+    ) -> Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
         chosen = method or ("continuation" if solver is None else "multistart")
         if chosen not in METHODS:

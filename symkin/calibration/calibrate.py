@@ -33,7 +33,7 @@ from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.quiet import without_float_warnings
 
 __all__ = [
@@ -144,6 +144,7 @@ def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpac
     >>> found.status, round(found.values["dh.1.d"], 3)
     ('ok', 105.53)
     """
+    require_limbs(mechanism, "calibrate", "describe the machine by limbs")
     return _calibrate(mechanism, measurements, _Options(**options))
 
 

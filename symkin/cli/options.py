@@ -22,6 +22,16 @@ def whole_number(text: str) -> int:
     return number
 
 
+def whole_numbers(text: str | None, option: str) -> list[int]:
+    """The numbers of an option that is a list of whole ones; none where it is not given."""
+    if text is None:
+        return []
+    numbers = [whole(part.strip()) for part in text.split(",")]
+    if None in numbers:
+        raise InputError(f"--{option} {shown(text)}: whole numbers from 0, separated by commas, are needed")
+    return [number for number in numbers if number is not None]
+
+
 MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
 JointsOption = Annotated[
     str | None,

@@ -22,6 +22,7 @@ from symkin.cli.options import (
     print_result,
     start_from,
     whole_number,
+    whole_numbers,
 )
 from symkin.cli.progress import progress_bar
 
@@ -49,6 +50,10 @@ def modes(
         typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
     ] = None,
     seed: SearchSeedOption = None,
+    choose: Annotated[
+        str | None,
+        typer.Option(metavar="K1,K2,...", help="Of given values: one solution of each of the first blocks, by number from 0."),
+    ] = None,
     as_json: JsonOption = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
 ) -> None:
@@ -67,6 +72,7 @@ def modes(
             joints=joints_from(joints, "joints", mechanism.angle_unit),
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
             given=named_from(given, "given", mechanism.angle_unit),
+            choose=whole_numbers(choose, "choose"),
             method=method.value,
             starts=starts,
             seed=seed,

@@ -21,7 +21,7 @@ from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
 from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
@@ -48,6 +48,7 @@ def write_firmware(
     ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
+    require_limbs(mechanism, "firmware", "describe the machine by limbs")
     options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home))
     return write_folder(mechanism, Path(directory), options)
 

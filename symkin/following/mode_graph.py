@@ -21,7 +21,7 @@ from symkin.errors import InputError
 from symkin.following.meeting_modes import mode_number
 from symkin.following.track import track
 from symkin.following.track_result import Track
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
 from symkin.result import Result, Summary
@@ -147,6 +147,7 @@ def mode_graph(
         >>> graph.groups, graph.certified          # the tip above or below the elbows: a singularity parts the two
         ([[0], [1]], True)
     """
+    require_limbs(mechanism, "mode_graph", "use modes at each point")
     if mechanism.serial:
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there is nothing to join"

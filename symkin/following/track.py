@@ -18,7 +18,7 @@ from symkin.following.sample import Sample, make_sample
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Trajectory, make_trajectory
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.given import Joints
 from symkin.position.problem import Problem, build_problem
@@ -89,6 +89,7 @@ def track(
         >>> found.reached, len(found.samples), [round(value, 9) for value in found.end.actuated_values]
         (True, 3, [10.0, 20.0, 30.0, 0.0, 0.0, 0.0])
     """
+    require_limbs(mechanism, "track", "use modes or solve with a start at each point of the path")
     begin = time.perf_counter()
     chosen = _Options(**options)
     trajectory = make_trajectory(mechanism, joints=joints, poses=poses, times=chosen.times, count=chosen.samples)

@@ -61,7 +61,10 @@ def _into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
 def poses_of(closure: Closure, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions (m, 3) and unit quaternions (m, 4), w >= 0, of the platform at full vectors of variables (m, variables)."""
     packed = _pose_function(closure)(values)[0][:, :, 0]
-    return packed[:, :3], positive_quaternions(packed[:, 3:])
+    quaternion = positive_quaternions(packed[:, 3:])
+    # w is 0 to rounding of either sign where the first component that is not decides the sign
+    quaternion[:, 0] = np.maximum(quaternion[:, 0], 0.0)
+    return packed[:, :3], quaternion
 
 
 @lru_cache(maxsize=128)

@@ -10,25 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.closure import build_closure
 from symkin.closure.rows import POSE_CONDITIONS, POSE_COORDINATES
-from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.rank import Rank
-from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.given import LARGEST_GIVEN, Given, given_from
-from symkin.position.mobility import closed_configurations, whole_system
 from symkin.position.problem import Problem, build_problem
 from symkin.text import shown
-
-_SUGGESTED = 4
-"""Names that a message lists."""
-
-_OPEN_RANK = 1e2
-"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
 
 Values = Mapping[str, float | Sequence[float]]
 
@@ -86,8 +74,7 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
-    found = {c.name: c for joint in mechanism.all_joints for c in joint.coordinates if c.kind != "quaternion"}
-    found |= {c.name: c for c in mechanism.actuated}
+    found = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
     if mechanism.platform_link is not None or not mechanism.is_graph:
         pose = {n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given") for n in POSE_CONDITIONS}
         found = pose | found
@@ -129,85 +116,3 @@ def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:
     """The problem for which values are given."""
     return build_problem(mechanism, given.kind, given.names)
-
-
-# --- as many as the mobility ---------------------------------------------------------------------------------------
-
-
-def refuse_unless_determined(problem: Problem) -> None:
-    """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
-    refuse_contradictions(problem)
-    _, free, binding = _determination(problem)
-    name = problem.mechanism.name
-    known = [c.name for c in problem.known_coordinates if c.role != "geometry"]
-    listed = ", ".join(known) or "nothing"
-    if free:
-        some = ", ".join(binding[:_SUGGESTED])
-        raise InputError(
-            f"given: {listed}; that leaves {name} {free} freedom{'s' * (free != 1)}, and its configurations are not isolated: give "
-            f"{free} more, for example {some}; or use solve with a start for one of them"
-        )
-
-
-def free_motions(problem: Problem) -> int:
-    """Freedoms that the given coordinates leave."""
-    return _determination(problem)[1]
-
-
-def refuse_contradictions(problem: Problem) -> None:
-    """Raise InputError where the given coordinates say the same thing twice."""
-    too_many = _determination(problem)[0]
-    if too_many:
-        name = problem.mechanism.name
-        known = [c.name for c in problem.known_coordinates if c.role != "geometry"]
-        listed = ", ".join(known)
-        raise InputError(
-            f"given: {listed} are {len(known)} coordinates of {name} for a mobility of "
-            f"{len(known) - len(too_many)}: the others decide {', '.join(too_many)}; leave "
-            f"{'it' if len(too_many) == 1 else 'them'} out"
-        )
-
-
-@lru_cache(maxsize=128)
-def _determination(problem: Problem) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
-    """Given coordinates that others decide; freedoms that are left; coordinates that would bind them."""
-    closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
-    system = whole_system(closure)
-    candidates = closed_configurations(closure, 0)
-    jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in candidates]
-    jacobian = max(jacobians, key=lambda j: Rank.of(j).value)
-    # rows that are redundant but for the digits of a file are as independent as the loops are open
-    open_by = system.residual(candidates[0], np.zeros(0)) / closure.characteristic_length
-    motions = null_space(jacobian, max(RANK_TOLERANCE, min(_OPEN_RANK * open_by, 1e-3)), relative=True)
-    columns: dict[str, list[int]] = {}
-    for column, coordinate in enumerate(held for held in closure.coordinates for _ in range(held.freedom)):
-        columns.setdefault(coordinate.name, []).append(column)
-    left = motions.T
-    too_many: list[str] = []
-    basis = np.zeros((0, left.shape[1]))
-    for c in (c for c in problem.known_coordinates if c.role != "geometry"):
-        basis, grown = _with_rows(basis, left[columns[c.name]])
-        if grown < c.freedom:
-            too_many.append(c.name)
-    free = left.shape[1] - len(basis)
-    binding = []
-    for c in closure.coordinates:
-        if c in problem.known_coordinates or c.kind == "quaternion" or c.role in ("body", "pose"):
-            continue
-        more, grown = _with_rows(basis, left[columns[c.name]])
-        if grown:
-            binding.append(c.name)
-            basis = more
-    return tuple(too_many), free, tuple(binding)
-
-
-def _with_rows(basis: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, int]:
-    """An orthonormal basis with what some rows add to it, and how many that are."""
-    grown = 0
-    for row in rows:
-        rest = row - basis.T @ (basis @ row)
-        rest -= basis.T @ (basis @ rest)
-        length = float(np.linalg.norm(rest))
-        if length > 1e-7 * max(1.0, float(np.linalg.norm(row))):
-            basis, grown = np.vstack([basis, rest / length]), grown + 1
-    return basis, grown

@@ -74,7 +74,7 @@ def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], al
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0)
     holds = sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300)
     own = {c.name for c in unknowns}
-    kept = []
+    kept: list[int] = []
     for k, line in enumerate(holds):
         held = {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
         if held & own and held <= allowed:
@@ -136,7 +136,7 @@ def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
     for k, name in enumerate(sources):
         groups.setdefault(name, []).append(k)
     width = {name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()}
-    basis, kept = np.zeros((0, jacobian.shape[1])), []
+    basis, kept = np.zeros((0, jacobian.shape[1])), list[int]()
     largest = float(np.linalg.norm(jacobian, 2)) or 1.0
     for name in sorted(groups, key=lambda n: width[n]):
         left = {k: jacobian[k] - basis.T @ (basis @ jacobian[k]) for k in groups[name]}

@@ -16,7 +16,7 @@ from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
-from symkin.position.readings import all_coordinates, points_at, readings
+from symkin.position.readings import left_out, points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -75,11 +75,18 @@ class Solution(Result):
     def joints(self) -> dict[str, Any]:
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
         of the closure first."""
-        held = self.held_joints
-        named = {c.name: c for c in all_coordinates(self.mechanism)}
-        cut = {name: v[0] for name, v in readings(self._closure, self._links).items()} if len(named) > len(held) else {}
-        found = held | {name: self._in_units(name, v if len(v) > 1 else float(v[0])) for name, v in cut.items()}
-        return {name: found[name] for name in named if name in found} if self.mechanism.is_graph else found
+        names = [c.name for c in self.mechanism.coordinates]
+        order = names if self.mechanism.is_graph else [*self.held_joints, *(n for n in names if n not in self.held_joints)]
+        return {name: self._in_units(name, self.all_values[name]) for name in order}
+
+    @cached_property
+    def all_values(self) -> dict[str, Any]:
+        """`values` with those of joints that the closure leaves out beside them, in radians and the length unit."""
+        closure = self._closure
+        if not left_out(closure):
+            return self.values
+        read = {name: v[0] for name, v in readings(closure, self._links).items()}
+        return self.values | {name: tuple(v.tolist()) if len(v) > 1 else float(v[0]) for name, v in read.items()}
 
     @cached_property
     def held_joints(self) -> dict[str, Any]:
@@ -105,18 +112,25 @@ class Solution(Result):
         return self.mechanism.platform_link is not None
 
     @property
+    def variables(self) -> np.ndarray:
+        """The full vector of the variables of the closure for its partition."""
+        closure = self._closure
+        values = closure.reference.copy()
+        for name, value in self.values.items():
+            values[closure.slices[name]] = value
+        return values
+
+    @property
     def _closure(self) -> Closure:
         return build_closure(self.mechanism, self.partition)
 
     @cached_property
     def _links(self) -> LinkPoses:
-        closure = self._closure
-        values = np.concatenate([np.atleast_1d(self.values[c.name]) for c in closure.coordinates])
-        return link_poses(closure, values[None])
+        return link_poses(self._closure, self.variables[None])
 
     def _in_units(self, name: str, value: Any) -> Any:
         """A coordinate's value as users read it."""
-        c = next(c for c in all_coordinates(self.mechanism) if c.name == name)
+        c = next(c for c in self.mechanism.coordinates if c.name == name)
         if c.kind == "quaternion":
             return [float(v) for v in value]
         return self.mechanism.angle_out(value) if c.is_angular else value
@@ -198,7 +212,7 @@ def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
     """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
     numbers = values.tolist()
     named: dict[str, Any] = {}
-    for c in closure.coordinates:
+    for c in (c for c in closure.coordinates if c.role != "geometry"):
         place = closure.slices[c.name]
         named[c.name] = numbers[place.start] if c.width == 1 else tuple(numbers[place])
     return named

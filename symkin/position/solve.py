@@ -52,8 +52,7 @@ def solve(
     solver: str | Solver = "newton",
     check: bool = True,
 ) -> SolveResult:
-    """Find one solution of F(q, x, X, p) = 0 near `start`: X and x for given `joints` q, or q and x for a given `pose` X, or what is
-    left for values `given` by name.
+    """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or values `given` by name.
 
     Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the

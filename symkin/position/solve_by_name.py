@@ -19,8 +19,9 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.determination import determination, is_least, misfit_note, refuse_contradictions
 from symkin.position.given import Given
-from symkin.position.given_by_name import free_motions, given_by_name, refuse_contradictions
+from symkin.position.given_by_name import given_by_name
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import moved_starts
 from symkin.position.newton import Newton
@@ -35,10 +36,6 @@ _STEPS = 300
 """Most steps of Levenberg-Marquardt; from a start nearby some ten suffice."""
 _PATIENCE = 60
 """Steps without progress after which a start is given up."""
-_DIGITS = 1e-4
-"""Largest closure error, as a share of the size, that may be due to the digits of a file."""
-_REGULAR = 1e-5
-"""Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
 _RESTARTS = 20
 _FAR = 0.2
 """A start further from what it led to than this (of the size, or rad) is noted."""
@@ -68,11 +65,11 @@ def solve_by_name(mechanism: Mechanism, given: Given, start: Start, solver: Newt
     if given.off_motion == 0.0 and not _closes(problem, attempt) and not _is_least(problem, given, attempt):
         attempt, more = _from_elsewhere(problem, given, attempt, by_default=start is None)
         notes += more
-    left = free_motions(problem)
+    left = determination(problem).free
     solution, misfit = None, _is_least(problem, given, attempt) if given.off_motion == 0.0 else False
     if _closes(problem, attempt) or misfit:
         if misfit:
-            notes.append(_misfit_note(problem, attempt))
+            notes.append(misfit_note(problem, attempt.residual))
         if left:
             notes.append(_free_note(problem, left, start is None))
         solution = make_solution(problem, problem.join_values(attempt.end, given.values), notes=given.notes)
@@ -193,27 +190,10 @@ def _closes(problem: Problem, attempt: _Attempt) -> bool:
 
 
 def _is_least(problem: Problem, given: Given, attempt: _Attempt) -> bool:
-    """Whether rows that are redundant but for digits are all that is left: the error is small, and no motion would lessen it."""
-    system = problem.system
-    if not attempt.residual <= _DIGITS * system.characteristic_length or _closes(problem, attempt):
-        return False
-    needed = system.freedom - free_motions(problem)
-    _, jacobian = system.linearise_one(attempt.end, given.values)
-    if jacobian.shape[0] <= needed or needed <= 0:
-        return False
-    singular = np.linalg.svd(jacobian, compute_uv=False)
-    return bool(singular[needed - 1] > _REGULAR * singular[0])
+    return is_least(problem, given.values, attempt.end, attempt.residual)
 
 
 # --- what is said --------------------------------------------------------------------------------------------------
-
-
-def _misfit_note(problem: Problem, attempt: _Attempt) -> str:
-    unit = problem.mechanism.length_unit
-    return (
-        f"the loops close only to {attempt.residual:.2g} {unit}: constraints are redundant, and the numbers of the description do not "
-        "meet them to more digits; this is the configuration of least squares"
-    )
 
 
 def _free_note(problem: Problem, left: int, by_default: bool) -> str:
@@ -247,7 +227,7 @@ def _far_notes(found: Solution, start: Start) -> list[str]:
 
 
 def _is_angle(mechanism: Mechanism, name: str) -> bool:
-    return any(c.is_angular for joint in mechanism.all_joints for c in joint.coordinates if c.name == name)
+    return any(c.is_angular for c in mechanism.coordinates if c.name == name)
 
 
 def _history(problem: Problem, given: Given, attempt: _Attempt) -> list[Iterate]:

@@ -22,7 +22,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
@@ -89,6 +89,7 @@ def classify(solution: Solution, tolerance: float = SINGULAR_VALUE, output: Outp
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
+    require_limbs(solution.mechanism, "singularity", "the condition of a solution of solve or modes tells how near it is to one")
     closure = build_closure(solution.mechanism)
     values = variables_of(closure, solution)
     whole = limbwise_equations(closure, values, tolerance)

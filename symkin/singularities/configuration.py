@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, Joints, given_from
@@ -31,6 +31,7 @@ def configuration(
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
     and that first where the start is singular and nearly closes the loops: it is meant as it is.
     Raises SolveError where no configuration is reached, InputError for values that do not fit."""
+    require_limbs(mechanism, "singularities", "the condition of a solution of solve or modes tells how near it is to one")
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
     begin = start_values(problem, given, start)

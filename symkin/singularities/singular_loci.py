@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.model.mechanism import require_limbs
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
@@ -61,6 +62,9 @@ def singular_loci(
         >>> symkin.singularity(platform, **corner).kinds
         ('type 2',)
     """
+    require_limbs(
+        solution.mechanism, "singular_loci", "the condition of a solution of solve or modes tells how near it is to one"
+    )
     chosen = plane_of(solution, plane)
     _check(chosen, kinds, starts, seed)
     window = _window(chosen, ranges)

@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.position.given import Joints
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
@@ -149,6 +149,7 @@ def sweep(
     >>> found.points, found.points_by_count
     (2, {4: 2})
     """
+    require_limbs(mechanism, "sweep", "use modes at each point, given={...}")
     chosen = _Options(**options)
     executor, dask, progress = chosen.executor, chosen.dask, chosen.progress
     others = {"poses": poses, "certify": chosen.certify, "at": at, "executor": executor, "dask": dask, "progress": progress}

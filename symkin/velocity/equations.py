@@ -108,7 +108,10 @@ def variables_of(
 ) -> np.ndarray:
     """The full vector of a closure's variables from a Solution, its `values`, or the vector itself; coordinates that are
     not `needed` may be missing, and are NaN then."""
-    named = values.values if isinstance(values, Solution) else values
+    named: Any = values
+    if isinstance(values, Solution):
+        # a closure for other given coordinates may hold joints that this one cuts, and the other way round
+        named = values.values if values.partition == closure.partition else values.all_values
     if isinstance(named, Mapping):
         names = [c.name for c in closure.coordinates if needed is None or c.name in needed]
         missing = [name for name in names if name not in named]

@@ -13,7 +13,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
@@ -217,6 +217,7 @@ def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = F
         >>> bool(abs(direct.at(home) @ symkin.jacobian(arm, "inverse").at(home) - 1)[0, 0] < 1e-9)
         True
     """
+    require_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
     require_mechanism(mechanism)
     if kind not in KINDS:
         raise InputError(f"kind = {kind!r} is unknown; allowed: {', '.join(KINDS)}")

@@ -42,7 +42,7 @@ from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurement
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.outputs import write_output
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 from symkin.text import first_of
 
@@ -101,6 +101,7 @@ class DataFile:
 def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None) -> DataFile:
     """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError that names file, line and
     column."""
+    require_limbs(mechanism, "calibrate", "describe the machine by limbs")
     points = distances or {}
     table = read_table(path)
     reader = ColumnReader(table, mechanism, tuple(points))

@@ -31,7 +31,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_limbs
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
@@ -65,6 +65,7 @@ class Workspace:
     start: Pose | None = None
 
     def __post_init__(self) -> None:
+        require_limbs(self.mechanism, "calibrate", "describe the machine by limbs")
         half = np.asarray(self.half, dtype=float)
         if half.shape != (3,) or not np.all(np.isfinite(half)) or np.any(half < 0) or min(self.tilt, self.spin) < 0:
             raise InputError(f"workspace: half widths {half.tolist()} and angles must be three numbers and not negative")

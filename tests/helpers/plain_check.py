@@ -8,7 +8,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import joint_readings, link_poses
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "benchmarks"))
 
 from plain_graph import read  # noqa: E402

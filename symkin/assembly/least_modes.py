@@ -1,0 +1,69 @@
+"""Modes of mechanisms whose loops of redundant constraints close only to the digits of a file: minima of the closure error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.modes_result import Modes
+from symkin.assembly.search import Search
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.position.determination import determination, is_least, misfit_note
+from symkin.position.given import Given
+from symkin.position.problem import Problem
+from symkin.position.solution_list import SolutionList, checked_solutions
+from symkin.position.starts import random_starts
+
+_STARTS = 400
+"""Random starts; a loop of redundant constraints has few modes."""
+_SAME = 1e-4
+"""Minima whose coordinates differ by less than this (rad, or times the size) are one."""
+
+
+def with_least_modes(problem: Problem, given: Given, search: Search, found: Modes) -> Modes:
+    """The same modes, or where there are none and the description's digits are why, those of least squares."""
+    if len(found) or not determination(problem).misfit or given.off_motion > 0.0:
+        return found
+    listed = _minima(problem, given, search)
+    if not len(listed):
+        return found
+    note = misfit_note(problem, float(listed.residual.max()))
+    return replace(
+        found, modes=listed, completeness="sampled", complex_count=None, unresolved_paths=None, smallest_residual=None, groups=(),
+        engine=None, starts=_STARTS, notes=(*given.notes, note),
+    )  # fmt: skip
+
+
+def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
+    system = problem.system
+    starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(search.seed))
+    ends = levenberg_marquardt(system, starts, given.values, max_iterations=200, patience=30).points
+    ends = system.polish_many(system.fold(ends[np.isfinite(ends).all(axis=1)]), given.values).points
+    left = system.residuals(ends, given.values)
+    kept = [z for z, residual in zip(ends, left, strict=True) if is_least(problem, given.values, z, float(residual))]
+    values = problem.join_values(np.array(kept).reshape(-1, system.width), np.tile(given.values, (len(kept), 1)))
+    solutions = checked_solutions(problem, values, given.notes)
+    distinct = _distinct(problem, solutions.values)
+    solutions = checked_solutions(problem, solutions.values[distinct], given.notes)
+    owner = np.zeros(len(solutions), dtype=int)
+    order = order_of_modes(problem, solutions.values, solutions.position, solutions.quaternion, owner)
+    return checked_solutions(problem, solutions.values[order], given.notes)
+
+
+def _distinct(problem: Problem, values: np.ndarray) -> list[int]:
+    """The first of each set of configurations (m, variables) that are the same."""
+    features = []
+    for c in problem.closure.coordinates:
+        part = values[:, problem.closure.slices[c.name]]
+        if c.kind == "angle":
+            features += [np.cos(part), np.sin(part)]
+        else:
+            features.append(part / problem.closure.characteristic_length if c.kind == "length" else part)
+    rows = np.concatenate(features, axis=1)
+    kept: list[int] = []
+    for k, row in enumerate(rows):
+        if not kept or np.min(np.max(np.abs(rows[kept] - row), axis=1)) > _SAME:
+            kept.append(k)
+    return kept

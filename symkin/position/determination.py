@@ -1,0 +1,165 @@
+"""Whether given coordinates decide a configuration: as many as the mobility, and none that others decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import lru_cache
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import Rank
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
+from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.problem import Problem
+
+DIGITS = 1e-4
+"""Largest closure error, as a share of the size, that may be due to the digits of a file."""
+_OPEN_RANK = 1e3
+"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
+_REGULAR = 1e-5
+"""Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
+_SUGGESTED = 4
+"""Names that a message lists."""
+
+
+@dataclass(frozen=True)
+class Determination:
+    """Given coordinates that others decide; freedoms that are left; coordinates that would bind them; the mobility. `misfit` (length
+    unit) is not 0 where loops of redundant constraints close only to the digits of a file."""
+
+    decided: tuple[str, ...]
+    free: int
+    binding: tuple[str, ...]
+    mobility: int
+    misfit: float = 0.0
+
+
+def refuse_unless_determined(problem: Problem) -> None:
+    """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
+    refuse_contradictions(problem)
+    found = determination(problem)
+    if found.free:
+        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED])
+        listed = ", ".join(c.name for c in _given(problem)) or "nothing"
+        raise InputError(
+            f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, and its configurations are not "
+            f"isolated: give {found.free} more, for example {some}; or use solve with a start for one of them"
+        )
+
+
+def refuse_contradictions(problem: Problem) -> None:
+    """Raise InputError where given coordinates say what others decide. A pose as a whole may hold what the joints decide anyway."""
+    found = determination(problem)
+    decided = [name for name in found.decided if not name.startswith("pose.")]
+    if not decided:
+        return
+    names = [c.name for c in _given(problem)]
+    one = len(names) == 1
+    raise InputError(
+        f"given: {', '.join(names)} {'is' if one else 'are'} {len(names)} coordinate{'' if one else 's'} of "
+        f"{problem.mechanism.name}, whose mobility is {found.mobility}: {'nothing is free, and ' if one else 'the others decide '}"
+        + (f"{names[0]} is decided" if one else ", ".join(decided))
+        + f"; leave {'it' if len(decided) == 1 else 'them'} out"
+    )
+
+
+def _given(problem: Problem) -> list[Coordinate]:
+    return [c for c in problem.known_coordinates if c.role != "geometry"]
+
+
+@lru_cache(maxsize=128)
+def determination(problem: Problem) -> Determination:
+    """What the given coordinates of a problem decide, at generic closed configurations."""
+    closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
+    system = whole_system(closure)
+    jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
+    found = _determination(problem, closure, max(jacobians, key=lambda j: Rank.of(j).value), RANK_TOLERANCE, 0.0)
+    if not found.decided:
+        return found
+    # loops of redundant constraints that are written with few digits are rigid, strictly speaking
+    nearly = _nearly_closed(closure)
+    if nearly is None:
+        return found
+    z, misfit = nearly
+    tolerance = min(_OPEN_RANK * misfit / closure.characteristic_length, 1e-2)
+    loose = _determination(problem, closure, system.linearise_one(z, np.zeros(0))[1], tolerance, misfit)
+    return loose if len(loose.decided) < len(found.decided) else found
+
+
+def _determination(problem: Problem, closure: Closure, jacobian: np.ndarray, tolerance: float, misfit: float) -> Determination:
+    left = null_space(jacobian, tolerance, relative=True).T
+    columns: dict[str, list[int]] = {}
+    for column, coordinate in enumerate(held for held in closure.coordinates for _ in range(held.freedom)):
+        columns.setdefault(coordinate.name, []).append(column)
+    decided: list[str] = []
+    basis = np.zeros((0, left.shape[1]))
+    for c in _given(problem):
+        basis, grown = _with_rows(basis, left[columns[c.name]])
+        if grown < c.freedom:
+            decided.append(c.name)
+    free = left.shape[1] - len(basis)
+    binding = []
+    for c in closure.coordinates:
+        if c in problem.known_coordinates or c.kind == "quaternion" or c.role in ("body", "pose"):
+            continue
+        more, grown = _with_rows(basis, left[columns[c.name]])
+        if grown:
+            binding.append(c.name)
+            basis = more
+    return Determination(tuple(decided), free, tuple(binding), left.shape[1], misfit)
+
+
+def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float) -> bool:
+    """Whether rows that are redundant but for digits are all that is left at a minimum z of the closure error: the error is small, and
+    no motion would lessen it."""
+    system = problem.system
+    if not CLOSURE_TOLERANCE * system.characteristic_length < residual <= DIGITS * system.characteristic_length:
+        return False
+    needed = system.freedom - determination(problem).free
+    _, jacobian = system.linearise_one(z, known)
+    if jacobian.shape[0] <= needed or needed <= 0:
+        return False
+    singular = np.linalg.svd(jacobian, compute_uv=False)
+    return bool(singular[needed - 1] > _REGULAR * singular[0])
+
+
+def misfit_note(problem: Problem, misfit: float) -> str:
+    """What is said of configurations that close only to the digits of a file, by a largest error in the length unit."""
+    return (
+        f"the loops close only to {misfit:.2g} {problem.mechanism.length_unit}: constraints are redundant, and the numbers of the "
+        "description do not meet them to more digits; what is given here is of least squares"
+    )
+
+
+def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:
+    """A configuration off the reference of least closure error, and that error, where it is more than rounding and no more than that
+    of digits."""
+    system, rng = whole_system(closure), np.random.default_rng(0)
+    begin = np.tile(closure.reference, (8, 1))
+    starts = system.move(begin, 0.1 * closure.characteristic_length * rng.normal(size=(8, system.freedom)))
+    ends = levenberg_marquardt(system, starts, np.zeros(0), max_iterations=200).points
+    ends = system.polish_many(ends[np.isfinite(ends).all(axis=1)], np.zeros(0)).points
+    left = system.residuals(ends, np.zeros(0))
+    size = closure.characteristic_length
+    open_ones = np.flatnonzero((left > CLOSURE_TOLERANCE * size) & (left <= DIGITS * size))
+    if not len(open_ones):
+        return None
+    best = open_ones[np.argmax(left[open_ones])]
+    return ends[best], float(left[best])
+
+
+def _with_rows(basis: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, int]:
+    """An orthonormal basis with what some rows add to it, and how many that are."""
+    grown = 0
+    for row in rows:
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        length = float(np.linalg.norm(rest))
+        if length > 1e-7 * max(1.0, float(np.linalg.norm(row))):
+            basis, grown = np.vstack([basis, rest / length]), grown + 1
+    return basis, grown
