@@ -128,6 +128,18 @@ def test_a_loop_that_cannot_close_is_named_with_its_misfit():
     assert 300.0 < found.misfit.length < 400.0
 
 
+def test_modes_and_solve_name_the_loop_that_cannot_close():
+    """Whatever is given, a rod that is too long leaves its loop open; a reach that ends is no such fault."""
+    ankle = symkin.load("ankle")
+    first, second = ankle.link_rods
+    long = replace(ankle, link_rods=(replace(first, length=700.0), second))
+    given = {"upper_motor": 10.0, "lower_motor": 5.0}
+    for notes in (symkin.modes(long, given=given).notes, symkin.solve(long, given=given, check=False).notes):
+        assert any("ankle, upper_motor, upper_rod" in note and "whatever is given" in note for note in notes)
+    far = symkin.modes(symkin.load("slider_crank"), given={"piston": 5000.0})
+    assert not any("whatever is given" in note for note in far.notes)
+
+
 # --- the command ---------------------------------------------------------------------------------------------------
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin.closure.branches import Bar, edges_of
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate, Joint
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
@@ -280,6 +281,24 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         else np.eye(6),
         gruebler=gruebler_kutzbach(mechanism),
         reference_rank=reference_rank,
+    )
+
+
+@lru_cache(maxsize=64)
+def open_loops_note(mechanism: Mechanism) -> str | None:
+    """What is said of a graph that has no solution, whatever is given: how far its loops stay open, and which; else None."""
+    if not mechanism.is_graph:
+        return None
+    closure = build_closure(mechanism)
+    size = closure.characteristic_length
+    if whole_system(closure).residual(closure.reference, np.zeros(0)) <= CLOSURE_TOLERANCE * size:
+        return None
+    misfit = mobility(mechanism).misfit
+    if misfit is None:
+        return None
+    return (
+        f"no configuration closes the loops, whatever is given: the best one found leaves {misfit.length:.3g} {mechanism.length_unit}, "
+        f"most of it in the loop of {misfit.loop}; check its lengths and couplings"
     )
 
 
