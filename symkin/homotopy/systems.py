@@ -96,7 +96,7 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     forms: dict[str, PoseForm] = {**dict.fromkeys(unknown, "study"), **dict.fromkeys(known, "homogeneous")}
     rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
     rows = rows if problem.row_places is None or not forms else rows[list(problem.row_places), 0]
-    affine = tuple(c for c in system.unknowns if c.role not in ("body", "pose"))
+    affine = tuple(c for c in system.unknowns if c.role not in ("body", "pose") or c.name.rpartition(".")[0] not in unknown)
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
     for body in unknown:
@@ -130,8 +130,8 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
 
 
 def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
-    """The bodies whose pose is among some coordinates, by the part of these names before the last point."""
-    names = [c.name.rpartition(".")[0] for c in coordinates if c.role in ("body", "pose")]
+    """The bodies whose rotation is among some coordinates, by the part of these names before the last point."""
+    names = [c.name.rpartition(".")[0] for c in coordinates if c.role in ("body", "pose") and c.kind == "quaternion"]
     return tuple(dict.fromkeys(names))
 
 
@@ -194,6 +194,9 @@ def unsuitable(problem: Problem) -> str | None:
         if c.kind == "quaternion" and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
     bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()
+    for body in bodies:
+        if f"{body}.x" not in {c.name for c in problem.system.unknowns}:
+            return f"the rotation of {body} is sought, and its position is not"
     if len(bodies) > 1:
         return f"the poses of {' and '.join(bodies)} are found together"
     return None
