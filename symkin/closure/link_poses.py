@@ -8,20 +8,20 @@ shortest way.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import Branch
-from symkin.closure.chain import Side
+from symkin.closure.chain import Chain, Side
 from symkin.closure.closure import Closure
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
 from symkin.spatial.backend import cross, dot, norm, scale
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, normalized, rotate
+from symkin.spatial.rotation import conjugate, multiply, normalized, rotate
 
 _OPPOSITE = 1e-12
 """1 + cosine of two directions that are opposite to rounding: any half turn across them is the shortest way."""
@@ -102,7 +102,7 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
             centres = [np.array(builder.mechanism.places[branch.elements[k].name]) for k in (first - 1, last)]
             bridges.append(_Bridge(links[first : last + 1], (links[first - 1], links[last + 1]), (centres[0], centres[1])))
             sides |= {links[k]: builder.chain_of(branch.elements[first:k]) for k in range(first, last + 1)}
-    frames = [ca.vertcat(side.move(ca.SX(3, 1)) / side.weight, side.quaternion) for side in sides.values()]
+    frames = _frames(list(sides.values()))
     variables = ca.vertcat(ca.SX(0, 1), *(builder.coordinates[c.name][1] for c in closure.coordinates))
     fixed = [k for k, name in enumerate(builder.table.names) if name not in builder.coordinates]
     symbols = ca.vertcat(ca.SX(0, 1), *(builder.table.symbols[k] for k in fixed))
@@ -110,6 +110,25 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
     packed = ca.densify(ca.substitute(ca.vertcat(*frames), symbols, numbers))
     evaluate = ca.Function("links", [variables], [packed], {"cse": True})
     return _PlacedLinks(evaluate, tuple(sides), tuple(bridges), _joints_between(chains))
+
+
+def _frames(sides: Sequence[Side]) -> list[ca.SX]:
+    """Position and quaternion of each side; those that begin alike are built on each other, so that a long chain costs its length."""
+    known: dict[tuple[int, ...], tuple[ca.SX, ca.SX]] = {}
+
+    def frame(side: Side) -> tuple[ca.SX, ca.SX]:
+        key = (0 if isinstance(side, Chain) else id(side.pose), *map(id, side.steps))
+        if key not in known:
+            if not side.steps:
+                known[key] = side.move(ca.SX(3, 1)) / side.weight, side.quaternion
+            else:
+                position, quaternion = frame(replace(side, steps=side.steps[:-1]))
+                step = side.steps[-1]
+                moved = position + rotate(quaternion, step.move(ca.SX(3, 1)))
+                known[key] = moved, multiply(quaternion, step.quaternion)
+        return known[key]
+
+    return [ca.vertcat(*frame(side)) for side in sides]
 
 
 def _joints_between(chains: Sequence[tuple[Branch, tuple[str, ...]]]) -> dict[Joint, tuple[str, str]]:
