@@ -244,8 +244,8 @@ def test_starts_are_kept_and_damage_is_survived(cache):
 
 
 def test_every_shipped_start_is_read():
-    """The wheel carries a start for each problem of each shipped mechanism: none is computed."""
-    for name in symkin.shipped_names():
+    """The wheel carries a start for each problem of each shipped mechanism of limbs: none is computed."""
+    for name in (name for name in symkin.shipped_names() if not symkin.load(name).is_graph):
         for kind in ("direct", "inverse"):
             problem = build_problem(symkin.load(name), kind)
             if not problem.is_explicit:

@@ -341,7 +341,7 @@ def test_json_holds_the_names(hostile, capsys):
     """Names are keys of `joints`, in ASCII."""
     text = run(capsys, "solve", str(hostile), "--json")
     assert text.isascii()
-    assert list(json.loads(text)["solution"]["joints"]) == NAMES[4:8]
+    assert list(json.loads(text)["solution"]["joints"]) == NAMES[4:9]
 
 
 # --- what is refused -----------------------------------------------------------------------------------------------

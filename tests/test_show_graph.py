@@ -128,6 +128,18 @@ def test_a_loop_that_cannot_close_is_named_with_its_misfit():
     assert 300.0 < found.misfit.length < 400.0
 
 
+def test_modes_and_solve_name_the_loop_that_cannot_close():
+    """Whatever is given, a rod that is too long leaves its loop open; a reach that ends is no such fault."""
+    ankle = symkin.load("ankle")
+    first, second = ankle.link_rods
+    long = replace(ankle, link_rods=(replace(first, length=700.0), second))
+    given = {"upper_motor": 10.0, "lower_motor": 5.0}
+    for notes in (symkin.modes(long, given=given).notes, symkin.solve(long, given=given, check=False).notes):
+        assert any("ankle, upper_motor, upper_rod" in note and "whatever is given" in note for note in notes)
+    far = symkin.modes(symkin.load("slider_crank"), given={"piston": 5000.0})
+    assert not any("whatever is given" in note for note in far.notes)
+
+
 # --- the command ---------------------------------------------------------------------------------------------------
 
 
@@ -152,3 +164,36 @@ def test_the_equations_of_every_graph_are_written(name, capsys):
     assert status == 0
     rows = symkin.mobility(symkin.load(name)).closure.rows.shape[0]
     assert text.count("&&") >= rows
+
+
+# --- links between balls -------------------------------------------------------------------------------------------
+
+
+def ball_chain(*, rod: bool, platform: str | None) -> symkin.Mechanism:
+    """Two arms on the base; between their tips a ball, a link, and a second ball or a rod with balls at both ends."""
+    z = (0.0, 0.0, 1.0)
+    joints = [
+        symkin.LinkJoint(symkin.Joint("left", "R", (0, 0, 0), z, actuated=True), ("base", "left_arm")),
+        symkin.LinkJoint(symkin.Joint("right", "R", (200, 0, 0), (0, 1, 0), actuated=True), ("base", "right_arm")),
+        symkin.LinkJoint(symkin.Joint("ball", "S", (0, 80, 10)), ("left_arm", "strut")),
+    ]
+    ends = symkin.LinkRod("bar", ("strut", "right_arm"), (90, 60, 30), (200, 20, 70))
+    if not rod:
+        joints.append(symkin.LinkJoint(symkin.Joint("ball2", "S", (200, 20, 70)), ("strut", "right_arm")))
+    return symkin.Mechanism("balls", link_joints=joints, link_rods=[ends] if rod else [], platform_link=platform)
+
+
+@pytest.mark.parametrize("platform", [None, "left_arm", "strut"])
+def test_a_link_between_a_ball_and_a_rod_keeps_its_freedoms(platform):
+    """Two arms turn, a link turns freely about a ball, a rod takes one freedom: 2 + 3 - 1."""
+    found = symkin.mobility(ball_chain(rod=True, platform=platform))
+    assert (found.mobility, found.redundant) == (4, 0)
+
+
+@pytest.mark.parametrize(("platform", "mobility"), [(None, 1), ("left_arm", 1), ("strut", 2)])
+def test_the_spin_of_a_strut_counts_where_its_pose_is_told(platform, mobility):
+    """Two balls on a strut: one distance between two arms; how the strut is turned about their line matters to its own pose alone."""
+    found = symkin.mobility(ball_chain(rod=False, platform=platform))
+    assert (found.mobility, found.redundant) == (mobility, 0)
+    if platform == "strut":
+        assert len(found.platform_twists) == 2

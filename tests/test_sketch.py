@@ -55,7 +55,7 @@ OWN = {
     "one_of_each": one_of_each, "five_bar": lambda: readme_five_bar("planar"), "3-RRR": lambda: three_rrr("planar"), "delta": delta,
     "upright": upright_five_bar,
 }  # fmt: skip
-EVERY = [*symkin.shipped_names(), *OWN]
+EVERY = [*(name for name in symkin.shipped_names() if not symkin.load(name).is_graph), *OWN]
 
 
 def mechanism_of(name: str) -> Mechanism:

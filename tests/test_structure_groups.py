@@ -191,3 +191,26 @@ def test_random_graphs_lose_nothing():
     command = [sys.executable, str(script), "--starts", "150", "--only", "0", "2", "5", "7", "9", "17", "19", "22", "53"]
     told = subprocess.run(command, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
+
+
+# --- couplings -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shaft", [10.0, 170.0, 400.0, -1000.0])
+def test_gears_advance_by_more_than_a_turn(shaft):
+    """Law of a bevel differential: the carrier turns by the mean of both wheels, whole turns included."""
+    (mode,) = symkin.modes(symkin.load("differential"), given={"shaft": shaft, "left": -170.0})
+    assert mode.residual < 1e-9
+    assert mode.joints["shaft"] == pytest.approx(shaft)
+    assert 2 * mode.joints["carrier"] == pytest.approx(mode.joints["left"] + mode.joints["right"])
+
+
+@pytest.mark.parametrize("turns", [0, 1, -2])
+def test_whole_turns_of_equal_gears_make_no_modes(turns):
+    """Two fingers on one pair of equal gears: a whole turn of the driver is the same configuration."""
+    gripper = symkin.load("parallel_gripper")
+    plain = symkin.modes(gripper, given={"left": 40.0})
+    turned = symkin.modes(gripper, given={"left": 40.0 + 360.0 * turns})
+    assert len(plain) == len(turned) == 4
+    assert max(mode.residual for mode in turned) < 1e-9 * gripper.characteristic_length
+    assert len(symkin.modes(gripper, given={"left_crank_pin": 40.0})) == 4

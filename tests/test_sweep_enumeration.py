@@ -37,7 +37,7 @@ def check_same(mechanism, kind, points, tolerance=1e-9):
         alone = modes_at_need(mechanism, **point, starts=300)
         assert found.count[i] == len(alone), (i, point)
         total += len(alone)
-        expected = [[*s.position, *s.quaternion, *np.hstack(list(s.joints.values()))] for s in alone]
+        expected = [[*s.position, *s.quaternion, *np.hstack(list(s.held_joints.values()))] for s in alone]
         if len(alone):
             difference = np.abs(modes_of(found, i) - np.array(expected))
             assert difference.max() < tolerance * max(1.0, mechanism.characteristic_length)

@@ -246,10 +246,16 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
     found = checked_solutions(problem, values, given.notes)
     order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(len(values), dtype=int))
     found = checked_solutions(problem, found.values[order], given.notes)
+    # what is listed closes: on all rows together, not only on those of its groups
+    closed = found.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    if not closed.all():
+        found = checked_solutions(problem, found.values[closed], given.notes)
     found = _certified(problem, given, found)
     whole = len(solved) == len(groups)
     counts = [part.complex_count for part in solved]
     completeness: Completeness = max((part.completeness for part in solved), key=lambda s: _RANKS[s], default="proved")
+    if not closed.all():
+        completeness, count = max(completeness, "incomplete", key=lambda s: _RANKS[s]), len(found)
     unresolved = [part.unresolved for part in solved]
     smallest = min((part.smallest for part in solved if np.isfinite(part.smallest)), default=None)
     continuum = any(part.continuum for part in solved)

@@ -23,6 +23,7 @@ from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
 from symkin.position.given_by_name import Values, named_given, plain_case, problem_of
 from symkin.position.least_squares import LeastSquares
+from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
@@ -122,6 +123,9 @@ def _of_coordinates(
     refuse_unless_determined(problem)
     found = modes_by_groups(problem, given, search, choose, progress)
     found = with_least_modes(problem, given, search, found)
+    note = open_loops_note(mechanism) if not len(found) else None
+    if note is not None:
+        found = replace(found, notes=(*found.notes, note))
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 

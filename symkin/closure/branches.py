@@ -94,10 +94,12 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     platform's pose."""
     if not mechanism.is_graph:
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
-    edges = list(edges_of(mechanism))
-    return _spanned(
-        _chains(edges, {mechanism.platform_link} if pose and mechanism.platform_link else set()), mechanism, kept, pose
-    )
+    edges, platform = list(edges_of(mechanism)), mechanism.platform_link
+    chains = _chains(edges, {platform} if pose and platform else set())
+    if platform is not None and any(platform in _bridged(chain) for chain in chains):
+        # a distance does not say how the link between two balls is turned
+        chains = _chains(edges, {platform})
+    return _spanned(chains, mechanism, kept, pose)
 
 
 # --- limbs ---------------------------------------------------------------------------------------------------------
@@ -232,10 +234,16 @@ def _extended(number: int, edges: Sequence[Branch], at: dict[str, list[int]], in
 def _between_balls(chain: Branch) -> list[str]:
     count, found = 0, []
     for k, element in enumerate(chain.elements):
-        if count >= 2 and element.balls:
+        if count and element.balls and count + element.balls > 2:
             found.append(chain.links[k - 1])
         count += element.balls
     return found[:1]
+
+
+def _bridged(chain: Branch) -> tuple[str, ...]:
+    """The links between the balls of a chain, which one distance replaces."""
+    balls = [k for k, element in enumerate(chain.elements) if element.balls]
+    return chain.links[balls[0] : balls[-1]] if balls else ()
 
 
 def _spanned(chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str], pose: bool) -> Layout:

@@ -21,7 +21,7 @@ from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
 from symkin.spatial.backend import cross, dot, norm, scale
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, normalized, rotate
+from symkin.spatial.rotation import conjugate, multiply, normalized, rotate
 
 _OPPOSITE = 1e-12
 """1 + cosine of two directions that are opposite to rounding: any half turn across them is the shortest way."""
@@ -113,23 +113,22 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
 
 
 def _frames(sides: Sequence[Side]) -> list[ca.SX]:
-    """Position and quaternion (7) of each side's last link; sides that begin with the same steps share what these give."""
-    known: dict[tuple[int, ...], Pose] = {}
-    frames = []
-    key: tuple[int, ...]
-    for side in sides:
-        if isinstance(side, Chain):
-            pose, key = Pose(ca.SX(3, 1), ca.SX([1, 0, 0, 0])), (0,)
-        else:
-            body = replace(side, steps=())
-            pose, key = Pose(body.move(ca.SX(3, 1)) / body.weight, body.quaternion), (id(side.pose),)
-        for step in side.steps:
-            key = (*key, id(step))
-            if key not in known:
-                known[key] = pose @ Pose(step.move(ca.SX(3, 1)), step.quaternion)
-            pose = known[key]
-        frames.append(ca.vertcat(pose.position, pose.quaternion))
-    return frames
+    """Position and quaternion of each side; those that begin alike are built on each other, so that a long chain costs its length."""
+    known: dict[tuple[int, ...], tuple[ca.SX, ca.SX]] = {}
+
+    def frame(side: Side) -> tuple[ca.SX, ca.SX]:
+        key = (0 if isinstance(side, Chain) else id(side.pose), *map(id, side.steps))
+        if key not in known:
+            if not side.steps:
+                known[key] = side.move(ca.SX(3, 1)) / side.weight, side.quaternion
+            else:
+                position, quaternion = frame(replace(side, steps=side.steps[:-1]))
+                step = side.steps[-1]
+                moved = position + rotate(quaternion, step.move(ca.SX(3, 1)))
+                known[key] = moved, multiply(quaternion, step.quaternion)
+        return known[key]
+
+    return [ca.vertcat(*frame(side)) for side in sides]
 
 
 def _joints_between(chains: Sequence[tuple[Branch, tuple[str, ...]]]) -> dict[Joint, tuple[str, str]]:

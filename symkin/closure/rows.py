@@ -106,6 +106,7 @@ class RowBuilder:
         self.kept = partition.kept | {n for c in mechanism.couplings for n in (c.joint, *c.names)}
         self.layout = layout_of(mechanism, self.kept, pose=partition.pose)
         self.table = ParameterTable(bound=form is not None if bound is None else bound)
+        self.kinds = {c.name: c for c in mechanism.coordinates}
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
@@ -297,8 +298,8 @@ class RowBuilder:
             if element.name not in self.joints:
                 continue
             symbols, values = self.joints[element.name], []
-            for coordinate in symbols.joint.coordinates:
-                known = self.coordinates.get(coordinate.name)
+            for name in (c.name for c in symbols.joint.coordinates):
+                coordinate, known = self.kinds[name], self.coordinates.get(name)
                 values.append(known[1] if known else self._symbol(coordinate))
             moved = symbols.steps(values)
             steps.extend(moved if element.along else (step.inverse() for step in reversed(moved)))
@@ -343,7 +344,8 @@ class RowBuilder:
         self.bodies[branch.ends[1]] = self._from_first(branch, len(branch.elements))
 
     def _couple(self) -> None:
-        """A row for each coupling: angles times the size."""
+        """A row for each coupling: angles times the size. Where whole turns leave it as it is, the row vanishes at all of them."""
+        size, angles = self.mechanism.characteristic_length, {c.name for c in self.kinds.values() if c.kind == "angle"}
         for coupling in self.mechanism.couplings:
             coordinate, value = self.coordinates[coupling.joint]
             if coupling.polynomial is not None:
@@ -351,7 +353,10 @@ class RowBuilder:
                 wanted = sum((c * self.coordinates[name][1] ** k for k, c in enumerate(coupling.polynomial)), ca.SX(0))
             else:
                 wanted = sum((factor * self.coordinates[name][1] for name, factor in coupling.terms), ca.SX(coupling.offset))
-            gap = (value - wanted) * (self.mechanism.characteristic_length if coordinate.is_angular else 1.0)
+            gap = value - wanted
+            if coupling.is_periodic(angles):
+                gap = 2 * ca.sin(0.5 * gap)
+            gap = gap * (size if coordinate.is_angular else 1.0)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])
 
     def _add(self, limb: str, relation: str, rows: Sequence[ca.SX], errors: Sequence[ca.SX]) -> None:

@@ -462,9 +462,9 @@ def write_shipped() -> None:
 
     for old in SHIPPED.glob("*.npz"):
         old.unlink()
-    for name in shipped_names():
-        for kind in ("direct", "inverse"):
-            problem = build_problem(load(name), kind)
+    for mechanism in (load(name) for name in shipped_names()):
+        for kind in () if mechanism.is_graph else ("direct", "inverse"):
+            problem = build_problem(mechanism, kind)
             if problem.is_explicit:
                 continue
             for block in problem.blocks:
@@ -472,7 +472,7 @@ def write_shipped() -> None:
                 start, reason = compute_start(problem, system, block)
                 (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(_content(start, reason))
                 print(
-                    name,
+                    mechanism.name,
                     kind,
                     ", ".join(c.name for c in block.unknowns),
                     reason or f"{start.z.shape[1]} roots" if start else reason,

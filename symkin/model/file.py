@@ -171,9 +171,7 @@ class _Builder:
         found = Mechanism(table.name, [self.limb(limb) for limb in limbs], **options)
         if not table.coupling:
             return found
-        kinds = {c.name: c.is_angular for joint in found.all_joints for c in joint.coordinates} | {
-            c.name: c.is_angular for c in found.actuated
-        }
+        kinds = {c.name: c.is_angular for c in found.coordinates}
         return replace(found, couplings=tuple(self.coupling(entry, kinds) for entry in table.coupling))
 
     def limb(self, table: Any) -> Limb | RodLimb:

@@ -6,7 +6,7 @@ axes are in the base frame at the reference configuration, so that every link's 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -153,6 +153,10 @@ class Coupling:
     def names(self) -> tuple[str, ...]:
         """The coordinates on which the joint depends."""
         return (self.of,) if isinstance(self.of, str) else tuple(name for name, _ in self.terms)
+
+    def is_periodic(self, angles: Collection[str]) -> bool:
+        """Whether whole turns of any of its joints leave it as it is: all are `angles`, and all factors whole numbers."""
+        return {self.joint, *self.names} <= set(angles) and bool(self.terms) and all(f == round(f) for _, f in self.terms)
 
 
 def coupling_scale(own: float, other: float, power: int) -> float:

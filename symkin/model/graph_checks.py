@@ -37,7 +37,7 @@ class Graph(Protocol):
     @property
     def all_joints(self) -> Iterator[Joint]: ...
     @property
-    def actuated(self) -> tuple[Coordinate, ...]: ...
+    def coordinates(self) -> tuple[Coordinate, ...]: ...
 
 
 def links_of(graph: Graph) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None
 
 
 def _check_couplings(graph: Graph) -> None:
-    coordinates = {c.name: c for joint in graph.all_joints for c in joint.coordinates} | {c.name: c for c in graph.actuated}
+    coordinates = {c.name: c for c in graph.coordinates}
     known = [name for name, c in coordinates.items() if c.kind != "quaternion"]
     depends: dict[str, tuple[str, ...]] = {}
     for coupling in graph.couplings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -134,17 +134,28 @@ class Mechanism:
         yield from (entry.joint for entry in self.link_joints)
 
     @cached_property
-    def actuated(self) -> tuple[Coordinate, ...]:
-        """Actuated coordinates in file order, those of limbs, then of joints and of rods between links: the order of `--joints`."""
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Every coordinate of joints and actuated rods in file order: those of limbs, then of joints and of rods between links.
+        Angles that a coupling with other than whole factors names advance without end: a whole turn of one gear is none of the
+        other."""
         found: list[Coordinate] = []
         for limb in self.limbs:
             if isinstance(limb, RodLimb):
                 found.append(limb.coordinate(self.reference_rod_value(limb)))
             else:
-                found.extend(c for joint in limb.joints for c in joint.coordinates if c.role == "actuated")
-        found.extend(c for entry in self.link_joints for c in entry.joint.coordinates if c.role == "actuated")
+                found.extend(c for joint in limb.joints for c in joint.coordinates)
+        found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
         found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
-        return tuple(found)
+        angles = {c.name for c in found if c.kind == "angle"}
+        # what is coupled to an angle that advances advances too
+        for _ in self.couplings:
+            angles -= {name for c in self.couplings if not c.is_periodic(angles) for name in (c.joint, *c.names)}
+        return tuple(replace(c, kind="turns") if c.kind == "angle" and c.name not in angles else c for c in found)
+
+    @cached_property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        """Actuated coordinates in file order: the order of `--joints`."""
+        return tuple(c for c in self.coordinates if c.role == "actuated")
 
     def reference_rod_value(self, limb: RodLimb) -> float:
         """Coordinate of a rod limb at the reference: distance of its joint centres less its offset."""

@@ -52,7 +52,7 @@ class Description(Protocol):
     @property
     def all_joints(self) -> Iterator[Joint]: ...
     @property
-    def actuated(self) -> tuple[Coordinate, ...]: ...
+    def coordinates(self) -> tuple[Coordinate, ...]: ...
 
 
 def mechanism_to_toml(mechanism: Description) -> str:
@@ -141,7 +141,7 @@ def _link_rod(rod: LinkRod) -> dict[str, Any]:
 
 def _coupling(mechanism: Description, coupling: Coupling) -> dict[str, Any]:
     """Numbers in the file's units, as `coupling_scale` reads them."""
-    coordinates = [*(c for joint in mechanism.all_joints for c in joint.coordinates), *mechanism.actuated]
+    coordinates = mechanism.coordinates
     unit = {c.name: math.radians(1.0) if c.is_angular and mechanism.angle_unit == "deg" else 1.0 for c in coordinates}
     own = unit[coupling.joint]
     table: dict[str, Any] = {"joint": coupling.joint}

@@ -1,7 +1,7 @@
 """Symbols of joints as kinematic schemes draw them, seen from any direction.
 
 R: a cylinder on its axis, a circle where the axis points to the eye. P: a prism on its rail. C: a cylinder that its rail passes
-through. H: a cylinder with a thread. U: a cross of two axes in a ring. S: a ball in an open socket.
+through. H: a cylinder with a thread. U: a cross of two axes in a ring. S: a ball in an open socket. Weld: a filled square.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from symkin.plots.style import COLOURS
 
 NAMES: dict[JointType, str] = {
     "R": "R revolute", "P": "P prismatic", "C": "C cylindrical", "H": "H helical", "U": "U universal", "S": "S spherical",
+    "weld": "weld",
 }  # fmt: skip
 _WIDTH = 0.52
 """Diameter of cylinders and side of prisms, over their length."""
@@ -113,14 +114,19 @@ def _spherical(centre: np.ndarray, _axes: list[np.ndarray], size: float, fill: s
     return [socket, _disc(centre, radius, fill)]
 
 
+def _weld(centre: np.ndarray, _axes: list[np.ndarray], size: float, _fill: str) -> list[Any]:
+    half = 0.18 * size
+    return [_polygon([centre + half * np.array(corner) for corner in ((-1, -1), (1, -1), (1, 1), (-1, 1))], COLOURS["link"])]
+
+
 _DRAWN = {
-    "R": _revolute, "P": _prismatic, "C": _cylindrical, "H": _helical, "U": _universal, "S": _spherical,
+    "R": _revolute, "P": _prismatic, "C": _cylindrical, "H": _helical, "U": _universal, "S": _spherical, "weld": _weld,
 }  # fmt: skip
 
 
 def reach_of(kind: JointType, axes: Sequence[np.ndarray]) -> np.ndarray:
     """Half sides (2,) of the box that holds a symbol, over its size."""
-    if kind in ("U", "S"):
+    if kind in ("U", "S", "weld"):
         return np.full(2, 0.45)
     axis, seen = _direction(axes[0])
     along, across = (1.1 if kind == "C" else 0.5) * max(seen, _WIDTH), 0.5 * _WIDTH

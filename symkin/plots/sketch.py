@@ -17,6 +17,7 @@ import numpy as np
 from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
+from symkin.plots.graph_figures import sketch_of_graph
 from symkin.plots.joint_symbols import NAMES, draw_symbol, reach_of
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.mechanism_lines import LimbLines, outline
@@ -63,6 +64,8 @@ def figure_of_sketch(mechanism: Mechanism) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    if mechanism.is_graph:
+        return sketch_of_graph(mechanism)
     with drawing():
         figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI, facecolor="white")
         FigureCanvasAgg(figure)

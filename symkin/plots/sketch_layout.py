@@ -69,7 +69,7 @@ def make_layout(mechanism: Mechanism) -> Layout:
     body, notes = _body(mechanism)
     joints = _marks(mechanism, body)
     normal = plane_normal(joints, body, mechanism.characteristic_length)
-    axes = _view_onto(normal) if normal is not None else _best_view(joints, mechanism.characteristic_length)
+    axes = view_onto(normal) if normal is not None else best_view(joints, mechanism.characteristic_length)
     return Layout(
         mechanism=mechanism,
         body=body,
@@ -185,7 +185,7 @@ def plane_normal(joints: Sequence[JointMark], body: MechanismLines, size: float)
     return normal if parallel and across and flat and np.ptp(body.points @ normal) < _SAME * size else None
 
 
-def _view_onto(normal: np.ndarray) -> np.ndarray:
+def view_onto(normal: np.ndarray) -> np.ndarray:
     """Rows right, up and towards the eye, along a normal; x is to the right where it can be, z up where x cannot."""
     right = np.eye(3)[0] if abs(normal[0]) < 0.9 else np.eye(3)[1]
     right = right - (right @ normal) * normal
@@ -196,7 +196,7 @@ def _view_onto(normal: np.ndarray) -> np.ndarray:
     return np.array([right, up, normal])
 
 
-def _best_view(joints: Sequence[JointMark], size: float) -> np.ndarray:
+def best_view(joints: Sequence[JointMark], size: float) -> np.ndarray:
     """The direction, of those tried, in which joints are farthest from hiding each other."""
     points = np.array([joint.centre for joint in apart(joints, size, _ASIDE * size)])
     views = [_axes(e, a) for e in _ELEVATIONS for a in _AZIMUTHS]

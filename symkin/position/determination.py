@@ -22,6 +22,8 @@ DIGITS = 1e-4
 """Largest closure error, as a share of the size, that may be due to the digits of a file."""
 _OPEN_RANK = 1e3
 """Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
+_STATIONARY = 0.9
+"""A configuration whose rows one step would lessen to below this share is no minimum of them."""
 _REGULAR = 1e-5
 """Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
 _SUGGESTED = 4
@@ -128,8 +130,11 @@ def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float
     if not CLOSURE_TOLERANCE * system.characteristic_length < residual <= DIGITS * system.characteristic_length:
         return False
     needed = system.freedom - determination(problem).free
-    _, jacobian = system.linearise_one(z, known)
+    rows, jacobian = system.linearise_one(z, known)
     if jacobian.shape[0] <= needed or needed <= 0:
+        return False
+    step = np.linalg.lstsq(jacobian, -rows, rcond=RANK_TOLERANCE)[0]
+    if np.linalg.norm(rows + jacobian @ step) < _STATIONARY * np.linalg.norm(rows):
         return False
     singular = np.linalg.svd(jacobian, compute_uv=False)
     return bool(singular[needed - 1] > _REGULAR * singular[0])

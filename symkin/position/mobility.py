@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin.closure.branches import Bar, edges_of
 from symkin.closure.closure import Closure, build_closure
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate, Joint
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
@@ -33,6 +34,8 @@ _DIGITS = 1e-5
 """Of the size: loops that leave less at least-squares configurations are closed to the digits of a file; and the share of the
 largest singular value below which others are zero to these digits. Files are written with five digits and more."""
 
+_STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
+"""Random steps of each of three lengths; of a graph of many freedoms, whose single steps take long, fewer."""
 _BLUR = 30.0
 """Singular values that are zero but for a misfit, over it (a share of the size): what loops are larger than their shortest links."""
 
@@ -281,6 +284,24 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     )
 
 
+@lru_cache(maxsize=64)
+def open_loops_note(mechanism: Mechanism) -> str | None:
+    """What is said of a graph that has no solution, whatever is given: how far its loops stay open, and which; else None."""
+    if not mechanism.is_graph:
+        return None
+    closure = build_closure(mechanism)
+    size = closure.characteristic_length
+    if whole_system(closure).residual(closure.reference, np.zeros(0)) <= CLOSURE_TOLERANCE * size:
+        return None
+    misfit = mobility(mechanism).misfit
+    if misfit is None:
+        return None
+    return (
+        f"no configuration closes the loops, whatever is given: the best one found leaves {misfit.length:.3g} {mechanism.length_unit}, "
+        f"most of it in the loop of {misfit.loop}; check its lengths and couplings"
+    )
+
+
 def _mobility_of_graph(mechanism: Mechanism, seed: int) -> Mobility:
     closure = build_closure(mechanism)
     system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
@@ -444,9 +465,10 @@ def _least_squares_ends(closure: Closure, seed: int) -> np.ndarray:
     closed to the digits of a file, or to none."""
     system = whole_system(closure)
     rng = np.random.default_rng(seed)
-    begin = np.tile(closure.reference, (24, 1))
-    radii = np.repeat([0.03, 0.1, 0.3], 8)[:, None] * closure.characteristic_length
-    starts = system.move(begin, radii * rng.normal(size=(24, system.freedom)))
+    each = _FEW_STARTS if closure.mechanism.is_graph and system.freedom > _MANY_FREEDOMS else _STARTS
+    begin = np.tile(closure.reference, (3 * each, 1))
+    radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * closure.characteristic_length
+    starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
     kept = batch.points if closure.mechanism.is_graph else batch.points[batch.converged]

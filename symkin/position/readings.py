@@ -8,31 +8,16 @@ from symkin.closure.closure import Closure
 from symkin.closure.link_poses import LinkPoses, joint_readings, link_poses
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import LIMIT_SLACK
 from symkin.position.canonical import canonical
 
 
 @lru_cache(maxsize=128)
-def all_coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    """Every coordinate of a mechanism's joints and actuated rods, in file order."""
-    found: list[Coordinate] = []
-    for limb in mechanism.limbs:
-        if isinstance(limb, RodLimb):
-            found.append(limb.coordinate(mechanism.reference_rod_value(limb)))
-        else:
-            found.extend(c for joint in limb.joints for c in joint.coordinates)
-    found.extend(c for entry in mechanism.link_joints for c in entry.joint.coordinates)
-    found.extend(rod.coordinate for rod in mechanism.link_rods if rod.actuated)
-    return tuple(found)
-
-
-@lru_cache(maxsize=128)
 def left_out(closure: Closure) -> tuple[Coordinate, ...]:
     """The coordinates that the closure does not hold: those of cut joints."""
     held = {c.name for c in closure.coordinates}
-    return tuple(c for c in all_coordinates(closure.mechanism) if c.name not in held)
+    return tuple(c for c in closure.mechanism.coordinates if c.name not in held)
 
 
 def readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:

@@ -16,7 +16,7 @@ from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem
-from symkin.position.readings import all_coordinates, left_out, points_at, readings
+from symkin.position.readings import left_out, points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -75,7 +75,7 @@ class Solution(Result):
     def joints(self) -> dict[str, Any]:
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
         of the closure first."""
-        names = [c.name for c in all_coordinates(self.mechanism)]
+        names = [c.name for c in self.mechanism.coordinates]
         order = names if self.mechanism.is_graph else [*self.held_joints, *(n for n in names if n not in self.held_joints)]
         return {name: self._in_units(name, self.all_values[name]) for name in order}
 
@@ -130,7 +130,7 @@ class Solution(Result):
 
     def _in_units(self, name: str, value: Any) -> Any:
         """A coordinate's value as users read it."""
-        c = next(c for c in all_coordinates(self.mechanism) if c.name == name)
+        c = next(c for c in self.mechanism.coordinates if c.name == name)
         if c.kind == "quaternion":
             return [float(v) for v in value]
         return self.mechanism.angle_out(value) if c.is_angular else value

@@ -23,6 +23,7 @@ from symkin.position.determination import determination, is_least, misfit_note, 
 from symkin.position.given import Given
 from symkin.position.given_by_name import given_by_name
 from symkin.position.least_squares import LeastSquares
+from symkin.position.mobility import open_loops_note
 from symkin.position.moved_starts import moved_starts
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
@@ -74,6 +75,8 @@ def solve_by_name(mechanism: Mechanism, given: Given, start: Start, solver: Newt
             notes.append(_free_note(problem, left, start is None))
         solution = make_solution(problem, problem.join_values(attempt.end, given.values), notes=given.notes)
         notes += _far_notes(solution, start)
+    note = open_loops_note(mechanism) if solution is None else None
+    notes += [] if note is None else [note]
     return SolveResult(
         problem=problem,
         given=given.echo,
@@ -227,7 +230,7 @@ def _far_notes(found: Solution, start: Start) -> list[str]:
 
 
 def _is_angle(mechanism: Mechanism, name: str) -> bool:
-    return any(c.is_angular for joint in mechanism.all_joints for c in joint.coordinates if c.name == name)
+    return any(c.is_angular for c in mechanism.coordinates if c.name == name)
 
 
 def _history(problem: Problem, given: Given, attempt: _Attempt) -> list[Iterate]:

@@ -1,0 +1,304 @@
+"""Figures of graphs of links: the sketch at the reference configuration with names, and a panel for each of several modes."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.model.joint import BASE
+from symkin.model.mechanism import Mechanism
+from symkin.plots.graph_lines import GraphLines, reference_graph_lines, view_axes
+from symkin.plots.graph_painter import GraphPainter
+from symkin.plots.joint_symbols import NAMES, draw_symbol
+from symkin.plots.label_placement import Box, Label, Page
+from symkin.plots.style import COLOURS, drawing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_DPI = 150
+_WIDTH, _HEIGHT = 1500.0, 1200.0
+"""Pixels of the sketch."""
+_TOP, _BOTTOM, _SIDE = 160.0, 110.0, 150.0
+"""Pixels above, below and beside what is drawn: title, legend, labels."""
+_SYMBOL, _LEAST_SYMBOL = 40.0, 22.0
+"""Length of a joint's symbol in pixels, and the least that crowded joints leave of it."""
+_PANEL = 520.0
+"""Pixels of the longer side of a panel's drawing."""
+_PANEL_GAP, _PANEL_TEXT, _HEAD, _FOOT = 46.0, 126.0, 150.0, 90.0
+"""Pixels between panels, above each for its title and text, and of the figure's head and foot."""
+_MOST_COLUMNS = 4
+_WIDEST = 2200.0
+"""Pixels that one row of panels may have."""
+_NARROWEST = 1150.0
+"""Least width of a figure of panels in pixels, for its title."""
+_FAR = 0.5
+"""Distance over the size beyond which the base frame's origin is left out of the picture."""
+_THIN = 0.12
+"""Least extent of a drawing in any direction, of the size."""
+
+
+@dataclass(frozen=True, eq=False)
+class GraphPanel:
+    """One configuration: its title, a text below it, and its lines."""
+
+    title: str
+    text: str
+    lines: GraphLines
+
+
+def sketch_of_graph(mechanism: Mechanism) -> Figure:
+    """The graph at the reference configuration with the names of joints, rods and points; a planar one is seen along its axes."""
+    lines = reference_graph_lines(mechanism)
+    axes, planar = view_axes(lines)
+    with drawing():
+        figure, ax = _sheet(_WIDTH, _HEIGHT)
+        room = np.array([_WIDTH - 2 * _SIDE, _HEIGHT - _TOP - _BOTTOM - 0.6 * _SIDE])
+        low, high = _extent([lines], axes)
+        scale = float(np.min(room / (high - low)))
+        centre = np.array([0.5 * _WIDTH, _BOTTOM + 0.5 * (_HEIGHT - _TOP - _BOTTOM)])
+        painter = GraphPainter(
+            ax,
+            lines,
+            axes,
+            planar,
+            scale,
+            centre - 0.5 * scale * (low + high),
+            _symbol_size(lines, axes, scale, _SYMBOL),
+            origin=shows_origin([lines], axes),
+        )
+        painter.draw()
+        _labels(figure, painter)
+        facts = [f"graph at the reference configuration; lengths in {mechanism.length_unit}"]
+        _heading(ax, mechanism, facts, _WIDTH, _HEIGHT)
+        _legend(figure, ax, [lines], planar, _WIDTH)
+    return figure
+
+
+def panels_of_graph(mechanism: Mechanism, panels: Sequence[GraphPanel], facts: Sequence[str], part: str = "") -> Figure:
+    """The panels in rows, to one scale and seen from one side; the mechanism's title, then `part`, above the `facts`."""
+    axes, planar = view_axes(reference_graph_lines(mechanism))
+    low, high = _extent([panel.lines for panel in panels], axes)
+    scale = _PANEL / float(np.max(high - low))
+    width, height = scale * (high - low)
+    symbol = min(_symbol_size(panels[0].lines, axes, scale, 26.0, 14.0), 26.0)
+    origin = shows_origin([panel.lines for panel in panels], axes)
+    cell_wide = max(width, 300.0) + _PANEL_GAP
+    columns = _columns(len(panels), cell_wide)
+    rows = math.ceil(len(panels) / columns)
+    cell_high = height + _PANEL_TEXT + _PANEL_GAP
+    whole = max(columns * cell_wide + _PANEL_GAP, _NARROWEST), _HEAD + rows * cell_high + _FOOT
+    with drawing():
+        figure, ax = _sheet(*whole)
+        for k, panel in enumerate(panels):
+            row, column = divmod(k, columns)
+            middle = 0.5 * whole[0] + (column + 0.5 - 0.5 * columns) * cell_wide
+            top = whole[1] - _HEAD - row * cell_high
+            centre = np.array([middle, top - _PANEL_TEXT - 0.5 * height])
+            painter = GraphPainter(ax, panel.lines, axes, planar, scale, centre - 0.5 * scale * (low + high), symbol, 0.8, origin)
+            painter.draw()
+            _write(ax, middle, top, panel.title, fontsize=10.5, fontweight="bold")
+            text = "\n".join(textwrap.fill(line, int(cell_wide / 11.5)) for line in panel.text.split("\n"))
+            _write(ax, middle, top - 26.0, text, fontsize=8.0, color=COLOURS["quiet"])
+        _heading(ax, mechanism, facts, *whole, part)
+        _legend(figure, ax, [panel.lines for panel in panels], planar, whole[0])
+    return figure
+
+
+def _columns(count: int, cell: float) -> int:
+    """Columns of panels: all in a row where they are few and narrow, else rows as even as can be."""
+    if count <= _MOST_COLUMNS and count * cell <= _WIDEST:
+        return count
+    rows = math.ceil(count / min(_MOST_COLUMNS, max(1, math.ceil(math.sqrt(1.6 * count)))))
+    return math.ceil(count / rows)
+
+
+def _sheet(width: float, height: float) -> tuple[Figure, Any]:
+    """A figure whose axes are its pixels, y upward."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set(xlim=(0.0, width), ylim=(0.0, height))
+    ax.set_axis_off()
+    return figure, ax
+
+
+def _extent(bodies: Sequence[GraphLines], axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds (2,) in the picture, no side too thin; the base frame's origin within where it is near."""
+    size = bodies[0].mechanism.characteristic_length
+    points = [body.all_points for body in bodies]
+    points += [np.atleast_2d(body.pose.position) for body in bodies if body.pose is not None]
+    flat = np.vstack(points) @ axes[:2].T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    if shows_origin(bodies, axes):
+        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    lacking = np.maximum(_THIN * size - (high - low), 0.0)
+    return low - 0.5 * lacking - 0.03 * size, high + 0.5 * lacking + 0.03 * size
+
+
+def shows_origin(bodies: Sequence[GraphLines], axes: np.ndarray) -> bool:
+    """Whether the base frame's origin is near enough to what is drawn to be in the picture."""
+    flat = np.vstack([body.all_points for body in bodies]) @ axes[:2].T
+    away = np.maximum(np.maximum(flat.min(axis=0), -flat.max(axis=0)), 0.0)
+    return float(np.linalg.norm(away)) < _FAR * bodies[0].mechanism.characteristic_length
+
+
+def _symbol_size(lines: GraphLines, axes: np.ndarray, scale: float, most: float, least: float = _LEAST_SYMBOL) -> float:
+    """Pixels: what the distance of the nearest two symbols that are apart leaves, within bounds."""
+    if not lines.joints:
+        return most
+    flat = scale * np.array([joint.centre for joint in lines.joints]) @ axes[:2].T
+    gaps = np.linalg.norm(flat[:, None] - flat[None], axis=2)
+    gaps = gaps[gaps > 8.0]
+    return float(np.clip(0.9 * gaps.min(initial=most), least, most))
+
+
+# --- texts ---------------------------------------------------------------------------------------------------------
+
+
+def _labels(figure: Any, painter: GraphPainter) -> None:
+    """Names of joints, those at one place together, of rods, points and links, where they do not meet."""
+    page = Page(_WIDTH, _HEIGHT - _TOP)
+    for start, end in painter.strokes:
+        page.add_line(start.tolist(), end.tolist())
+    page.symbols += [Box(x, y, reach, reach) for x, y, reach in painter.symbols]
+    lines = painter.lines
+    middle = np.mean(painter.at(lines.all_points), axis=0)
+    labels: list[tuple[Label, dict[str, Any]]] = []
+
+    def add(text: str, anchor: np.ndarray, reach: float, font: float, **look: Any) -> None:
+        width, height = _text_extent(figure, painter.ax, text, font, look)
+        wish = _unit(anchor - middle)
+        labels.append((Label(text, (anchor[0], anchor[1]), reach, width, height, (wish[0], wish[1])), {"fontsize": font, **look}))
+
+    for text, place in _joined_names(painter):
+        add(text, place, 0.6 * painter.symbol, 9.5, color=COLOURS["text"])
+    for name, point in lines.points.items():
+        add(name, painter.at(point), 6.0, 9.0, color=COLOURS["text"], fontstyle="italic")
+    for rod in lines.rods:
+        add(
+            rod.name,
+            painter.at(0.5 * (rod.start + rod.end)),
+            0.4 * painter.symbol if rod.actuated else 4.0,
+            9.0,
+            color=COLOURS["link"],
+        )
+    for link, points in lines.links.items():
+        if link != BASE and len(lines.links) <= _MOST_LINK_NAMES:
+            colour = COLOURS["platform edge"] if link == lines.mechanism.platform_link else COLOURS["quiet"]
+            add(link, painter.at(np.mean(points, axis=0)), 2.0, 8.5, color=colour, fontstyle="italic")
+    if painter.origin and lines.pose is not None and np.linalg.norm(lines.pose.position) > 1e-6 * painter.size:
+        add("O", painter.at(np.zeros(3)), 4.0, 10.0, color=COLOURS["text"], fontweight="bold")
+    if lines.pose is not None:
+        add("P", painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, color=COLOURS["platform edge"], fontweight="bold")
+    for label, look in labels:
+        _place(painter.ax, page, label, look)
+
+
+_MOST_LINK_NAMES = 16
+"""Links whose names are written; beyond, they hide what they name."""
+
+
+def _joined_names(painter: GraphPainter) -> list[tuple[str, np.ndarray]]:
+    """Names of joints with their places in the picture, those of one place in one text."""
+    found: list[tuple[list[str], np.ndarray]] = []
+    for joint in painter.lines.joints:
+        place = painter.at(joint.centre)
+        names = next((names for names, other in found if np.linalg.norm(place - other) < 3.0), None)
+        if names is None:
+            found.append(([joint.name], place))
+        else:
+            names.append(joint.name)
+    return [(textwrap.fill(", ".join(names), 40), place) for names, place in found]
+
+
+def _place(ax: Any, page: Page, label: Label, look: dict[str, Any]) -> None:
+    box = page.place(label)
+    anchor = np.array(label.anchor)
+    edge = np.clip(anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high))
+    if np.linalg.norm(edge - anchor) > label.reach + 16.0:
+        start = anchor + _unit(edge - anchor) * label.reach
+        ax.plot([start[0], edge[0]], [start[1], edge[1]], color=COLOURS["axis"], linewidth=0.6, zorder=19.0, gid="leader")
+        page.add_line(start.tolist(), edge.tolist())
+    ax.text(box.x, box.y, label.text, ha="center", va="center", zorder=30.0, parse_math=False, gid="label", **look)
+
+
+def _text_extent(figure: Any, ax: Any, text: str, font: float, look: dict[str, Any]) -> tuple[float, float]:
+    """Width and height of a text in pixels."""
+    drawn = ax.text(0, 0, text, fontsize=font, parse_math=False, **look)
+    box = drawn.get_window_extent(figure.canvas.get_renderer())
+    drawn.remove()
+    return float(box.width), float(box.height)
+
+
+def _heading(ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, height: float, part: str = "") -> None:
+    title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
+    room = int(width / 17)
+    shortened = title if len(title) + len(part) <= room else title[: room - len(part) - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+    _write(ax, 0.5 * width, height - 22.0, shortened + part, fontsize=14.0, fontweight="bold")
+    lines = "\n".join(textwrap.fill(fact, int(width / 12.5)) for fact in facts)
+    _write(ax, 0.5 * width, height - 62.0, lines, fontsize=9.0, color=COLOURS["quiet"], linespacing=1.35)
+
+
+def _legend(figure: Any, ax: Any, bodies: Sequence[GraphLines], planar: bool, width: float) -> None:
+    """Symbols of the joint types that are drawn, of rods, of the platform's link and of couplings, in a row or two at the foot."""
+    lines = bodies[0]
+    kinds = [kind for kind in NAMES if any(joint.type == kind for joint in lines.joints)]
+    entries: list[tuple[str, Any]] = [(NAMES[kind], (kind, False)) for kind in kinds]
+    if any(joint.actuated for joint in lines.joints) or any(rod.actuated for rod in lines.rods):
+        kind = next((joint.type for joint in lines.joints if joint.actuated), "P")
+        entries.append(("actuated", (kind, True)))
+    strokes = (
+        ("rod", any(not rod.actuated for rod in lines.rods), {"color": COLOURS["link"], "linewidth": 1.7, "marker": "o", "markersize": 4.5,
+         "markerfacecolor": "white"}),
+        ("link of the platform frame", lines.pose is not None, {"color": COLOURS["platform edge"], "linewidth": 3.4}),
+        ("coupling", bool(lines.couplings), {"color": COLOURS["accent"], "linewidth": 1.2, "linestyle": (0, (1.5, 2.0))}),
+        ("point", bool(lines.points), {"color": COLOURS["text"], "marker": "D", "markersize": 4.5, "linewidth": 0.0}),
+    )  # fmt: skip
+    entries += [(name, look) for name, drawn, look in strokes if drawn]
+    widths = [_text_extent(figure, ax, name, 9.5, {})[0] for name, _ in entries]
+    half = math.ceil(len(entries) / 2)
+    one_row = sum(widths) + _ENTRY * len(entries) < width - 20.0
+    rows = [slice(0, len(entries))] if one_row else [slice(0, half), slice(half, len(entries))]
+    for k, row in enumerate(rows):
+        y = 38.0 + 40.0 * (len(rows) - 1 - k)
+        x = 0.5 * (width - sum(widths[row]) - _ENTRY * len(widths[row]) + 24.0)
+        for (name, look), wide in zip(entries[row], widths[row], strict=True):
+            _entry(ax, look, np.array([x, y]), end_on=planar)
+            ax.text(x + 0.62 * _ENTRY, y, name, ha="left", va="center", fontsize=9.5, color=COLOURS["quiet"], parse_math=False)
+            x += wide + _ENTRY
+
+
+_ENTRY = 84.0
+"""Pixels of an entry of the legend beside its text."""
+
+
+def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
+    """What stands before a text of the legend: a symbol (type, actuated), or a line of some look."""
+    from matplotlib.lines import Line2D
+
+    x, y = place
+    if isinstance(look, dict):
+        ends = [x + 0.25 * _ENTRY] if look["linewidth"] == 0.0 else [x, x + 0.5 * _ENTRY]
+        ax.add_line(Line2D(ends, [y] * len(ends), zorder=10.0, **look))
+        return
+    kind, drives = look
+    axes = [np.zeros(2) if end_on and kind == "R" else np.array([0.94, 0.2]), np.array([-0.3, 0.7])]
+    draw_symbol(ax, kind, np.array([x + 0.25 * _ENTRY, y]), axes, 28.0, actuated=drives, label="legend", order=10.0)
+
+
+def _write(ax: Any, x: float, y: float, text: str, **look: Any) -> None:
+    ax.text(x, y, text, ha="center", va="top", parse_math=False, zorder=30.0, **({"color": COLOURS["text"]} | look))
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    length = float(np.linalg.norm(vector))
+    return vector / length if length > 1e-9 else np.array([0.0, 1.0])
