@@ -1,4 +1,4 @@
-"""Writes one folder of C for each shipped mechanism and real type into this directory.
+"""Writes one folder of C for each shipped mechanism of limbs and real type into this directory.
 
     python codegen/generate.py [-o DIR]
 
@@ -22,7 +22,7 @@ REALS = ("float", "double")
 
 def variants() -> list[tuple[str, str, Options]]:
     """(folder, mechanism, options) of everything that is committed."""
-    plain = [(f"{n}_{r}", n, Options(r, home=HOMES.get(n))) for n in shipped_names() for r in REALS]  # type: ignore[arg-type]
+    plain = [(f"{n}_{r}", n, Options(r, home=HOMES.get(n))) for n in shipped_names() if not load(n).is_graph for r in REALS]  # type: ignore[arg-type]
     home = HOMES["zhang2009"]
     return [
         *plain,

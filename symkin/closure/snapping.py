@@ -14,22 +14,23 @@ _NOISE = 4e-15
 some products of such numbers gather a little more."""
 
 
-def snap(value: float) -> float:
-    """Round a constant to 0 or to 11 digits where it differs from that by rounding noise only."""
-    if abs(value) < _NOISE:
+def snap(value: float, scale: float = 1.0) -> float:
+    """Round a constant to 0 or to 11 digits where it differs from that by rounding noise only; `scale` is the size of the numbers
+    that have made it."""
+    if abs(value) < _NOISE * scale:
         return 0.0
     near = float(f"{value:.11g}")
     return near if abs(near - value) <= _NOISE * abs(value) else value
 
 
-def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX]) -> ca.SX:
+def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX], scale: float = 1.0) -> ca.SX:
     """Write the same expression with snapped constants."""
     function = ca.Function("f", list(symbols), [expression], {"cse": True})
 
     def folded(value: ca.SX) -> ca.SX:
-        return ca.SX(snap(float(value))) if value.is_constant() else value
+        return ca.SX(snap(float(value), scale)) if value.is_constant() else value
 
-    return rebuilt(function, symbols, lambda number: ca.SX(snap(number)), folded)
+    return rebuilt(function, symbols, lambda number: ca.SX(snap(number, scale)), folded)
 
 
 def snapped_constants(numbers: ca.SX | None, scale: float = 1.0) -> ca.SX | None:

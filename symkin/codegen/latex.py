@@ -27,7 +27,9 @@ _GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omeg
 def equations(mechanism: Mechanism) -> str:
     """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
     closure = build_closure(mechanism)
-    rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables]), [closure.variables])
+    # a sum of lengths leaves the rounding of lengths
+    scale = max(1.0, closure.characteristic_length)
+    rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables], scale), [closure.variables])
     parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
     names = distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
     definitions, results = write(rows, closure.variables, names)
