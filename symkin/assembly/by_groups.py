@@ -160,7 +160,7 @@ def _solve(
     if is_linear(group):
         return _linear(group, known)
     if search.method == "continuation":
-        paths = group_paths(group, progress)
+        paths = group_paths(group)
         if paths is not None:
             found = paths.roots(known, certify=False)
             if found.plain.all() and len(found.points):
@@ -202,19 +202,14 @@ def _one_by_one(
 
 
 @lru_cache(maxsize=256)
-def _paths(group: Problem) -> BlockPaths | None:
+def group_paths(group: Problem) -> BlockPaths | None:
+    """What tracks the paths of a group; None where it has no start."""
     if unsuitable(group) is not None:
         return None
     (block,) = group.blocks
     system = system_of(group, block)
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start)
-
-
-def group_paths(group: Problem, progress: Progress | None = None) -> BlockPaths | None:
-    """What tracks the paths of a group; None where it has no start."""
-    del progress
-    return _paths(group)
 
 
 # --- groups that are linear ----------------------------------------------------------------------------------------

@@ -9,7 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.closure.rows import ALL_JOINTS, Partition, PoseForm, ReplacedUniversalJoint, Row, RowBuilder
+from symkin.closure.bodies import PoseForm
+from symkin.closure.partition import ALL_JOINTS, Partition
+from symkin.closure.rows import ReplacedUniversalJoint, Row, RowBuilder
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -13,35 +13,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.branches import Bar, Branch, Element, layout_of
-from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, Step, relative_sides
-from symkin.closure.parameters import ParameterTable
-from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, UnitPose
-from symkin.closure.snapping import snapped_constants
+from symkin.closure.bodies import BodyBuilder, PoseForm
+from symkin.closure.branches import Bar, Branch, Element
+from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
+from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
+from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
+from symkin.closure.pose_forms import PlatformPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
-from symkin.model.dh import reference_frames
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint
+from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotate
-
-POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
-    "spatial": (("x", "length"), ("y", "length"), ("z", "length"), ("quaternion", "quaternion")),
-    "schoenflies": (("x", "length"), ("y", "length"), ("z", "length"), ("gamma", "angle")),
-    "planar": (("x", "length"), ("y", "length"), ("gamma", "angle")),
-    "translation": (("x", "length"), ("y", "length"), ("z", "length")),
-    "spherical": (("quaternion", "quaternion"),),
-}
-
-
-PoseForm = Literal["study", "homogeneous"]
-"""Algebraic forms of the pose: "study" where it is unknown, "homogeneous" where it is given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,25 +46,6 @@ class ReplacedUniversalJoint:
 
 
 @dataclass(frozen=True)
-class Partition:
-    """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether the platform of a graph has
-    pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one (see `POSE_CONDITIONS`), as variables
-    with rows of their own; with `geometry`, points and lengths are known coordinates too. Any closure holds the actuated joints and those that couplings name."""
-
-    kept: frozenset[str] = frozenset()
-    pose: bool = False
-    pose_conditions: tuple[str, ...] = ()
-    geometry: bool = False
-
-
-POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
-"""Coordinates of the platform's pose that are given one by one: position, and the rotation Rz(azimuth) Ry(tilt) Rz(torsion -
-azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J. Mech. Des. 124, 2002)."""
-ALL_JOINTS = Partition()
-"""No more than any closure holds."""
-
-
-@dataclass(frozen=True)
 class Row:
     """Where a row of the closure comes from: the limb and the relation that its cut joint keeps."""
 
@@ -85,29 +53,16 @@ class Row:
     relation: str
 
 
-class RowBuilder:
-    """Collects coordinates, parameters, rows and their checks while it walks a mechanism's branches.
-
-    `kept` names joint coordinates that the closure must hold, whichever joint a loop is best cut at; `pose` says whether the
-    platform of a graph has coordinates of its own, which that of limbs always has.
-    """
+class RowBuilder(BodyBuilder):
+    """Collects rows and their checks while it walks a mechanism's branches."""
 
     def __init__(
         self, mechanism: Mechanism, form: PoseForm | None = None, *, eliminate: bool = False, replace_universal: bool = True,
         bound: bool | None = None, partition: Partition = ALL_JOINTS, body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:  # fmt: skip
-        self.mechanism = mechanism
-        self.form = form if mechanism.motion in ("spatial", "spherical") else None
-        self.body_forms = dict(body_forms or {})
-        self.body_symbols: dict[str, ca.SX] = {}
+        super().__init__(mechanism, form, bound=bound, partition=partition, body_forms=body_forms)
         self.eliminate = eliminate
         self.replace_universal = replace_universal
-        self.partition = partition
-        self.kept = partition.kept | {n for c in mechanism.couplings for n in (c.joint, *c.names)}
-        self.layout = layout_of(mechanism, self.kept, pose=partition.pose)
-        self.table = ParameterTable(bound=form is not None if bound is None else bound)
-        self.kinds = {c.name: c for c in mechanism.coordinates}
-        self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
         self.errors: list[ca.SX] = []
@@ -117,19 +72,9 @@ class RowBuilder:
         self.replaced_universal_joints: list[ReplacedUniversalJoint] = []
         self.forward: Pose | None = None
         self.arm: Side = Chain(())
-        self.bodies: dict[str, Side] = {BASE: Chain(())}
-        self.links: dict[str, Side] = {}
 
     def build_rows(self) -> None:
-        m = self.mechanism
-        joints, tool = self._geometry()
-        joints = {name: symbols.moved(self._shift(symbols.joint)) for name, symbols in joints.items()}
-        if self.table.bound:
-            joints = {name: symbols.snapped(m.characteristic_length) for name, symbols in joints.items()}
-            tool = Pose(snapped_constants(tool.position, m.characteristic_length), snapped_constants(tool.quaternion))
-        self.joints = joints
-        self.reference = tool
-        self._declare_bodies()
+        self.declare()
         for branch in self.layout.branches:
             if branch.carries:
                 self._carry(branch)
@@ -138,133 +83,6 @@ class RowBuilder:
         self._couple()
         self._place_platform()
         self._condition_pose()
-
-    # --- geometry and pose ---------------------------------------------------------------------------------------
-
-    def _geometry(self) -> tuple[dict[str, JointSymbols], Pose]:
-        """Joints by name and the platform's reference pose as expressions of the parameters."""
-        m, table = self.mechanism, self.table
-        if m.dh is not None:
-            rows = []
-            for k, row in enumerate(m.dh.rows, start=1):
-                rows.append([table.scalar(f"dh.{k}.{key}", getattr(row, key)) for key in ("theta", "d", "a", "alpha")])
-            frames, tool = reference_frames(m.dh.convention, rows)
-            symbols = {
-                joint.name: JointSymbols(joint, ca.SX(point), ca.SX(axis), None, None, ca.SX(0))
-                for joint, (point, axis) in zip(m.all_joints, frames, strict=True)
-            }
-            return symbols, Pose(ca.SX(tool.position), ca.SX(tool.quaternion))
-        paths = {element.name: element.path for branch in self.layout.branches for element in branch.elements}
-        joints = {j.name: JointSymbols.declare(j, paths[j.name], table) for j in m.all_joints if j.type != "weld"}
-        frame = "tool" if m.serial else "platform"
-        position = table.vector(f"{frame}.position", m.platform_position)
-        quaternion = table.vector(f"{frame}.quaternion", m.platform_quaternion, "wxyz")
-        return joints, Pose(position, quaternion / ca.sqrt(ca.dot(quaternion, quaternion)))
-
-    def _shift(self, joint: Joint) -> float:
-        """How far along its axis a joint's point is moved from where it is described; the joint is the same for any geometry."""
-        away = self.mechanism.places[joint.name] - np.array(joint.point)
-        return float(away @ np.array(joint.axis)) if away.any() else 0.0
-
-    def _declare_bodies(self) -> None:
-        """Poses of the bodies that float: the platform's first."""
-        for body in self.layout.floating:
-            if body in self.body_forms:
-                self.bodies[body] = self._declare_algebraic_body(body)
-            elif body == self._platform:
-                self._declare_pose(self.reference)
-                self.bodies[body] = PlatformSide(self.platform_pose, self.reference)
-            else:
-                self.bodies[body] = self._declare_body(body)
-
-    @property
-    def _platform(self) -> str | None:
-        return self.mechanism.platform_link if self.mechanism.is_graph else PLATFORM
-
-    def _declare_algebraic_body(self, body: str) -> PlatformSide:
-        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length."""
-        e = ca.SX.sym(f"{body}.e", 4)
-        reference = self.reference if body == self._platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
-        if self.body_forms[body] == "study":
-            g = ca.SX.sym(f"{body}.g", 4)
-            self.body_symbols[body] = ca.vertcat(e, g)
-            return PlatformSide(StudyPose(e, g), reference)
-        t = ca.SX.sym(f"{body}.t", 3)
-        self.body_symbols[body] = ca.vertcat(t, e)
-        return PlatformSide(HomogeneousPose(t, e), reference)
-
-    def _middle(self, body: str) -> np.ndarray:
-        """The middle of a body's joint points at the reference."""
-        ends = [_end_of(branch, body) for branch in self.layout.branches if body in branch.ends]
-        return np.asarray(np.mean([self._place(element, first=first) for element, first in ends], axis=0))
-
-    def _declare_body(self, body: str) -> PlatformSide:
-        """A floating body by the position of the middle of its joints' points and its turn from the reference."""
-        middle = self._middle(body)
-        values = {
-            f"{body}.{key}": Coordinate(f"{body}.{key}", "length", "body", (float(value),))
-            for key, value in zip("xyz", middle, strict=True)
-        }
-        turn = Coordinate(f"{body}.quaternion", "quaternion", "body", (1.0, 0.0, 0.0, 0.0))
-        position = ca.vertcat(*(self._symbol(c) for c in values.values()))
-        return PlatformSide(UnitPose(position, self._symbol(turn)), Pose(ca.SX(middle), ca.SX([1, 0, 0, 0])))
-
-    def _place(self, element: Element, *, first: bool) -> np.ndarray:
-        """Where a joint or the end of a rod is at the reference, the end that is nearer to the branch's first body or not."""
-        if isinstance(element.part, Joint):
-            return self.mechanism.places[element.name]
-        end = element.part.start if first == element.along else element.part.end
-        point = np.array(end.point)
-        return np.asarray(self.mechanism.reference_pose.apply(point)) if end.in_platform_frame else point
-
-    def _declare_pose(self, reference: Pose) -> None:
-        if self.form is not None:
-            self._declare_algebraic_pose(reference)
-            return
-        m = self.mechanism
-        values: dict[str, ca.SX] = {}
-        nominal = {"x": 0, "y": 1, "z": 2}
-        for name, kind in POSE_COORDINATES[m.motion]:
-            if name == "quaternion":
-                start = m.platform_quaternion
-            else:
-                start = (m.platform_position[nominal[name]],) if name in nominal else (0.0,)
-            coordinate = Coordinate(f"pose.{name}", kind, "pose", tuple(start))  # type: ignore[arg-type]
-            values[name] = self._symbol(coordinate)
-        position = ca.vertcat(*(values.get(name, reference.position[i]) for name, i in nominal.items()))
-        if "quaternion" in values:
-            quaternion = values["quaternion"]
-        else:
-            # a turn about the base frame's z axis, after the reference orientation
-            half = 0.5 * values.get("gamma", ca.SX(0))
-            quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion)
-        self.pose = Pose(position, quaternion)
-        self.platform_pose: PlatformPose = UnitPose(position, quaternion)
-
-    def _declare_algebraic_pose(self, reference: Pose) -> None:
-        e = ca.SX.sym("e", 4)
-        if self.mechanism.motion == "spherical":
-            self.pose_symbols, self.platform_pose = e, HomogeneousPose(reference.position, e)
-        elif self.form == "study":
-            g = ca.SX.sym("g", 4)
-            self.pose_symbols, self.platform_pose = ca.vertcat(e, g), StudyPose(e, g)
-        else:
-            t = ca.SX.sym("t", 3)
-            self.pose_symbols, self.platform_pose = ca.vertcat(t, e), HomogeneousPose(t, e)
-
-    def _place_platform(self) -> None:
-        """The pose of a platform that the joints carry, as an expression of theirs; the base's frame where there is none."""
-        platform = self._platform
-        if platform in self.layout.floating:
-            if platform in self.body_forms:
-                self.platform_pose = self.bodies[platform].pose  # type: ignore[union-attr]
-            return
-        if platform is None:
-            self.pose = Pose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
-            return
-        side = self._link(platform)
-        self.pose = Pose(side.move(self.reference.position), multiply(side.quaternion, self.reference.quaternion))
-        self.platform_pose = UnitPose(ca.SX(self.pose.position), ca.SX(self.pose.quaternion))
 
     def _condition_pose(self) -> None:
         """Rows for the coordinates of the pose that are given one by one."""
@@ -281,53 +99,6 @@ class RowBuilder:
         turns, checks = rotation_conditions(pose.quaternion, values)
         rows, checks = [*rows, *(size * row for row in turns)], [*rows, *(size * check for check in checks)]
         self._add("platform", "given", rows, checks)
-
-    def _link(self, link: str) -> Side:
-        """Where a link is; one within a branch is placed from the branch's first body."""
-        return self.bodies[link] if link in self.bodies else self.links[link]
-
-    def _symbol(self, coordinate: Coordinate) -> ca.SX:
-        symbol = ca.SX.sym(coordinate.name, coordinate.width)
-        self.coordinates[coordinate.name] = (coordinate, symbol)
-        return symbol
-
-    def _steps(self, elements: Sequence[Element]) -> tuple[Step, ...]:
-        """What the joints of a part of a branch do, from its first link to its last."""
-        steps: list[Step] = []
-        for element in elements:
-            if element.name not in self.joints:
-                continue
-            symbols, values = self.joints[element.name], []
-            for name in (c.name for c in symbols.joint.coordinates):
-                coordinate, known = self.kinds[name], self.coordinates.get(name)
-                values.append(known[1] if known else self._symbol(coordinate))
-            moved = symbols.steps(values)
-            steps.extend(moved if element.along else (step.inverse() for step in reversed(moved)))
-        return tuple(steps)
-
-    def chain_of(self, elements: Sequence[Element]) -> Chain:
-        """The joints of a part of a branch, once rows are built, as if they began at the base."""
-        return Chain(self._steps(elements))
-
-    def _from_first(self, branch: Branch, count: int) -> Side:
-        """Where the link behind the first `count` elements of a branch is, from the branch's first body; all links before it
-        are noted."""
-        side = self.bodies[branch.ends[0]]
-        for k in range(count):
-            side = side.extended(self._steps(branch.elements[k : k + 1]))
-            if k < len(branch.links):
-                self.links[branch.links[k]] = side
-        return side
-
-    def _from_last(self, branch: Branch, first: int) -> Side:
-        """Where the link before the element `first` is, from the branch's last body; all links behind it are noted."""
-        side, elements = self.bodies[branch.ends[1]], branch.elements
-        # coordinates are declared from the base outward
-        self._steps(elements[first:])
-        for k in reversed(range(first, len(elements))):
-            side = side.extended(tuple(step.inverse() for step in reversed(self._steps(elements[k : k + 1]))))
-            self.links[branch.links[k - 1]] = side
-        return side
 
     def declare_geometry(self) -> None:
         """Make coordinates of the lengths and the components of points on which the rows depend."""
@@ -398,14 +169,14 @@ class RowBuilder:
         if len(balls) >= 2:
             self._two_balls(branch, balls[0], balls[-1])
             return
-        cut = _cut_index(elements, self.kept)
-        hinge = _replaceable_universal_joint(elements, cut) if self.form == "study" and self.replace_universal else None
+        cut = cut_index(elements, self.kept)
+        hinge = replaceable_universal_joint(elements, cut) if self.form == "study" and self.replace_universal else None
         if hinge is not None and cut is not None:
             self._universal_as_distance(branch, hinge, cut)
             return
         eliminated = cut is None and self.eliminate
         if eliminated:
-            cut = _middle_turn(elements)
+            cut = middle_turn(elements)
         if cut is None:
             self._none_cut(branch)
             return
@@ -558,12 +329,6 @@ def _is_actuated(element: Element) -> bool:
     return isinstance(element.part, Joint) and element.part.actuated
 
 
-def _end_of(branch: Branch, body: str) -> tuple[Element, bool]:
-    """The element of a branch at a body, and whether it is the first."""
-    first = branch.ends[0] == body
-    return (branch.elements[0], True) if first else (branch.elements[-1], False)
-
-
 def _unit_vectors() -> list[ca.SX]:
     return [ca.SX([1, 0, 0]), ca.SX([0, 1, 0]), ca.SX([0, 0, 1])]
 
@@ -577,42 +342,7 @@ def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX
     return u, cross(axis, u)
 
 
-def _replaceable_universal_joint(elements: Sequence[Element], cut: int | None) -> int | None:
-    """The only passive joint before a spherical cut, if it is universal."""
-    joints = [element.part for element in elements]
-    if cut is None or joints[cut].type != "S":  # type: ignore[union-attr]
-        return None
-    passive = [i for i, joint in enumerate(joints) if not joint.actuated and i != cut]  # type: ignore[union-attr]
-    return passive[0] if len(passive) == 1 and passive[0] < cut and joints[passive[0]].type == "U" else None  # type: ignore[union-attr]
-
-
 def _angle_of_cut(symbols: JointSymbols, base: Side, platform: Side) -> tuple[Coordinate, ca.SX]:
     """Coordinate of a revolute joint that was cut: e = q_B* q_P is a turn about its axis, tan(angle / 2) = a.e / e_0."""
     e = multiply(conjugate(base.quaternion), platform.quaternion)
     return symbols.joint.coordinates[0], 2 * ca.atan2(dot(symbols.axis, e[1:]), e[0]) + symbols.zero
-
-
-def _middle_turn(elements: Sequence[Element]) -> int | None:
-    """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows, and both sides are
-    short. None where it is the only joint: then nothing would be left to solve for."""
-    if len(elements) == 1:
-        return None
-    turns = [i for i, element in enumerate(elements) if isinstance(element.part, Joint) and element.part.type == "R"]
-    return min(turns, key=lambda i: abs(2 * i - len(elements) + 1), default=None)
-
-
-def _cut_index(elements: Sequence[Element], kept: frozenset[str]) -> int | None:
-    """The passive joint of most freedom, the last of equals; helical joints are never cut (their angle stays), nor those that
-    are kept."""
-    best: int | None = None
-    most = 0
-    for i, element in enumerate(elements):
-        joint = element.part
-        if not isinstance(joint, Joint) or joint.actuated or joint.type in ("H", "weld"):
-            continue
-        if any(c.name in kept for c in joint.coordinates):
-            continue
-        # >= takes the last of equals, so that the chain from the base is the longer one
-        if joint.freedom >= most:
-            best, most = i, joint.freedom
-    return best

@@ -8,8 +8,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
+from symkin.closure.bodies import PoseForm
 from symkin.closure.closure import AlgebraicClosure, algebraic_rows, build_algebraic_closure
-from symkin.closure.rows import PoseForm
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.closure.rows import POSE_CONDITIONS
+from symkin.closure.partition import POSE_CONDITIONS
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate

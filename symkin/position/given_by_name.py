@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.rows import POSE_CONDITIONS, POSE_COORDINATES
+from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism

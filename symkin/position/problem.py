@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
-from symkin.closure.rows import ALL_JOINTS, POSE_CONDITIONS, Partition
+from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import LinkPoses, link_poses
-from symkin.closure.rows import ALL_JOINTS, Partition
+from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of

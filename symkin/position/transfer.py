@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.closure.rows import POSE_CONDITIONS
+from symkin.closure.partition import POSE_CONDITIONS
 from symkin.closure.tilt_torsion import tilt_and_torsion
 from symkin.model.joint import Coordinate
 from symkin.position.given import pose_coordinates
