@@ -214,3 +214,17 @@ def test_whole_turns_of_equal_gears_make_no_modes(turns):
     assert len(plain) == len(turned) == 4
     assert max(mode.residual for mode in turned) < 1e-9 * gripper.characteristic_length
     assert len(symkin.modes(gripper, given={"left_crank_pin": 40.0})) == 4
+
+
+def test_a_strut_whose_point_is_told_may_turn(tmp_path):
+    """A link between two balls spins about them: that is a freedom where a point off its axis is told, and none where none is."""
+    balls = [
+        '[[joint]]\nname = "s"\ntype = "S"\nlinks = ["arm", "strut"]\npoint = [40, 0, 0]\n',
+        '[[joint]]\nname = "t"\ntype = "S"\nlinks = ["strut", "base"]\npoint = [40, 90, 30]\n',
+    ]
+    head = 'format = 1\nname = "strut"\nlength_unit = "mm"\nangle_unit = "deg"\n' + joint(
+        "crank", "base", "arm", 0, 0, actuated=True
+    )
+    plain = parse(head + "".join(balls))
+    told = parse(head + "".join(balls) + '[[link]]\nname = "strut"\npoints = { pin = [45, 50, 30] }\n')
+    assert symkin.mobility(told).mobility == symkin.mobility(plain).mobility + 1

@@ -95,10 +95,13 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     if not mechanism.is_graph:
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
-    chains = _chains(edges, {platform} if pose and platform else set())
-    if platform is not None and any(platform in _bridged(chain) for chain in chains):
-        # a distance does not say how the link between two balls is turned
-        chains = _chains(edges, {platform})
+    wanted = {platform} if pose and platform is not None else set()
+    chains = _chains(edges, wanted)
+    # a distance does not say how the link between two balls is turned
+    told = {point.link for point in mechanism.link_points} | ({platform} if platform is not None else set())
+    bridged = told & {link for chain in chains for link in _bridged(chain)}
+    if bridged:
+        chains = _chains(edges, wanted | bridged)
     return _spanned(chains, mechanism, kept, pose)
 
 
