@@ -2,42 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Protocol
 
 from symkin.errors import MechanismError
-from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
-from symkin.model.joint import BASE, Coordinate, Joint
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.description import Graph
+from symkin.model.joint import BASE
 from symkin.model.names import check_name
-
-
-class Graph(Protocol):
-    """What is asked of a mechanism: that class checks itself, so that this module cannot import it."""
-
-    @property
-    def limbs(self) -> Sequence[Limb | RodLimb]: ...
-    @property
-    def link_joints(self) -> Sequence[LinkJoint]: ...
-    @property
-    def link_rods(self) -> Sequence[LinkRod]: ...
-    @property
-    def couplings(self) -> Sequence[Coupling]: ...
-    @property
-    def link_points(self) -> Sequence[LinkPoint]: ...
-    @property
-    def platform_link(self) -> str | None: ...
-    @property
-    def platform_position(self) -> Sequence[float]: ...
-    @property
-    def platform_quaternion(self) -> Sequence[float]: ...
-    @property
-    def motion(self) -> str: ...
-    @property
-    def all_joints(self) -> Iterator[Joint]: ...
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]: ...
 
 
 def links_of(graph: Graph) -> tuple[str, ...]:

@@ -3,56 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
-from typing import Any, Protocol
+from typing import Any
 
 import tomlkit
 
+from symkin.model.description import Description
 from symkin.model.dh import DHTable
-from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod, coupling_scale
-from symkin.model.joint import Coordinate, Joint
+from symkin.model.graph import Coupling, LinkJoint, LinkRod, coupling_scale
+from symkin.model.joint import Joint
 from symkin.model.limb import LIMB_LINKS, Limb, RodLimb
-
-
-class Description(Protocol):
-    """What the file says of a mechanism, as `Mechanism` has it: that class writes itself, so that this module cannot import
-    it."""
-
-    @property
-    def motion(self) -> str: ...
-    @property
-    def angle_unit(self) -> str: ...
-    @property
-    def serial(self) -> bool: ...
-    @property
-    def limbs(self) -> Sequence[Limb | RodLimb]: ...
-    @property
-    def joints(self) -> Iterator[tuple[Limb, Joint]]: ...
-    @property
-    def dh(self) -> DHTable | None: ...
-    @property
-    def platform_position(self) -> Sequence[float]: ...
-    @property
-    def platform_quaternion(self) -> Sequence[float]: ...
-    @property
-    def example(self) -> object | None: ...
-    @property
-    def is_graph(self) -> bool: ...
-    @property
-    def link_joints(self) -> Sequence[LinkJoint]: ...
-    @property
-    def link_rods(self) -> Sequence[LinkRod]: ...
-    @property
-    def couplings(self) -> Sequence[Coupling]: ...
-    @property
-    def link_points(self) -> Sequence[LinkPoint]: ...
-    @property
-    def platform_link(self) -> str | None: ...
-    @property
-    def all_joints(self) -> Iterator[Joint]: ...
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]: ...
 
 
 def mechanism_to_toml(mechanism: Description) -> str:
