@@ -7,7 +7,7 @@ with the sum of the groups and not with their product; groups that do not read e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 
@@ -240,12 +240,9 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
     groups = structure_groups(problem)
     found = checked_solutions(problem, values, given.notes)
     order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(len(values), dtype=int))
-    found = checked_solutions(problem, found.values[order], given.notes)
     # what is listed closes: on all rows together, not only on those of its groups
-    closed = found.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    if not closed.all():
-        found = checked_solutions(problem, found.values[closed], given.notes)
-    found = _certified(problem, given, found)
+    closed = found.residual[order] <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    found = _certified(problem, given, found.chosen(order[closed]))
     whole = len(solved) == len(groups)
     counts = [part.complex_count for part in solved]
     completeness: Completeness = max((part.completeness for part in solved), key=lambda s: _RANKS[s], default="proved")
@@ -281,8 +278,6 @@ def _group(part: _Solved) -> Group:
 def _certified(problem: Problem, given: Given, found: SolutionList) -> SolutionList:
     """The solutions with their certificates, on the rows of all groups together: each group's values are only known up to a box
     of their own."""
-    from dataclasses import replace
-
     from symkin.certificate.certificate import certify_batch
     from symkin.certificate.exact import knowns_of
 

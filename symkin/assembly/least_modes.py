@@ -45,11 +45,10 @@ def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     kept = [z for z, residual in zip(ends, left, strict=True) if is_least(problem, given.values, z, float(residual))]
     values = problem.join_values(np.array(kept).reshape(-1, system.width), np.tile(given.values, (len(kept), 1)))
     solutions = checked_solutions(problem, values, given.notes)
-    distinct = _distinct(problem, solutions.values)
-    solutions = checked_solutions(problem, solutions.values[distinct], given.notes)
+    solutions = solutions.chosen(_distinct(problem, solutions.values))
     owner = np.zeros(len(solutions), dtype=int)
     order = order_of_modes(problem, solutions.values, solutions.position, solutions.quaternion, owner)
-    return checked_solutions(problem, solutions.values[order], given.notes)
+    return solutions.chosen(order)
 
 
 def _distinct(problem: Problem, values: np.ndarray) -> list[int]:

@@ -60,6 +60,7 @@ class BodyBuilder:
         self._declare_bodies()
 
     # --- geometry and poses --------------------------------------------------------------------------------------
+
     def _geometry(self) -> tuple[dict[str, JointSymbols], Pose]:
         """Joints by name and the platform's reference pose as expressions of the parameters."""
         m, table = self.mechanism, self.table

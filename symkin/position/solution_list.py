@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import overload
 
 import numpy as np
@@ -49,6 +49,11 @@ class SolutionList(Sequence[Solution]):
         if place not in self._made:
             self._made.setdefault(place, self._make(place))
         return self._made[place]
+
+    def chosen(self, places: np.ndarray | Sequence[int]) -> SolutionList:
+        """Some of the solutions, in the order of their places (any,) or where a mask (m,) holds."""
+        arrays = {f.name: getattr(self, f.name)[places] for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)}
+        return replace(self, **arrays, _made={})
 
     def __repr__(self) -> str:
         return f"<{len(self)} solutions of {self.closure.mechanism.name}>"
