@@ -94,14 +94,14 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     that are known by position and a quaternion of any length."""
     closure, system, size = problem.closure, problem.system, problem.closure.characteristic_length
     unknown = floating_bodies(system.unknowns)
-    partly = {c.name.rpartition(".")[0] for c in system.unknowns}
+    partly = {c.body for c in system.unknowns}
     known = tuple(body for body in floating_bodies(problem.known_coordinates) if body not in partly)
     forms: dict[str, PoseForm] = {**dict.fromkeys(unknown, "study"), **dict.fromkeys(known, "homogeneous")}
     rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
     if forms and problem.row_places is not None:
         allowed = {c.name for c in (*system.unknowns, *problem.known_coordinates)}
         rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
-    affine = tuple(c for c in system.unknowns if c.role not in ("body", "pose") or c.name.rpartition(".")[0] not in unknown)
+    affine = tuple(c for c in system.unknowns if c.body not in unknown)
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
     for body in unknown:
@@ -122,9 +122,9 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
     scale: list[float] = []
     ray: tuple[int, ...] = ()
     for c in problem.known_coordinates:
-        body, _, key = c.name.rpartition(".")
-        if body in symbols and c.role in ("body", "pose"):
-            symbol = symbols[body][3:] if key == "quaternion" else symbols[body]["xyz".index(key)]
+        if c.body is not None and c.body in symbols:
+            key = c.name.rpartition(".")[2]
+            symbol = symbols[c.body][3:] if key == "quaternion" else symbols[c.body]["xyz".index(key)]
         else:
             symbol = closure.variables[closure.slices[c.name]]
         if c.kind == "quaternion" and not ray:
@@ -137,8 +137,7 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
 def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
     """The bodies whose rotation is among some coordinates, by the part of these names before the last point; a platform that keeps its
     orientation, or turns about one axis, has numbers for coordinates as joints do."""
-    names = [c.name.rpartition(".")[0] for c in coordinates if c.role in ("body", "pose") and c.kind == "quaternion"]
-    return tuple(dict.fromkeys(names))
+    return tuple(dict.fromkeys(c.body for c in coordinates if c.body is not None and c.kind == "quaternion"))
 
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:

@@ -56,6 +56,11 @@ class Coordinate:
         return 3 if self.kind == "quaternion" else 1
 
     @property
+    def body(self) -> str | None:
+        """The body whose pose it belongs to ("pose" for the platform), None for other coordinates."""
+        return self.name.rpartition(".")[0] if self.role in ("body", "pose") else None
+
+    @property
     def is_angular(self) -> bool:
         """Whether it is a single angle, in radians."""
         return self.kind in ("angle", "turns")

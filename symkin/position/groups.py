@@ -36,22 +36,26 @@ _ZERO = 1e-9
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are its coordinates, known those
     of the given ones and of earlier parts that its rows hold."""
-    parts = _parts(problem)
+    rows, errors = (_dependence(part, problem.closure) for part in (problem.system.rows, problem.system.errors))
     found: list[Problem] = []
-    for places in parts:
+    for places in _parts(problem, rows):
         unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
         earlier = tuple(c for part in found for c in part.system.unknowns)
-        found.append(_part(problem, unknowns, earlier))
+        found.append(_part(problem, unknowns, earlier, (rows, errors)))
     return tuple(found)
 
 
-def _part(problem: Problem, unknowns: tuple[Coordinate, ...], earlier: tuple[Coordinate, ...]) -> Problem:
+def _part(
+    problem: Problem,
+    unknowns: tuple[Coordinate, ...],
+    earlier: tuple[Coordinate, ...],
+    dependence: tuple[np.ndarray, np.ndarray],
+) -> Problem:
     closure = problem.closure
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     allowed = {c.name for c in (*unknowns, *earlier, *problem.known_coordinates)}
-    places = _rows_of(problem.system.rows, problem, unknowns, allowed)
-    rows = problem.system.rows[places, 0]
-    errors = problem.system.errors[_rows_of(problem.system.errors, problem, unknowns, allowed), 0]
+    places, checks = (_rows_of(held, closure, unknowns, allowed) for held in dependence)
+    rows, errors = problem.system.rows[places, 0], problem.system.errors[checks, 0]
     rows, errors = (without_later(part, closure, allowed) for part in (rows, errors))
     held = ca.vertcat(rows, errors)
     known = tuple(
@@ -78,30 +82,34 @@ def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca
     return ca.substitute(rows, symbols, ca.SX(ca.DM(values)))
 
 
-def _rows_of(rows: ca.SX, problem: Problem, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> list[int]:
-    """Places of the rows that hold some of the unknowns and nothing that is found later."""
-    closure, rng = problem.closure, np.random.default_rng(0)
+def _dependence(rows: ca.SX, closure: Closure) -> np.ndarray:
+    """Which rows hold which numbers of the closure's variables (rows, variables)."""
+    rng = np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0)
-    holds = sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300)
+    return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
+
+
+def _rows_of(dependence: np.ndarray, closure: Closure, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> list[int]:
+    """Places of the rows that hold some of the unknowns and nothing that is found later."""
     own = {c.name for c in unknowns}
     kept: list[int] = []
-    for k, line in enumerate(holds):
+    for k, line in enumerate(dependence):
         held = {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
         if held & own and held <= allowed:
             kept.append(k)
     return kept
 
 
-def _parts(problem: Problem) -> list[set[int]]:
+def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     """Places of unknowns, part by part in the order of solution; one part where the rows leave unknowns free."""
-    system = problem.system
+    system, slices = problem.system, problem.closure.slices
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
     independent = _independent_rows(problem, _closed_jacobian(problem))
     if len(independent) != system.freedom:
         return [set(range(len(system.unknowns)))]
-    holds = _pattern(problem)[independent]
+    holds = np.array([dependence[independent, slices[system.unknowns[k].name]].any(axis=1) for k in columns]).T
     match = _matching(holds)
     if match is None:
         return [set(range(len(system.unknowns)))]
@@ -120,8 +128,8 @@ def _bodies(unknowns: tuple[Coordinate, ...]) -> list[set[int]]:
     """Places of the pose coordinates of each floating body."""
     found: dict[str, set[int]] = {}
     for place, c in enumerate(unknowns):
-        if c.role in ("body", "pose"):
-            found.setdefault(c.name.rsplit(".", 1)[0], set()).add(place)
+        if c.body is not None:
+            found.setdefault(c.body, set()).add(place)
     return list(found.values())
 
 
@@ -130,15 +138,6 @@ def _closed_jacobian(problem: Problem) -> np.ndarray:
     values = np.array(closed_configurations(problem.closure, 0))
     jacobians = problem.system.linearise(values[:, problem.unknown_places], values[:, problem.known_places])[1]
     return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
-
-
-def _pattern(problem: Problem) -> np.ndarray:
-    """Which rows hold which freedoms of the unknowns (rows, freedoms)."""
-    closure, rng = problem.closure, np.random.default_rng(0)
-    values = np.array([random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)])
-    jacobians = np.abs(problem.system.linearise(values[:, problem.unknown_places], values[:, problem.known_places])[1])
-    largest = jacobians.max(axis=2, keepdims=True, initial=0.0)
-    return np.asarray((jacobians > _ZERO * np.where(largest > 0.0, largest, 1.0)).any(axis=0))
 
 
 def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
