@@ -115,7 +115,7 @@ def test_a_part_that_nothing_moves_is_complete_too():
     """A frame of three bars carries a four-bar: the frame's two forms do not depend on the crank, and both are found."""
     a, b, c = np.array([0.0, 0, 0]), np.array([100.0, 0, 0]), np.array([30.0, 80, 0])
     frame = joint("f1", ("base", "bar1"), a) + joint("f2", ("bar1", "bar2"), c) + joint("f3", ("bar2", "base"), b)
-    loop = joint("crank", ("base", "arm"), a - [40, 0, 0], actuated=True) + joint("g1", ("arm", "coupler"), a - [40, 30, 0])
+    loop = joint("crank", ("base", "arm"), a - [40, 0, 0], actuated=True) + joint("g1", ("arm", "coupler"), a + [-40, 30, 0])
     text = HEAD + frame + loop + joint("g2", ("coupler", "follower"), c + [0, 60, 0]) + joint("g3", ("follower", "bar1"), c / 4)
     found = symkin.modes(parse(text), joints=[0.0])
     assert found.completeness == "probability one"
