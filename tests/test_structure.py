@@ -7,6 +7,7 @@ import pytest
 
 import symkin
 from symkin.assembly import by_groups
+from symkin.closure.link_poses import link_poses
 from symkin.closure.numpy_code import vectorise
 from symkin.homotopy import structure
 from symkin.homotopy.algebraic import complex_normal
@@ -16,7 +17,9 @@ from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import known_values
 from symkin.model.file import parse
 from symkin.position.groups import structure_groups
+from symkin.position.mobility import closed_configurations
 from symkin.position.problem import build_problem
+from symkin.position.solution_list import make_solution
 
 group_paths = by_groups.group_paths.__wrapped__
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
@@ -73,8 +76,8 @@ def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
 
 
 def test_blocks_that_are_no_such_polynomials_have_no_structure():
-    """A platform in Study coordinates, and loops with more rows than unknowns."""
-    for name in ("hexapod_stack", "bennett"):
+    """A body in Study coordinates beside a joint, and loops with more rows than unknowns."""
+    for name in ("double_wishbone", "bennett"):
         (first, *_) = groups(symkin.load(name))
         assert structure_of(first, system_of(first, first.blocks[0])) is None
 
@@ -144,3 +147,37 @@ def test_coefficients_are_those_of_the_rows_for_a_circle():
     code, numbers = vectorise(found.data), np.zeros((1, int(found.system.k.shape[0]), 1), dtype=complex)
     code(np.ones((1, 1), dtype=complex), numbers)
     assert np.isfinite(numbers).all()
+
+
+# --- bodies on six distances ---------------------------------------------------------------------------------------
+
+
+def test_a_platform_on_a_platform_is_held_by_six_distances():
+    """Each of the two has 40 complex solutions, the most that there are (Ronga and Vust 1992), on a base that moves too."""
+    for group in groups(symkin.load("hexapod_stack")):
+        system = system_of(group, group.blocks[0])
+        found = structure_of(group, system)
+        assert found is not None
+        paths = by_groups.group_paths(group)
+        assert paths is not None
+        assert paths.most_roots == 40
+
+
+def test_distances_of_a_moving_base_are_those_between_the_points():
+    """L, b and m that are read from the rows at a real pose of the lower platform: b is where the rod stands on it."""
+    mechanism = symkin.load("hexapod_stack")
+    group = groups(mechanism)[1]
+    found = structure_of(group, system_of(group, group.blocks[0]))
+    assert found is not None
+    size = mechanism.characteristic_length
+    for values in closed_configurations(group.closure, 0)[:3]:
+        known = group.select_values(values, group.known_coordinates)
+        k = found.known(known_values(group, known)[:, None])[:, 0].real.reshape(6, 7)
+        solution = make_solution(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated)), values)
+        rods = [rod for rod in mechanism.link_rods if rod.name.startswith("upper")]
+        poses = link_poses(group.closure, values[None]).at(0)
+        for row, rod in zip(k, rods, strict=True):
+            start = poses[rod.links[0]].apply(np.array(rod.start))
+            assert size * row[1:4] == pytest.approx(start, abs=1e-9 * size)
+            length = solution.joints[rod.name] + rod.offset
+            assert size * row[0] == pytest.approx(length, abs=1e-9 * size)

@@ -7,32 +7,32 @@ with the sum of the groups and not with their product; groups that do not read e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from math import prod
 
-import casadi as ca
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.continuation import by_continuation
+from symkin.assembly.group_proofs import with_certificates
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes
+from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
-from symkin.homotopy.values import algebraic_points
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.groups import structure_groups
+from symkin.position.groups import is_linear, structure_groups
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
-from symkin.position.solution_list import SolutionList, checked_solutions
+from symkin.position.solution_list import checked_solutions
 
 _RANKS: dict[Completeness, int] = {"proved": 0, "probability one": 1, "incomplete": 2, "sampled": 3}
 """Statements from the strongest to the weakest."""
@@ -221,14 +221,6 @@ def group_paths(group: Problem) -> BlockPaths | None:
 # --- groups that are linear ----------------------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=256)
-def is_linear(group: Problem) -> bool:
-    """Whether the rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
-    system = group.system
-    turning = any(c.kind == "quaternion" for c in system.unknowns)
-    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
-
-
 def _linear(group: Problem, known: np.ndarray) -> tuple[_Solved, np.ndarray, np.ndarray]:
     system = group.system
     begin = np.zeros((len(known), system.width))
@@ -248,7 +240,8 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
     order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(len(values), dtype=int))
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.residual[order] <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    found = _certified(problem, given, found.chosen(order[closed]))
+    found = with_certificates(groups, found.chosen(order[closed]))
+    grounds = [] if found.ground is None else [g for g in found.ground if g is not None]
     whole = len(solved) == len(groups)
     counts = [part.complex_count for part in solved]
     completeness: Completeness = max((part.completeness for part in solved), key=lambda s: _RANKS[s], default="proved")
@@ -269,7 +262,11 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
         unresolved_paths=None if None in unresolved else sum(u for u in unresolved if u is not None),
         smallest_residual=None if len(found) or continuum else smallest,
         positive_dimensional=continuum,
-        notes=tuple(dict.fromkeys((*given.notes, *(note for part in solved for note in part.notes)))),
+        notes=tuple(
+            dict.fromkeys(
+                (*given.notes, *(note for part in solved for note in part.notes), *ground_notes(problem, grounds, len(found)))
+            )
+        ),
         engine=", ".join(dict.fromkeys(part.engine for part in solved if part.engine is not None)) or None,
         groups=tuple(_group(part) for part in solved),
         count=count if whole else 0,
@@ -279,22 +276,3 @@ def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved
 def _group(part: _Solved) -> Group:
     unknowns = tuple(c.name for c in part.problem.system.unknowns)
     return Group(", ".join(unknowns), unknowns, part.complex_count, part.completeness, part.count)
-
-
-def _certified(problem: Problem, given: Given, found: SolutionList) -> SolutionList:
-    """The solutions with their certificates, on the rows of all groups together: each group's values are only known up to a box
-    of their own."""
-    from symkin.certificate.certificate import certify_batch
-    from symkin.certificate.exact import knowns_of
-
-    if not len(found) or unsuitable(problem) is not None:
-        return found
-    (block,) = problem.blocks
-    system = system_of(problem, block)
-    named = {c.name: found.values[:, problem.closure.slices[c.name]] for c in block.unknowns}
-    z = algebraic_points(problem, system, named)
-    size = problem.closure.characteristic_length
-    values = given.values if len(given.values) else problem.reference_known
-    batch = certify_batch(system, z, knowns_of(problem, values[None]), np.zeros(z.shape[1], dtype=np.intc), size)
-    index, radius = batch.find(z, np.zeros(z.shape[1], dtype=int), None)
-    return replace(found, certified=(index >= 0).astype(int), radius=radius, _made={})
