@@ -12,7 +12,8 @@ from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
-from symkin.position.mobility import fewer_rows, reciprocal_system
+from symkin.position.limb_screws import reciprocal_system
+from symkin.position.platform_motion import fewer_rows
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
 
 

@@ -41,8 +41,9 @@ from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
-from symkin.position.mobility import closed_configurations, mobility
+from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import merge

@@ -10,7 +10,9 @@ from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
 from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility, fewer_rows, mobility
+from symkin.position.mobility import mobility
+from symkin.position.mobility_result import Mobility
+from symkin.position.platform_motion import fewer_rows
 from symkin.position.problem import build_problem
 
 

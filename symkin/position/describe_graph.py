@@ -10,7 +10,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility
+from symkin.position.mobility_result import Mobility
 
 
 def describe_graph(found: Mobility) -> str:

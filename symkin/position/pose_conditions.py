@@ -18,7 +18,8 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import pose_coordinates
-from symkin.position.mobility import fewer_rows, mobility
+from symkin.position.mobility import mobility
+from symkin.position.platform_motion import fewer_rows
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 
