@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from symkin.closure.branches import Bar, edges_of
+from symkin.closure.branches import edges_of
+from symkin.model.bar import Bar
 from symkin.model.joint import Joint
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
