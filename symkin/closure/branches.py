@@ -39,6 +39,11 @@ class Element:
     def name(self) -> str:
         return self.part.name
 
+    @property
+    def freedom(self) -> int:
+        """Freedoms that it leaves the links at its ends."""
+        return self.part.freedom
+
 
 @dataclass(frozen=True)
 class Branch:

@@ -37,3 +37,8 @@ class Bar:
     offset: float = 0.0
     coordinate: Coordinate | None = None
     spins: bool = True
+
+    @property
+    def freedom(self) -> int:
+        """Freedoms that it leaves the links at its ends: all but their distance, which one with a coordinate leaves too."""
+        return 5 if self.coordinate is None else 6

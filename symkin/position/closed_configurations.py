@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 
@@ -11,7 +13,7 @@ from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
-"""Random steps of each of three lengths; of a graph of many freedoms, whose single steps take long, fewer."""
+"""Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take long, fewer."""
 
 
 def whole_system(closure: Closure) -> System:
@@ -22,22 +24,31 @@ def whole_system(closure: Closure) -> System:
 
 def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     """Closed configurations from random steps off the reference; the reference itself where none closes."""
-    system, nothing = whole_system(closure), np.zeros(0)
     ends = least_squares_ends(closure, seed)
-    closed = list(ends[system.residuals(ends, nothing) <= CLOSED_CONFIGURATION * closure.characteristic_length])
-    return closed or [closure.reference]
+    return list(ends.points[ends.closed]) or [closure.reference]
 
 
-def least_squares_ends(closure: Closure, seed: int) -> np.ndarray:
-    """Where least squares from random steps off the reference end: closed configurations (n, width), and for graphs those that are
-    closed to the digits of a file, or to none."""
+@dataclass(frozen=True, eq=False)
+class LeastSquaresEnds:
+    """Where least squares from random steps off the reference end: variables (n, width), what each leaves the loops open by (length
+    unit), and which of them are closed configurations."""
+
+    points: np.ndarray
+    misfits: np.ndarray
+    closed: np.ndarray
+
+
+def least_squares_ends(closure: Closure, seed: int) -> LeastSquaresEnds:
+    """Least squares on all rows from random steps of three lengths off the reference."""
     system = whole_system(closure)
     rng = np.random.default_rng(seed)
-    each = _FEW_STARTS if closure.mechanism.is_graph and system.freedom > _MANY_FREEDOMS else _STARTS
+    each = _FEW_STARTS if system.freedom > _MANY_FREEDOMS else _STARTS
     begin = np.tile(closure.reference, (3 * each, 1))
     radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * closure.characteristic_length
     starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    kept = batch.points if closure.mechanism.is_graph else batch.points[batch.converged]
-    return system.polish_many(kept, nothing).points
+    points = system.polish_many(batch.points, nothing).points
+    misfits = system.residuals(points, nothing)
+    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * closure.characteristic_length)
+    return LeastSquaresEnds(points, misfits, closed)

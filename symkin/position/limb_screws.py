@@ -7,6 +7,7 @@ With the actuated joints locked, only the passive columns of B count.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -39,7 +40,10 @@ class LimbScrews:
 
 
 def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
-    """Constraint wrenches of each limb against a free platform, whatever motion is declared."""
+    """Constraint wrenches of each limb against a free platform, whatever motion is declared; none where joints or rods other than
+    limbs hold the platform."""
+    if closure.mechanism.is_graph:
+        return ()
     spatial = build_closure(replace(closure.mechanism, motion="spatial"))
     system = whole_system(spatial)
     z = _with_free_platform(closure, spatial, values)
@@ -78,7 +82,27 @@ def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> 
     return np.hstack([force, moment + np.cross(position, force)])
 
 
-def platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
+def platform_screws(
+    closure: Closure, system: System, values: np.ndarray, limbs: Sequence[LimbScrews]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Wrenches that the platform takes and the twists that it has left, as rows: from those of its limbs, else from what the closed
+    loops leave; none without a platform."""
+    size = closure.characteristic_length
+    if limbs:
+        wrenches = row_space(np.vstack([limb.constraints for limb in limbs]), size)
+        return wrenches, _reciprocal(wrenches, size)
+    if closure.mechanism.platform_link is None:
+        return np.zeros((0, 6)), np.zeros((0, 6))
+    twists = _platform_twists(closure, system, values)
+    return _reciprocal(twists, size), twists
+
+
+def _reciprocal(screws: np.ndarray, size: float) -> np.ndarray:
+    """A readable basis of the screws reciprocal to all of some."""
+    return row_space(reciprocal_system(screws, size), size) if len(screws) else np.eye(6)
+
+
+def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
     """Twists (angular velocity; velocity at the base origin) of the platform link that the closed loops leave, as rows."""
     free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
     pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)

@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 
 from symkin.closure.closure import Closure
+from symkin.computed_once import cached_property
 from symkin.numeric.rank import Rank
-from symkin.numeric.tolerances import CLEAR_GAP
+from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
 from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews
-from symkin.position.loops import Loop
+from symkin.position.loops import Loop, loops_at
 from symkin.result import Result, Summary
+
+FILE_DIGITS = 1e-5
+"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a file; and the share of the
+largest singular value below which others are zero to these digits. Files are written with five digits and more."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +42,11 @@ class Misfit:
 class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
-    mobility = freedoms of all coordinates - rank; redundant = rows - rank; of a graph the rows that vanish at every configuration
-    count as well. `values` are the closure's variables there;
+    mobility = freedoms of all coordinates - rank; redundant = rows - rank; rows that vanish at every configuration count as well,
+    unless a declared motion is why they do. `values` are the closure's variables there;
     `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
-    reciprocal to them (rows, base origin). `loops` are those of a graph, `digits` is set where they close only to the digits of the
+    reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
     file, `misfit` where they do not close at all. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
     counts idle freedoms.
 
@@ -64,9 +69,13 @@ class Mobility(Result):
     platform_twists: np.ndarray
     gruebler: int
     reference_rank: Rank | None = None
-    loops: tuple[Loop, ...] = ()
     digits: ToDigits | None = None
     misfit: Misfit | None = None
+
+    @cached_property
+    def loops(self) -> tuple[Loop, ...]:
+        """The independent loops, each with its own rank."""
+        return loops_at(self.closure, self.values, RANK_TOLERANCE if self.digits is None else FILE_DIGITS)
 
     @property
     def mobility(self) -> int:
@@ -102,11 +111,6 @@ class Mobility(Result):
         return tuple(found)
 
     @property
-    def is_graph(self) -> bool:
-        """Whether the mechanism is a graph of links."""
-        return self.closure.mechanism.is_graph
-
-    @property
     def _closing(self) -> tuple[str, ...]:
         """What is said of loops that do not close, or not exactly."""
         unit = self.closure.mechanism.length_unit
@@ -131,21 +135,22 @@ class Mobility(Result):
             f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
             f"{self.rows} rows; redundant constraints: {self.redundant}{where}"
         ]
-        if self.is_graph:
+        below = [f"warning: {warning}" for warning in self.warnings]
+        if not self.limbs:
             cells = [[loop.name, str(loop.rows), str(loop.rank), str(loop.redundant)] for loop in self.loops]
-            below = [f"warning: {warning}" for warning in self.warnings]
             return Summary(above, ["loop", "rows", "rank", "redundant"], cells[:most_rows], below)
         rows = [[limb.limb, *map(str, limb.counts)] for limb in self.limbs]
         rows.append(["platform", str(len(self.platform_constraints)), ""])
         header = ["limb", "constraint wrenches", "with actuated joints locked"]
-        return Summary(above, header, rows[:most_rows], [f"warning: {warning}" for warning in self.warnings])
+        return Summary(above, header, rows[:most_rows], below)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin show --json`; wrenches are (force; moment), twists (angular velocity; velocity), about the
         base origin."""
-        mechanism, reference = self.closure.mechanism, self.reference_rank
+        closure, reference = self.closure, self.reference_rank
+        mechanism = closure.mechanism
         links, joints, _ = counts(mechanism)
-        described = {
+        return {
             "mechanism": mechanism.name,
             "length_unit": mechanism.length_unit,
             "angle_unit": mechanism.angle_unit,
@@ -167,16 +172,8 @@ class Mobility(Result):
             "platform_twists": self.platform_twists.tolist(),
             "screws_at_reference": self.at_reference,
             "notes": list(self.warnings),
-        }
-        return described | (self._of_graph() if self.is_graph else {})
-
-    def _of_graph(self) -> dict[str, Any]:
-        """What the JSON object of a graph has beside that of limbs."""
-        closure = self.closure
-        unknown = [c.name for c in closure.coordinates if c.role != "actuated"]
-        return {
-            "rods": len(closure.mechanism.link_rods),
-            "couplings": len(closure.mechanism.couplings),
+            "rods": len(mechanism.link_rods),
+            "couplings": len(mechanism.couplings),
             "each_loop": [
                 {
                     "joints": list(loop.joints), "links": list(loop.links), "rows": loop.rows, "rank": loop.rank,
@@ -184,7 +181,7 @@ class Mobility(Result):
                 }
                 for loop in self.loops
             ],
-            "unknowns": unknown,
+            "unknowns": [c.name for c in closure.coordinates if c.role != "actuated"],
             "idle": list(closure.idle),
             "misfit": None if self.misfit is None else self.misfit.length,
             "to_digits": None
