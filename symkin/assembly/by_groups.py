@@ -22,6 +22,7 @@ from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
 from symkin.homotopy.start_store import start_of
+from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.homotopy.values import algebraic_points
 from symkin.numeric.levenberg import Progress
@@ -208,6 +209,11 @@ def group_paths(group: Problem) -> BlockPaths | None:
         return None
     (block,) = group.blocks
     system = system_of(group, block)
+    structure = structure_of(group, system)
+    if structure is not None:
+        shared = start_of_structure(group, structure)
+        if shared is not None:
+            return BlockPaths(group, block, structure.system, shared, structure)
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start)
 
