@@ -18,9 +18,9 @@ from symkin.closure.branches import layout_of
 from symkin.model.file import parse
 from symkin.model.joint import BASE
 from symkin.numeric.rank import Rank
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given_by_name import given_by_name, problem_of
 from symkin.position.groups import structure_groups
-from symkin.position.mobility import closed_configurations
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())

@@ -18,8 +18,8 @@ from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
+from symkin.position.platform_motion import implied_motion
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
 from symkin.position.solution import PartialProof, Solution

@@ -18,12 +18,13 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.bodies import BodyBuilder, PoseForm
-from symkin.closure.branches import Bar, Branch, Element
+from symkin.closure.branches import Branch, Element
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
 from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
 from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
+from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
@@ -206,8 +207,7 @@ class RowBuilder(BodyBuilder):
         if bar.coordinate is not None:
             offset = self.table.scalar(f"{bar.path}.offset", bar.offset)
             return offset + self._symbol(bar.coordinate)
-        reference = self.mechanism.reference_pose
-        ends = [reference.apply(np.array(e.point)) if e.in_platform_frame else np.array(e.point) for e in (bar.start, bar.end)]
+        ends = [end.at_reference(self.mechanism.reference_pose) for end in (bar.start, bar.end)]
         length = bar.length if bar.length is not None else float(np.linalg.norm(ends[0] - ends[1]))
         return self.table.scalar(f"{bar.path}.length", length)
 
@@ -251,7 +251,7 @@ class RowBuilder(BodyBuilder):
         e = multiply(conjugate(base.quaternion), platform.quaternion)
         # the check compares whole rotation matrices, which no spurious root of the rows passes
         full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
-        if branch.ends == (BASE, self._platform) and all(_is_actuated(element) for element in branch.elements):
+        if branch.ends == (BASE, self.mechanism.platform_link) and all(_is_actuated(element) for element in branch.elements):
             self.forward = Pose(base.move(origin), multiply(base.quaternion, self.reference.quaternion))
             self.arm = base
         self._add(

@@ -32,8 +32,9 @@ from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angl
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
-from symkin.position.mobility import closed_configurations, mobility
+from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import merge

@@ -23,7 +23,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 
 _POINTS = 3
