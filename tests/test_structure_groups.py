@@ -136,6 +136,15 @@ def test_independent_parts_do_not_multiply_the_work():
     assert len(seen) == 5
 
 
+def test_inputs_with_more_modes_than_are_listed_stand_beside_others():
+    """Of sixteen legs on one crank some modes of each input are listed, the first of all legs with both of one."""
+    walker = legs(16)
+    for found in symkin.modes(walker, joints=[[20.0], [35.0]]):
+        assert found.total == 2**16
+        assert len(found) == 1 + 16
+        assert max(mode.residual for mode in found) < 1e-9 * walker.characteristic_length
+
+
 def test_choices_and_the_whole_list_agree():
     """Three legs: the eight modes are those of all choices."""
     walker = legs(3)
