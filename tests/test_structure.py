@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.assembly import by_groups
+from symkin.assembly import group_roots
 from symkin.closure.link_poses import link_poses
 from symkin.closure.numpy_code import vectorise
 from symkin.homotopy import structure
@@ -16,12 +16,12 @@ from symkin.homotopy.structure import structure_of
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import known_values
 from symkin.model.file import parse
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.groups import structure_groups
-from symkin.position.mobility import closed_configurations
 from symkin.position.problem import build_problem
 from symkin.position.solution_list import make_solution
 
-group_paths = by_groups.group_paths.__wrapped__
+group_paths = group_roots.group_paths.__wrapped__
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
 
 
@@ -51,7 +51,7 @@ def drawn(seed: int) -> symkin.Mechanism:
 def _empty_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     # as in a process that has not met these blocks
-    monkeypatch.setattr(by_groups, "group_paths", group_paths)
+    monkeypatch.setattr(group_roots, "group_paths", group_paths)
 
 
 # --- the polynomials -----------------------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ def test_a_dyad_is_never_searched_twice(monkeypatch):
     searched = []
     search = structure._searched
     monkeypatch.setattr(structure, "_searched", lambda system: searched.append(system) or search(system))
-    monkeypatch.setattr(by_groups, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
+    monkeypatch.setattr(group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
     for seed in (1, 2, 3):
         (group,) = groups(drawn(seed))
         paths = group_paths(group)
@@ -106,7 +106,7 @@ def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
     """Modes of random four-bars, from the structure's roots and from the mechanism's own."""
     mechanism = drawn(10 + seed)
     shared = symkin.modes(mechanism, joints=[7.0 * seed])
-    monkeypatch.setattr(by_groups, "structure_of", lambda *_: None)
+    monkeypatch.setattr(group_roots, "structure_of", lambda *_: None)
     own = symkin.modes(mechanism, joints=[7.0 * seed])
     assert (len(shared), shared.complex_count, shared.completeness) == (len(own), own.complex_count, own.completeness)
     for a, b in zip(shared, own, strict=True):
@@ -158,7 +158,7 @@ def test_a_platform_on_a_platform_is_held_by_six_distances():
         system = system_of(group, group.blocks[0])
         found = structure_of(group, system)
         assert found is not None
-        paths = by_groups.group_paths(group)
+        paths = group_roots.group_paths(group)
         assert paths is not None
         assert paths.most_roots == 40
 

@@ -29,6 +29,9 @@ def distances_of(system: AlgebraicSystem) -> ca.SX | None:
     rows = system.rows[:DISTANCES]
     origin = ca.SX.zeros(_RAY, 1)
     hessians = [ca.substitute(ca.hessian(rows[i], system.z)[0], system.z, origin) for i in range(DISTANCES)]
+    # a row that does not hold the position's square is no distance
+    if any(hessian[4, 4].is_zero() for hessian in hessians):
+        return None
     return ca.vertcat(*(_distance(hessian) for hessian in hessians))
 
 
