@@ -6,7 +6,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.numeric.linear_algebra import null_space
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.singularities.limb_equations import row_basis, row_span
 from symkin.singularities.named_screw import joint_rates
 from symkin.singularities.roles import Roles, columns_by_name, other_joints

@@ -26,7 +26,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.singularities.roles import Roles
 from symkin.velocity.differential import motion_columns
 
