@@ -103,10 +103,14 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     return mechanism.angle_in(number) if c.is_angular else number
 
 
-def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | None:
-    """Joints and pose, one of them None, where the values by name are all actuated joints or the whole pose of limbs: the direct and
-    the inverse problem. None for any other values, and for a graph."""
-    if given is None or mechanism.is_graph or not isinstance(given, Mapping):
+def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
+    """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
+    inverse problem of limbs. None for any other values, and for a graph."""
+    if mechanism.is_graph:
+        return None
+    if given is None:
+        return joints, pose
+    if joints is not None or pose is not None or not isinstance(given, Mapping):
         return None
     if list(given) == ["pose"] and is_whole_pose(mechanism, given):
         return None, given["pose"]
