@@ -93,14 +93,12 @@ def modes(
     """
     require_mechanism(mechanism)
     search = Search.of(method, **random)
-    plain = plain_case(mechanism, given) if joints is None and pose is None and not choose else None
-    if plain is not None:
-        joints, pose = plain
-    elif given is not None or mechanism.is_graph or choose:
+    plain = None if choose else plain_case(mechanism, joints, pose, given)
+    if plain is None:
         return _by_name(mechanism, joints, pose, given, partial(_of_coordinates, search=search, choose=choose, progress=progress))
-    if are_many(joints) or are_many(pose):
-        return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
-    return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
+    if any(are_many(values) for values in plain):
+        return _modes(mechanism, given_many(mechanism, *plain), search, progress)
+    return _modes(mechanism, [given_from(mechanism, *plain)], search, progress)[0]
 
 
 def _by_name(

@@ -115,10 +115,14 @@ def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
     return "direct" if actuated and set(names) == actuated else None
 
 
-def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | None:
-    """Joints and pose, one of them None, where the values by name are all actuated joints or the whole pose of limbs: the direct and
-    the inverse problem. None for any other values, and for a graph."""
-    if not isinstance(given, Mapping):
+def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
+    """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
+    inverse problem of limbs. None for any other values, and for a graph."""
+    if mechanism.is_graph:
+        return None
+    if given is None:
+        return joints, pose
+    if joints is not None or pose is not None or not isinstance(given, Mapping):
         return None
     kind = plain_kind(mechanism, list(given))
     if kind == "inverse":

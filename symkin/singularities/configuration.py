@@ -12,7 +12,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, ROUNDED_STEP
 from symkin.position.given import Given, Joints, given_from
-from symkin.position.given_by_name import Values, plain_case, plain_kind, pose_names
+from symkin.position.given_by_name import Values, plain_case, pose_names
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
@@ -42,11 +42,10 @@ def configuration(
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
     and that first where the start is singular and nearly closes the loops: it is meant as it is.
     Raises SolveError where no configuration is reached, InputError for values that do not fit."""
-    plain = plain_case(mechanism, given) if joints is None and pose is None else None
-    if plain is not None:
-        joints, pose = plain
-    elif given is not None or plain_kind(mechanism, pose_names(mechanism)) is None:
+    plain = plain_case(mechanism, joints, pose, given)
+    if plain is None:
         return _refined(_noted(solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)), given)
+    joints, pose = plain
     return _of_limbs(mechanism, joints, pose, start)
 
 
