@@ -14,7 +14,7 @@ from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import LARGEST_GIVEN, Given, given_from
+from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Problem, build_problem
 from symkin.text import shown
 
@@ -67,9 +67,13 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
-    named = given_from(mechanism, joints, pose)
-    names = tuple(c.name for c in mechanism.actuated) if named.kind == "direct" else pose_names(mechanism)
-    return replace(named, kind="given", names=names)
+    return told_by_name(mechanism, given_from(mechanism, joints, pose))
+
+
+def told_by_name(mechanism: Mechanism, given: Given) -> Given:
+    """The same values of all actuated joints, or of the whole pose, with the names of their coordinates."""
+    names = tuple(c.name for c in mechanism.actuated) if given.kind == "direct" else pose_names(mechanism)
+    return replace(given, kind="given", names=names)
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
@@ -112,6 +116,24 @@ def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | 
         return None, given["pose"]
     names = {c.name for c in mechanism.actuated}
     return (given, None) if names and set(given) == names else None
+
+
+def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
+    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
+    plain = plain_case(mechanism, given) if joints is None and pose is None else None
+    if plain is not None:
+        joints, pose = plain
+    elif given is not None or mechanism.is_graph:
+        return named_given(mechanism, joints, pose, given)
+    return given_from(mechanism, joints, pose)
+
+
+def many_given(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one."""
+    if pose is not None and mechanism.platform_link is None:
+        return [named_given(mechanism, joints, pose, None)]
+    many = given_many(mechanism, joints, pose)
+    return [told_by_name(mechanism, one) for one in many] if mechanism.is_graph else many
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:
