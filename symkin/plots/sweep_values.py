@@ -62,8 +62,15 @@ def figure_of_values(attributes: Mapping[str, Any], data: Any, names: Sequence[s
             _paths(figure, ax, modes, attributes, names)
         else:
             _curves(ax, modes, attributes, names)
-        write_title(figure, ax, f"{'Path' if points else 'Values'} of {', '.join(names)}", attributes, modes.fixed)
+        write_title(figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
     return figure
+
+
+def _kind(modes: _Modes, points: bool) -> str:
+    """What the picture shows, for its title."""
+    if not points:
+        return "Values"
+    return "Path" if (modes.line >= 0).any() else "Positions"
 
 
 # --- what is drawn -------------------------------------------------------------------------------------------------

@@ -142,7 +142,7 @@ def make_space(
     _check_size(space, "grid")
     if poses:
         assert not isinstance(space.base, Mapping)  # noqa: S101 - that of a pose
-        check_poses(mechanism, space.base, {axis.name: axis.values for axis in axes})
+        check_poses(space.problem, space.base, {axis.name: axis.values for axis in axes})
     else:
         for end in (0, -1):
             joint_values(mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid")
