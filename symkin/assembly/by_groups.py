@@ -13,13 +13,13 @@ from math import prod
 
 import numpy as np
 
+from symkin.assembly.group_proofs import with_certificates
 from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, GroupRoots, group_roots, one_by_one
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes
+from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
-from symkin.homotopy.systems import system_of, unsuitable
-from symkin.homotopy.values import algebraic_points
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
@@ -50,6 +50,7 @@ class GroupedModes:
         mine = np.flatnonzero(self.owner == number)
         found = replace(self.listed.chosen(mine), notes=given.notes)
         reached = np.flatnonzero(account.seen[number]).tolist()
+        grounds = [] if found.ground is None else [ground for ground in found.ground if ground is not None]
         smallest = float(account.smallest[number])
         continuum = bool(account.continuum[number].any())
         return Modes(
@@ -64,7 +65,9 @@ class GroupedModes:
             unresolved_paths=account.unresolved_of(number),
             smallest_residual=None if len(found) or continuum or not np.isfinite(smallest) else smallest,
             positive_dimensional=continuum,
-            notes=tuple(dict.fromkeys((*given.notes, *account.notes_of(number)))),
+            notes=tuple(
+                dict.fromkeys((*given.notes, *account.notes_of(number), *ground_notes(self.problem, grounds, len(found))))
+            ),
             engine=account.engine,
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
             count=self.total[number],
@@ -340,29 +343,10 @@ def _checked(
     left_out[owner[~closed]] = True
     listed, owner = found.chosen(order[closed]), owner[closed]
     if certify:
-        listed = _certified(problem, known, listed, owner)
+        listed = with_certificates(structure_groups(problem), listed)
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=len(known))
     total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
     total = np.where(left_out, counts, total)
     return GroupedModes(problem, search, listed, owner, tuple(int(count) for count in total), statement, account)
-
-
-def _certified(problem: Problem, known: np.ndarray, found: SolutionList, owner: np.ndarray) -> SolutionList:
-    """The solutions with their certificates, on the rows of all groups together: each group's values are only known up to a box
-    of their own."""
-    from symkin.certificate.certificate import certify_batch
-    from symkin.certificate.exact import knowns_of
-
-    if not len(found) or unsuitable(problem) is not None:
-        return found
-    (block,) = problem.blocks
-    system = system_of(problem, block)
-    named = {c.name: found.values[:, problem.closure.slices[c.name]] for c in block.unknowns}
-    z = algebraic_points(problem, system, named)
-    size = problem.closure.characteristic_length
-    values = known if known.shape[1] else np.tile(problem.reference_known, (len(known), 1))
-    batch = certify_batch(system, z, knowns_of(problem, values), owner.astype(np.intc), size)
-    index, radius = batch.find(z, owner, None)
-    return replace(found, certified=(index >= 0).astype(int), radius=radius, _made={})

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import casadi as ca
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
@@ -18,10 +17,12 @@ from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.start_store import start_of
+from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
+from symkin.position.groups import is_linear
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots
@@ -149,6 +150,11 @@ def group_paths(group: Problem) -> BlockPaths | None:
         return None
     (block,) = group.blocks
     system = system_of(group, block)
+    structure = structure_of(group, system)
+    if structure is not None:
+        shared = start_of_structure(group, structure)
+        if shared is not None:
+            return BlockPaths(group, block, structure.system, shared, structure)
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start)
 
@@ -162,14 +168,6 @@ def most_roots(group: Problem) -> int | None:
 
 
 # --- groups that are linear ----------------------------------------------------------------------------------------
-
-
-@lru_cache(maxsize=256)
-def is_linear(group: Problem) -> bool:
-    """Whether the rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
-    system = group.system
-    turning = any(c.kind == "quaternion" for c in system.unknowns)
-    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
 
 
 def _linear(group: Problem, known: np.ndarray) -> GroupRoots:

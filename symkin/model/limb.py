@@ -9,7 +9,9 @@ from typing import Literal
 import numpy as np
 
 from symkin.errors import MechanismError
+from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, interval, link_pair, vector3
+from symkin.spatial.pose import Pose
 
 RodType = Literal["SPS", "UPS", "SPU"]
 ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
@@ -54,10 +56,24 @@ class RodLimb:
         object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))
         object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
 
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """None: those of a rod limb are its ends and its length."""
+        return ()
+
     def coordinate(self, reference: float) -> Coordinate:
         """The rod's coordinate with its value at the reference configuration."""
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
         return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
+
+    def bars(self, platform: Pose) -> tuple[Bar, ...]:
+        """The rod, for a reference pose of the platform."""
+        start = RodEnd(f"{self.name}.base", tuple(self.base))
+        end = RodEnd(f"{self.name}.platform", tuple(self.platform), in_platform_frame=True)
+        reference = float(np.linalg.norm(end.at_reference(platform) - np.array(self.base))) - self.offset
+        coordinate = self.coordinate(reference)
+        spins = self.type == "SPS"
+        return (Bar(self.name, start, end, path=self.name, offset=self.offset, coordinate=coordinate, spins=spins),)
 
 
 @dataclass(frozen=True)
@@ -135,6 +151,15 @@ class Limb:
                 f"limb {self.name!r}: the spherical joints {first.name!r} and {last.name!r} lie at one point and nothing between "
                 "them moves them apart, a rod of no length; leave one of them out"
             )
+
+    def bars(self, platform: Pose) -> tuple[Bar, ...]:  # noqa: ARG002 - a rod limb's depend on the pose
+        """The rods at its end."""
+        found = []
+        for k, rod in enumerate(self.rods, start=1):
+            path = f"{self.name}.rod{k}"
+            end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
+            found.append(Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length))
+        return tuple(found)
 
     @property
     def type(self) -> str:

@@ -28,7 +28,7 @@ from symkin.plots.style import COLOURS, drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from symkin.position.mobility import Mobility
+    from symkin.position.mobility_result import Mobility
 
 _DPI = 150
 _WIDTH, _HEIGHT = 1500.0, 1260.0

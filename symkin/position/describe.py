@@ -6,18 +6,20 @@ from __future__ import annotations
 
 from collections import Counter
 
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
 from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility, fewer_rows, mobility
+from symkin.position.mobility import mobility
+from symkin.position.mobility_result import Mobility
+from symkin.position.platform_motion import fewer_rows
 from symkin.position.problem import build_problem
 
 
 def describe(mechanism: Mechanism) -> str:
     """A readable account of a mechanism, with every figure computed from its closure."""
     found = mobility(mechanism)
-    if mechanism.is_graph:
+    if not found.limbs:
         return describe_graph(found)
     sections = [
         _heading(mechanism),
@@ -48,19 +50,17 @@ def _limbs(mechanism: Mechanism, found: Mobility) -> str:
             ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
         )
         lines.append(f"  {limb.name} ({limb.type}): rows: {rows}")
-        lines += (
-            [f"    {joint_text(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
-        )
-        if isinstance(limb, Limb):
-            lines += [f"    rod from {vector_text(rod.start)} to {vector_text(rod.platform)} (platform)" for rod in limb.rods]
+        lines += [f"    {joint_text(mechanism, joint)}" for joint in limb.joints]
+        lines += [f"    {_rod(bar)}" for bar in limb.bars(mechanism.reference_pose)]
     if found.closure.idle:
         lines.append("  not in the closure: " + "; ".join(found.closure.idle))
     return "\n".join(lines)
 
 
-def _rod(limb: RodLimb) -> str:
-    offset = f", length = value + {limb.offset:g}" if limb.offset else ""
-    return f"rod from {vector_text(limb.base)} to {vector_text(limb.platform)} (platform), actuated{offset}"
+def _rod(bar: Bar) -> str:
+    offset = f", length = value + {bar.offset:g}" if bar.offset else ""
+    drive = "" if bar.coordinate is None else f", actuated{offset}"
+    return f"rod from {vector_text(bar.start.point)} to {vector_text(bar.end.point)} (platform){drive}"
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:

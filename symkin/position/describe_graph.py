@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from symkin.model.graph import Coupling, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
-from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility
+from symkin.position.mobility_result import Mobility
 
 
 def describe_graph(found: Mobility) -> str:
@@ -42,7 +41,7 @@ def _joints(m: Mechanism) -> str:
     lines += [f"  {links:{width}}  {text}" for links, text in pairs]
     for limb in m.limbs:
         lines.append(f"  {limb.links[0]} - {limb.links[1]}: limb {limb.name} ({limb.type})")
-        lines += [f"    {joint_text(m, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else []
+        lines += [f"    {joint_text(m, joint)}" for joint in limb.joints]
     lines += [f"  coupling: {_coupling(m, coupling)}" for coupling in m.couplings]
     lines += [f"  point {point.name} of {point.link} at {vector_text(point.point)}" for point in m.link_points]
     if m.platform_link is not None:

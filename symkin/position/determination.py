@@ -15,7 +15,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.problem import Problem
 
 DIGITS = 1e-4

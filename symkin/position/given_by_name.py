@@ -79,7 +79,7 @@ def told_by_name(mechanism: Mechanism, given: Given) -> Given:
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
     found = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
-    if mechanism.platform_link is not None or not mechanism.is_graph:
+    if mechanism.platform_link is not None:
         pose = {n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given") for n in POSE_CONDITIONS}
         found = pose | found
     return found

@@ -23,7 +23,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 
 _POINTS = 3
@@ -70,6 +70,14 @@ def _part(
         closure.characteristic_length,
     )
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
+
+
+@lru_cache(maxsize=256)
+def is_linear(group: Problem) -> bool:
+    """Whether a group's rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
+    system = group.system
+    turning = any(c.kind == "quaternion" for c in system.unknowns)
+    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
 
 
 def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:

@@ -25,7 +25,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.velocity.differential import motion_columns
 
 _SHORTEST_ROW = 1e-4

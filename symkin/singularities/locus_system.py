@@ -25,7 +25,7 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate, Kind
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
-from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
 from symkin.singularities.limb_equations import columns_of, limb_blocks

@@ -16,7 +16,7 @@ from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.output import Output, output_equations
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.locus_system import LocusSystem
 
