@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
-from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_paths, is_linear, most_roots
+from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_paths, most_roots
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.one_input import modes_of_input
@@ -28,7 +28,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given
-from symkin.position.groups import structure_groups
+from symkin.position.groups import is_linear, structure_groups
 from symkin.position.problem import Problem
 
 
