@@ -109,7 +109,6 @@ REFUSED = [
     (["calibrate", "plan", "ankle", "-o", "plan.csv"], "calibrate takes limbs"),
     (["calibrate", "simulate", "ankle", "-o", "sim.csv", "--readings", "position"], "calibrate takes limbs"),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
-    (["sweep", "four_bar", "--grid", "crank=0:10:3", "-o", "swept"], "sweep takes limbs"),
 ]
 
 
