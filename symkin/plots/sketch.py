@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.graph_figures import sketch_of_graph
@@ -125,9 +124,6 @@ class _Sheet:
 
     def draw_bodies(self) -> None:
         body = self.layout.body
-        if self.layout.mechanism.serial:
-            self._ground(np.zeros(3))
-            return
         corners = outline(body.base)
         if len(corners) >= 3 and not self.layout.planar:
             self._plate(corners, "base", hatch="////")
@@ -137,7 +133,8 @@ class _Sheet:
                 self._ground(point)
             if len(feet) == 2:
                 self._line(feet[0], feet[1], 0.8, COLOURS["base edge"], "base", 1.0)
-        self._platform(outline(body.platform), np.asarray(body.pose.position))
+        if body.has_platform:
+            self._platform(outline(body.platform), np.asarray(body.pose.position))
 
     def _platform(self, corners: np.ndarray, origin: np.ndarray) -> None:
         if len(corners) >= 3:
@@ -205,7 +202,7 @@ class _Sheet:
     def draw_frames(self) -> None:
         pose = self.layout.body.pose
         position, rotation = np.asarray(pose.position), np.asarray(pose.rotation)
-        name = "T" if self.layout.mechanism.serial else "P"
+        name = self.layout.mechanism.frame_name[0].upper()
         same = np.linalg.norm(position) < 1e-9 * self.layout.mechanism.characteristic_length and np.allclose(
             rotation, np.eye(3), atol=1e-9
         )
@@ -242,7 +239,7 @@ class _Sheet:
                 centre = self.at(joint.centre)
                 self._label(joint.name, centre, 0.42 * self.symbol, _unit(centre - middle), 9.5, colour=COLOURS["text"])
         for limb, lines in zip(self.layout.mechanism.limbs, self.layout.body.limbs, strict=True):
-            if isinstance(limb, Limb) and not self.layout.mechanism.serial:
+            if limb.joints and self.layout.body.has_platform:
                 base = self.at(lines.base)
                 self._label(
                     limb.name, base, 0.5 * self.symbol, _unit(base - middle), 10.0, colour=COLOURS["base edge"], weight="bold"
