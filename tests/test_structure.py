@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.assembly import by_groups
+from symkin.assembly import group_roots
+from symkin.closure.link_poses import link_poses
 from symkin.closure.numpy_code import vectorise
 from symkin.homotopy import structure
 from symkin.homotopy.algebraic import complex_normal
@@ -15,10 +16,12 @@ from symkin.homotopy.structure import structure_of
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import known_values
 from symkin.model.file import parse
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.groups import structure_groups
 from symkin.position.problem import build_problem
+from symkin.position.solution_list import make_solution
 
-group_paths = by_groups.group_paths.__wrapped__
+group_paths = group_roots.group_paths.__wrapped__
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
 
 
@@ -48,7 +51,7 @@ def drawn(seed: int) -> symkin.Mechanism:
 def _empty_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     # as in a process that has not met these blocks
-    monkeypatch.setattr(by_groups, "group_paths", group_paths)
+    monkeypatch.setattr(group_roots, "group_paths", group_paths)
 
 
 # --- the polynomials -----------------------------------------------------------------------------------------------
@@ -73,8 +76,8 @@ def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
 
 
 def test_blocks_that_are_no_such_polynomials_have_no_structure():
-    """A platform in Study coordinates, and loops with more rows than unknowns."""
-    for name in ("hexapod_stack", "bennett"):
+    """A body in Study coordinates beside a joint, and loops with more rows than unknowns."""
+    for name in ("double_wishbone", "bennett"):
         (first, *_) = groups(symkin.load(name))
         assert structure_of(first, system_of(first, first.blocks[0])) is None
 
@@ -88,7 +91,7 @@ def test_a_dyad_is_never_searched_twice(monkeypatch):
     searched = []
     search = structure._searched
     monkeypatch.setattr(structure, "_searched", lambda system: searched.append(system) or search(system))
-    monkeypatch.setattr(by_groups, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
+    monkeypatch.setattr(group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
     for seed in (1, 2, 3):
         (group,) = groups(drawn(seed))
         paths = group_paths(group)
@@ -103,7 +106,7 @@ def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
     """Modes of random four-bars, from the structure's roots and from the mechanism's own."""
     mechanism = drawn(10 + seed)
     shared = symkin.modes(mechanism, joints=[7.0 * seed])
-    monkeypatch.setattr(by_groups, "structure_of", lambda *_: None)
+    monkeypatch.setattr(group_roots, "structure_of", lambda *_: None)
     own = symkin.modes(mechanism, joints=[7.0 * seed])
     assert (len(shared), shared.complex_count, shared.completeness) == (len(own), own.complex_count, own.completeness)
     for a, b in zip(shared, own, strict=True):
@@ -144,3 +147,37 @@ def test_coefficients_are_those_of_the_rows_for_a_circle():
     code, numbers = vectorise(found.data), np.zeros((1, int(found.system.k.shape[0]), 1), dtype=complex)
     code(np.ones((1, 1), dtype=complex), numbers)
     assert np.isfinite(numbers).all()
+
+
+# --- bodies on six distances ---------------------------------------------------------------------------------------
+
+
+def test_a_platform_on_a_platform_is_held_by_six_distances():
+    """Each of the two has 40 complex solutions, the most that there are (Ronga and Vust 1992), on a base that moves too."""
+    for group in groups(symkin.load("hexapod_stack")):
+        system = system_of(group, group.blocks[0])
+        found = structure_of(group, system)
+        assert found is not None
+        paths = group_roots.group_paths(group)
+        assert paths is not None
+        assert paths.most_roots == 40
+
+
+def test_distances_of_a_moving_base_are_those_between_the_points():
+    """L, b and m that are read from the rows at a real pose of the lower platform: b is where the rod stands on it."""
+    mechanism = symkin.load("hexapod_stack")
+    group = groups(mechanism)[1]
+    found = structure_of(group, system_of(group, group.blocks[0]))
+    assert found is not None
+    size = mechanism.characteristic_length
+    for values in closed_configurations(group.closure, 0)[:3]:
+        known = group.select_values(values, group.known_coordinates)
+        k = found.known(known_values(group, known)[:, None])[:, 0].real.reshape(6, 7)
+        solution = make_solution(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated)), values)
+        rods = [rod for rod in mechanism.link_rods if rod.name.startswith("upper")]
+        poses = link_poses(group.closure, values[None]).at(0)
+        for row, rod in zip(k, rods, strict=True):
+            start = poses[rod.links[0]].apply(np.array(rod.start))
+            assert size * row[1:4] == pytest.approx(start, abs=1e-9 * size)
+            length = solution.joints[rod.name] + rod.offset
+            assert size * row[0] == pytest.approx(length, abs=1e-9 * size)

@@ -177,7 +177,7 @@ class BlockPaths:
         """Points of the block for real roots z (width, any) at the instances `owner`; with universal joints that distances have
         replaced, all their choices."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
-        if self.shared is not None:
+        if self.shared is not None and not self.algebraic.projective:
             values = {c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)}
         names = [c.name for c in self.block.unknowns]
         if not replaced_universal_joints(self.problem):

@@ -102,29 +102,37 @@ def modes(
 
 
 def _by_name(
-    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, find: Callable[[Mechanism, Given], Modes]
+    mechanism: Mechanism,
+    joints: Any,
+    pose: Any,
+    given: Values | None,
+    find: Callable[[Mechanism, Sequence[Given]], tuple[Modes, ...]],
 ) -> Modes | tuple[Modes, ...]:
     """The modes for coordinates by name, or for one or many inputs of a graph."""
     if given is None and are_many(joints):
-        return tuple(find(mechanism, named_given(mechanism, row, pose, None)) for row in joint_rows(mechanism, joints))
+        return find(mechanism, [named_given(mechanism, row, pose, None) for row in joint_rows(mechanism, joints)])
     if given is None and are_many(pose):
-        return tuple(find(mechanism, named_given(mechanism, joints, one, None)) for one in pose)
-    return find(mechanism, named_given(mechanism, joints, pose, given))
+        return find(mechanism, [named_given(mechanism, joints, one, None) for one in pose])
+    return find(mechanism, [named_given(mechanism, joints, pose, given)])[0]
 
 
 def _of_coordinates(
-    mechanism: Mechanism, given: Given, *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
-) -> Modes:
-    """The modes for coordinates that are given by name, structure group by structure group."""
+    mechanism: Mechanism, givens: Sequence[Given], *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+) -> tuple[Modes, ...]:
+    """The modes for inputs whose coordinates, the same for all, are given by name: structure group by structure group."""
     begin = time.perf_counter()
-    problem = problem_of(mechanism, given)
+    if not givens:
+        return ()
+    problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
-    found = modes_by_groups(problem, given, search, choose, progress)
-    found = with_least_modes(problem, given, search, found)
-    note = open_loops_note(mechanism) if not len(found) else None
+    known = np.array([given.values for given in givens])
+    found = modes_by_groups(problem, known, search, choose, least_errors=True, certify=True, progress=progress)
+    listed = [with_least_modes(problem, given, search, found.modes_of(i, given)) for i, given in enumerate(givens)]
+    note = open_loops_note(mechanism) if not all(listed) else None
     if note is not None:
-        found = replace(found, notes=(*found.notes, note))
-    return replace(found, elapsed_s=time.perf_counter() - begin)
+        listed = [one if len(one) else replace(one, notes=(*one.notes, note)) for one in listed]
+    share = (time.perf_counter() - begin) / len(givens)
+    return tuple(replace(one, elapsed_s=share) for one in listed)
 
 
 @without_float_warnings

@@ -22,7 +22,7 @@ from symkin.closure.branches import Branch, Element
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
 from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
 from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
-from symkin.closure.pose_forms import PlatformPose, UnitPose
+from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Coordinate, Joint
@@ -150,15 +150,16 @@ class RowBuilder(BodyBuilder):
     def _distance_between(
         self, name: str, ends: tuple[_Point, _Point], length: ca.SX, length_squared: ca.SX | None = None
     ) -> None:
-        """The distance of two points of links, each in the form that its side takes."""
+        """The distance of two points of links, each in the form that its side takes; seen from a body in Study coordinates, if one
+        of them is, where it is a quadratic form."""
         first, last = ends
-        if isinstance(first.side, PlatformSide) and isinstance(last.side, Chain):
+        if isinstance(first.side, PlatformSide) and not _is_study(last.side):
             first, last = last, first
-        if isinstance(last.side, PlatformSide) and isinstance(first.side, Chain):
-            self._distance(name, last.side.pose, (last.local, first.moved), length, length_squared)
+        if isinstance(last.side, PlatformSide):
+            self._distance(name, last.side.pose, (last.local, first.unweighted), length, length_squared)
         else:
             still = UnitPose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
-            self._distance(name, still, (last.unweighted, first.unweighted), length, length_squared)
+            self._distance(name, still, (last.moved, first.moved), length, length_squared)
 
     def _close(self, branch: Branch) -> None:
         """Write what a branch between two placed bodies holds, cut at its joint of most freedom."""
@@ -323,6 +324,10 @@ class _Point:
         if not self.in_platform_frame or self.reference is None:
             return self.point
         return self.reference.position + rotate(self.reference.quaternion, self.point)
+
+
+def _is_study(side: Side) -> bool:
+    return isinstance(side, PlatformSide) and isinstance(side.pose, StudyPose)
 
 
 def _is_actuated(element: Element) -> bool:

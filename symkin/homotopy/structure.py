@@ -23,19 +23,24 @@ import numpy as np
 from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
+from symkin.homotopy.body_on_rods import distances_of, universal_system_of
 from symkin.homotopy.branches import uncovered
 from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
-from symkin.homotopy.monodromy import Fibre, Looping, fibre
+from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre
 from symkin.homotopy.seeds import random_known
 from symkin.homotopy.start_files import closure_key, kept_or_computed
 from symkin.homotopy.tracker import TrackSettings
+from symkin.homotopy.universal_start import universal_start
 from symkin.homotopy.values import known_values
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
 
 MOST_UNKNOWNS = 4
 """Unknowns of a block at most: its rows have three to this power coefficients each."""
+MOST_COEFFICIENTS = 24
+"""Different coefficients of a block at most. Many of them are bound by rules beyond equality, which rotations in space follow, so that
+random ones have many more roots."""
 _NODES = {"angle": (0.0, np.pi, np.pi / 2), "length": (0.0, 1.0, -1.0)}
 """Values of an unknown from which a row's coefficients follow."""
 _COEFFICIENTS = {
@@ -75,7 +80,14 @@ class Structure:
 
 
 def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
-    """The structure of a block of a few joints; None where its rows are no such polynomials, or more than its unknowns."""
+    """The structure of a block of a few joints, or of a body that six distances hold; None where its rows are no such polynomials,
+    or more than its unknowns."""
+    distances = distances_of(system)
+    if distances is not None:
+        held = Structure(
+            universal_system_of(system.body), ca.Function("distances", [system.k], [ca.densify(distances)], {"cse": True})
+        )
+        return held if _has_rows(problem, system, held) else None
     kinds = tuple(c.kind for c in system.unknowns)
     fits = not system.projective and not system.eliminated and not system.limbs and system.count == system.width <= MOST_UNKNOWNS
     if not fits or any(kind not in _NODES for kind in kinds) or any(c.least is not None for c in system.unknowns):
@@ -84,6 +96,8 @@ def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
     if not _is_whole(problem, system, kinds, coefficients):
         return None
     terms, places = _terms(problem, system, coefficients)
+    if len(places) > MOST_COEFFICIENTS:
+        return None
     data = ca.Function(
         "coefficients", [system.k], [ca.densify(ca.vertcat(*(coefficients[i, m] for i, m in places)))], {"cse": True}
     )
@@ -93,12 +107,28 @@ def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
 def start_of_structure(problem: Problem, structure: Structure) -> Fibre | None:
     """The generic roots of a structure, found once and then kept; None where not all of them lead to roots of this block at
     random known values: its coefficients are special, and it has fewer."""
-    start, _ = kept_or_computed(closure_key(structure.system), structure.system, lambda: _searched(structure.system))
+    if structure.system.projective:
+        start: Fibre | None = universal_start()
+    else:
+        start, _ = kept_or_computed(closure_key(structure.system), structure.system, lambda: _searched(structure.system))
     if start is None:
         return None
     k = known_values(problem, random_known(problem, np.random.default_rng(3), near=True))
     _, plain = plain_instances(structure.system, start, structure.known(k[:, None]))
     return start if plain.all() else None
+
+
+def _has_rows(problem: Problem, system: AlgebraicSystem, structure: Structure) -> bool:
+    """Whether the block's rows are those of its structure, times factors that the unknowns do not enter: at random complex points
+    of one instance their ratio is one number."""
+    rng = np.random.default_rng(1)
+    z = complex_normal(system.width * _DRAWS, rng).reshape(system.width, _DRAWS)
+    one = known_values(problem, random_known(problem, rng, near=False)).astype(complex)
+    k = np.repeat(one[:, None], _DRAWS, axis=1)
+    own, shared = system.linearise(z, k)[0], structure.system.linearise(z, structure.known(k))[0]
+    # the universal system begins with e.g = 0, a block ends with it
+    ratio = own / np.roll(shared, -1, axis=1)
+    return bool(np.isfinite(ratio).all() and (np.max(np.abs(ratio - ratio[0]), axis=0) <= 1e-6 * np.abs(ratio[0])).all())
 
 
 # --- coefficients --------------------------------------------------------------------------------------------------
@@ -180,6 +210,14 @@ def _system(kinds: tuple[str, ...], terms: Terms) -> AlgebraicSystem:
 def _searched(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     """All roots for random complex coefficients: loops of the coefficients until a second search from other numbers finds no
     others, and until those of real coefficients come in conjugate pairs."""
+    try:
+        return _settled(system)
+    except TooManyRootsError as error:
+        return None, f"the search was given up after {error.args[0]} roots"
+
+
+def _settled(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
+    """As many searches as it takes until one finds nothing new."""
     first = _search(system, 0)
     for seed in range(1, 1 + _SEARCHES):
         if first is None:

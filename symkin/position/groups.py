@@ -72,6 +72,14 @@ def _part(
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
 
 
+@lru_cache(maxsize=256)
+def is_linear(group: Problem) -> bool:
+    """Whether a group's rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
+    system = group.system
+    turning = any(c.kind == "quaternion" for c in system.unknowns)
+    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
+
+
 def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:
     """The same rows with the reference's values of coordinates that they hold with coefficients of rounding only."""
     later = [c for c in closure.coordinates if c.name not in allowed]
