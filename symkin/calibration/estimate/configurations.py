@@ -32,6 +32,8 @@ _MAX_POSE_STEP = 0.5
 """Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
 _MAX_STEPS, _MAX_POSE_STEPS = 20, 30
 """Most Newton steps of direct problems, and from drawn poses."""
+_FOLLOWED_STEP, _MAX_FOLLOWED_STEPS = 0.1, 400
+"""Steps of joints (radians, or of the size) in which configurations are followed, and most of them."""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -86,7 +88,7 @@ def solve_configurations(
 ) -> SolvedConfigurations:  # fmt: skip
     """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
-    start = start_points(model, measurements) if z is None else z
+    start = first_points(model, measurements, p) if z is None else z
     joints = measurements.joints
     with np.errstate(all="ignore"):
         found, solved = newton_configurations(model, start, joints, p, tolerance=tolerance)
@@ -133,6 +135,32 @@ def start_points(model: ConfigurationModel, measurements: Measurements, *, measu
             begin[k, places[c.name]] = values[taken : taken + c.width]
             taken += c.width
     return begin
+
+
+def first_points(model: ConfigurationModel, measurements: Measurements, p: np.ndarray) -> np.ndarray:
+    """Return the unknowns (n, width) from which direct problems begin: `start_points`; where no pose is among the unknowns, what the
+    reference leads to when the joints move straight from it to their readings."""
+    start = start_points(model, measurements)
+    if model.closure.role("pose"):
+        return start
+    reference = np.concatenate([np.zeros(0), *(np.array(c.reference) for c in model.closure.role("actuated"))])
+    return follow_joints(model, start, np.tile(reference, (len(start), 1)), measurements.joints, p)
+
+
+def follow_joints(
+    model: ConfigurationModel, z: np.ndarray, begin: np.ndarray, end: np.ndarray, p: np.ndarray
+) -> np.ndarray:  # fmt: skip
+    """Follow configurations z (n, width) by Newton while the joint readings move straight from `begin` to `end` (n, a); one that is
+    lost stays where it was last."""
+    units = np.array([1.0 if c.is_angular else 1.0 / model.closure.characteristic_length for c in model.closure.role("actuated")])
+    furthest = float(np.max(np.abs(end - begin) * units, initial=0.0))
+    count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
+    with np.errstate(all="ignore"):
+        for k in range(1, count + 1):
+            joints = begin + (k / count) * (end - begin)
+            found, closed = newton_configurations(model, z, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
+            z = np.where(closed[:, None], found, z)
+    return z
 
 
 def known_poses(measurements: Measurements, *, measured: bool = False) -> list[np.ndarray | None]:
@@ -203,8 +231,10 @@ def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
 
 
 def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarray:
-    """Put the pose coordinates nearest to a pose into the closure's variables."""
+    """Put the pose coordinates nearest to a pose into the closure's variables; as they are where it has none."""
     closure, values = build_closure(mechanism), values.copy()
+    if not closure.role("pose"):
+        return values
     numbers, _ = pose_coordinates(mechanism, pose)
     begin = closure.slices[closure.role("pose")[0].name].start
     values[begin : begin + len(numbers)] = numbers
@@ -223,7 +253,7 @@ class JointsOfPose:
     """Solves for all joints, actuated and passive, at given poses."""
 
     def __init__(self, closure: Closure) -> None:
-        unknowns, known = closure.role("actuated", "passive"), closure.role("pose")
+        unknowns, known = closure.role("actuated", "passive", "body"), closure.role("pose")
         self.width = sum(c.width for c in unknowns)
         unknown = closure.variables[: self.width]
         pose = closure.variables[self.width : self.width + sum(c.width for c in known)]

@@ -177,7 +177,7 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     advice = []
     kinds = {kind for kind, _ in problem.model.columns}
     unusual = [text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text]
-    poses = problem.model.poses(state.z, state.p)
+    poses = problem.model.poses(state.z, problem.measurements.joints, state.p)
     if problem.readings.groups and unusual:
         heads = inclinations(poses[problem.readings.first])
         if _largest_range(heads) < _SAME_ANGLE:
