@@ -187,7 +187,7 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     if kinds <= {"group", "inclination"} and unusual and _largest_range(_yaws(poses)[:, None]) < _SAME_ANGLE:
         advice.append("the yaw (rotation about the vertical) is the same in all postures; vary the yaw within each group")
     if any(text.startswith("size of") for text in unobservable):
-        advice.append("no reading fixes the size: hold one factor, or measure a distance, a position or a known length")
+        advice.append("no reading fixes the size: hold one length or factor, or measure a distance, a position or a known length")
     if any("frame" in text for text in unobservable):
         advice.append(
             "frames are free: they are chosen by the least change, by `fixed` parameters, or measured by positions and "
