@@ -108,8 +108,6 @@ REFUSED = [
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
     (["singularities", "four_bar"], "singularities takes limbs"),
     (["track", "four_bar", "--from", "0", "--to", "5"], "track takes limbs"),
-    (["calibrate", "plan", "ankle", "-o", "plan.csv"], "calibrate takes limbs"),
-    (["calibrate", "simulate", "ankle", "-o", "sim.csv", "--readings", "position"], "calibrate takes limbs"),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
     (["sweep", "four_bar", "--grid", "crank=0:10:3", "-o", "swept"], "sweep takes limbs"),
 ]

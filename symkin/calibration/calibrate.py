@@ -17,6 +17,7 @@ from symkin.calibration.estimate.configurations import (
     determinant_signs,
     first_points,
     newton_configurations,
+    refuse_undetermined,
     solve_configurations,
 )
 from symkin.calibration.estimate.descent import is_rounding
@@ -210,7 +211,8 @@ class _Fitting:
                 "and the order of joints, or give starts"
             )
         p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
-        _check_determined(self.problem, solved, p)
+        m = self.problem.measurements.subset(solved.solved)
+        refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
         part = self._solved_part(solved)
         result = self._estimate(part, solved, p)
         if not solved.solved.all():
@@ -314,18 +316,3 @@ def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
 def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
     """The estimate with the lower cost."""
     return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
-
-
-def _check_determined(problem: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray) -> None:
-    """Joint readings must fix the pose: each configuration's closure has full column rank in its unknown coordinates."""
-    rows_z = problem.model.rows(solved.z, problem.measurements.joints, p)[1][solved.solved]
-    if rows_z.shape[2] == 0:
-        return
-    singular = np.linalg.svd(rows_z, compute_uv=False)
-    short = rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0]))
-    if short:
-        raise InputError(
-            f"{problem.mechanism.name}: the actuated joints ({', '.join(c.name for c in problem.mechanism.actuated) or 'none'}) do not "
-            "determine the pose; calibration needs a direct problem with isolated solutions: actuate more joints, or declare the "
-            "platform's motion"
-        )

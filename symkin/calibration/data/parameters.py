@@ -63,7 +63,9 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
         )
         depends = ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False) if seen.numel() else []
         values |= {name: value for (name, (_, value)), flag in zip(others.items(), depends, strict=False) if flag}
-    return values
+    # where no link carries it, the platform frame is a place at which loops are compared, and no geometry
+    frameless = mechanism.platform_link is None
+    return {name: value for name, value in values.items() if not (frameless and name.startswith("platform."))}
 
 
 def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:

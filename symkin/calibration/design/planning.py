@@ -26,7 +26,7 @@ from symkin.calibration.design.simulation import (
     simulate_readings,
 )
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations
+from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.residuals import build_readings, whitening
 from symkin.calibration.estimate.transfer import variables_in
@@ -386,6 +386,7 @@ def reading_slopes(
     values, weights = build_readings(model, taken), noise.joints(mechanism)
     count = len(mechanism.actuated)
     z = np.ascontiguousarray(variables_in(model.closure, build_closure(mechanism), made.values)[:, count:])
+    refuse_undetermined(model, z, made.joints, model.nominal)
     quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
     e = model.evaluate(z, made.joints, model.nominal, quaternions)
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights

@@ -287,7 +287,8 @@ class _Known:
 
 
 def _parameter_values(closure: Closure, symbols: Mapping[str, ca.SX]) -> ca.SX:
-    return ca.vertcat(*(symbols[n] for n in closure.parameter_names)) if closure.parameter_names else ca.SX(0, 1)
+    pairs = zip(closure.parameter_names, closure.parameter_values, strict=True)
+    return ca.vertcat(ca.SX(0, 1), *(symbols.get(name, ca.SX(float(value))) for name, value in pairs))
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose | None:

@@ -11,6 +11,7 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
@@ -114,6 +115,20 @@ def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
     if rows_z.shape[1] != rows_z.shape[2] or rows_z.shape[2] == 0:
         return np.zeros(len(rows_z))
     return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
+
+
+def refuse_undetermined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> None:
+    """Joint readings must fix the configuration: the closure has full column rank in its unknown coordinates. Raises InputError."""
+    rows_z = model.rows(z, joints, p)[1]
+    if rows_z.shape[2] == 0:
+        return
+    singular = np.linalg.svd(rows_z, compute_uv=False)
+    if rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0])):
+        m = model.mechanism
+        raise InputError(
+            f"{m.name}: the actuated joints ({', '.join(c.name for c in m.actuated) or 'none'}) do not determine the pose; calibration "
+            "needs a direct problem with isolated solutions: actuate more joints (those that are read), or declare the platform's motion"
+        )
 
 
 def start_points(model: ConfigurationModel, measurements: Measurements, *, measured: bool = False) -> np.ndarray:

@@ -20,6 +20,7 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import judged_link
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model, solve_systems
 from symkin.calibration.estimate.configurations import (
+    ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
     JointsOfPose,
     all_coordinates,
@@ -283,9 +284,13 @@ class ClosureSolver:
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Follow configurations (n, width) from their joints to others (n, a), and return the variables there."""
+        """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
+        is lost on the way."""
         z, begin = self.split(values)
-        return np.hstack([joints, follow_joints(self._model, z, begin, joints, np.zeros(0))])
+        z = follow_joints(self._model, z, begin, joints, np.zeros(0))
+        rows, _ = self._model.rows(z, joints, np.zeros(0))
+        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * self.closure.characteristic_length)
+        return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
         """Put the pose of an arm's tool at its joints into the variables."""

@@ -191,7 +191,7 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     if any("frame" in text for text in unobservable):
         advice.append(
             "frames are free: they are chosen by the least change, by `fixed` parameters, or measured by positions and "
-            "orientations of the platform"
+            "orientations of the platform or of links, or by positions of points"
         )
     if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(unobservable):
         advice.append(f"{problem.readings.count} independent readings for {len(problem.names)} parameters; add postures")
