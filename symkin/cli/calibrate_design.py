@@ -89,6 +89,7 @@ def simulate(
     from symkin.calibration.design.simulation import (
         group_numbers,
         planned_configurations,
+        platform_kinds,
         random_configurations,
         simulate_readings,
     )
@@ -126,10 +127,11 @@ def simulate(
         numbers, made = planned_configurations(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
     else:
         _check_anything_read(bool(groups), beside, noise_group)
+        platform_kinds(true, kinds, grouped=bool(groups))
         numbers = group_numbers(_DEFAULT_CONFIGURATIONS if postures is None else postures, groups or 0)
         made = random_configurations(workspace, numbers, noise, rng)
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
-    measured = simulate_readings(mechanism, made, numbers, kinds, noise, rng, ends)
+    measured = simulate_readings(true, made, numbers, kinds, noise, rng, ends)
     comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
     write_own_file(output, measurements_text(mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments))
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")

@@ -104,11 +104,12 @@ def observables_named(mechanism: Mechanism, names: Sequence[str]) -> tuple[Obser
     return tuple(known[name] for name in names)
 
 
-def unknown_observable(mechanism: Mechanism, name: str) -> str:
-    """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be."""
+def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] = ()) -> str:
+    """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be; `besides` are names of what else
+    is read."""
     if any(c.name == name and c.kind == "quaternion" for c in mechanism.coordinates):
         return f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of its link"
-    known = [o.name for o in observables(mechanism).values()]
+    known = [*besides, *(o.name for o in observables(mechanism).values())]
     near = get_close_matches(name, known, 3)
     guess = f"; the nearest names are {', '.join(near)}" if near else ""
     allowed = [n for n in known if not n.startswith("distance.")]

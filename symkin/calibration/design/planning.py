@@ -196,7 +196,7 @@ def plan_measurements(
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     chosen = _Options(**options)
     chosen.check(configurations)
-    platform_kinds(workspace.mechanism, chosen.readings)
+    platform_kinds(workspace.mechanism, chosen.readings, grouped=chosen.groups > 0)
     task = _Task(workspace, configurations, noise, chosen)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")

@@ -64,12 +64,14 @@ class Noise:
                 return self.distance
 
 
-def platform_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[str, ...]:
-    """Return which of the readings are of the platform. Raises InputError for what is unknown, and of a platform that is not there."""
+def platform_kinds(mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False) -> tuple[str, ...]:
+    """Return which of the readings are of the platform. Raises InputError for what is unknown, and for readings and groups (of equal
+    inclination) of a platform that is not there."""
     own = tuple(kind for kind in readings if kind in READING_CHOICES)
-    if own and mechanism.platform_link is None:
+    if (own or grouped) and mechanism.platform_link is None:
+        what = f"readings: {own[0]!r} is read" if own else "groups: equal inclination is that"
         raise InputError(
-            f"readings: {own[0]!r} is read of a platform, and {mechanism.name} has no platform link; name it by [platform] link, or "
+            f"{what} of a platform, and {mechanism.name} has no platform link; name it by [platform] link, or "
             "read named points (point.NAME) and other links (LINK.pose, LINK.position, LINK.orientation, LINK.inclination)"
         )
     observed_kinds(mechanism, readings)
@@ -85,8 +87,8 @@ def observed_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[Obser
         link, _, last = name.rpartition(".")
         whole = [f"{link}.position", f"{link}.orientation"] if last == "pose" else [name]
         if not all(part in known for part in whole):
-            platform = f"{', '.join(READING_CHOICES)} of the platform, and " if mechanism.platform_link is not None else ""
-            raise InputError(f"readings: {platform}{unknown_observable(mechanism, name)}")
+            besides = READING_CHOICES if mechanism.platform_link is not None else ()
+            raise InputError(f"readings: {unknown_observable(mechanism, name, besides)}")
         names += whole
     return observables_named(mechanism, names)
 
@@ -160,7 +162,7 @@ def simulate_readings(
     """Read true configurations, with standard deviations where there is noise; `readings` are kinds of the platform (see
     `READING_CHOICES`) and names of observables (see `data.observables`), `distances` points of the platform and of the base by the
     names of their columns."""
-    own = platform_kinds(mechanism, readings)
+    own = platform_kinds(mechanism, readings, grouped=bool(np.any(groups != NO_GROUP)))
     kinds = {part for kind in own for part in (("position", "orientation") if kind == "pose" else (kind,))}
     count, joint_sigma = len(true), noise.joints(mechanism)
     grouped = bool(np.any(groups != NO_GROUP))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
@@ -69,6 +70,8 @@ def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
         about_home = (
             None if drawn is None else _pose_sigma_at(fit, identified, drawn, f"{_ACCURACY_POSES} random poses about home")
         )
+    if identified.platform_link is None:
+        where = f"of link {judged_link(identified)}, {where}"
     return replace(_pose_sigma_at(fit, identified, made, where), about_home=about_home)
 
 
