@@ -224,6 +224,14 @@ def test_limbs_driven_by_their_platform() -> None:
     assert (polar.kinds, polar.inputs) == (("type 1",), ({"azimuth": 1.0},))
 
 
+def test_a_pose_that_drives_a_platform_on_rods_alone() -> None:
+    """Where nothing but the platform moves it is the output: a wheel's travel and the rack decide its pose."""
+    here = at("five_link_suspension", rack=2.0, z=335.0)
+    found = symkin.singularity(here, given=["rack", "z"])
+    assert found.kinds == ()
+    assert min(found.distances.values()) > 1e-3
+
+
 def test_fewer_given_than_the_mobility_are_said() -> None:
     """A motor of two: one freedom is left everywhere, and that is a note and no kind."""
     found = symkin.singularity(
