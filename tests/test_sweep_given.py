@@ -176,14 +176,18 @@ def test_processes_compute_the_same_arrays(tmp_path):
 
 @pytest.mark.parametrize("quantity", ["conditioning", "reach"])
 def test_other_quantities_of_a_graph(tmp_path, quantity):
-    """Conditions are those of the modes; where the follower cannot stand nothing is reached."""
+    """Conditions and distances from singularities are those of the modes; where the follower cannot stand nothing is reached."""
     four_bar, angles = symkin.load("four_bar"), [-80.0, 10.0, 45.0]
     data = sweep(four_bar, directory=tmp_path / "s", given={"follower": angles}, quantity=quantity, workers=0).open()
     if quantity == "reach":
         assert data["reached"].values.tolist() == [0, 1, 1]
         return
     alone = symkin.modes(four_bar, given={"follower": 45.0})
-    assert "distance_type_1" not in data
+    for place, mode in enumerate(alone):
+        alone_there = symkin.singularity(mode, given=["follower"]).distances
+        assert float(data["distance_type_2"][2, place]) == pytest.approx(alone_there["type 2"], rel=1e-6)
+        assert float(data["distance_increased"][2, place]) == pytest.approx(alone_there["increased"], rel=1e-6)
+    assert np.isnan(data["distance_type_1"].values).all()
     assert float(data["least_condition"][2]) == pytest.approx(min(mode.condition for mode in alone), rel=1e-6)
     assert np.isnan(float(data["least_condition"][0]))
 

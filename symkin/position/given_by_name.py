@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -15,10 +15,12 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
 Values = Mapping[str, float | Sequence[float]]
+Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
+"""Values by name of many inputs: columns, and one value where all inputs have the same."""
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
@@ -107,33 +109,69 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     return mechanism.angle_in(number) if c.is_angular else number
 
 
-def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | None:
-    """Joints and pose, one of them None, where the values by name are all actuated joints or the whole pose of limbs: the direct and
-    the inverse problem. None for any other values, and for a graph."""
-    if given is None or mechanism.is_graph or not isinstance(given, Mapping):
+def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of limbs; None for any others, and for
+    a graph."""
+    if mechanism.is_graph:
         return None
-    if list(given) == ["pose"] and is_whole_pose(mechanism, given):
-        return None, given["pose"]
-    names = {c.name for c in mechanism.actuated}
-    return (given, None) if names and set(given) == names else None
+    actuated = {c.name for c in mechanism.actuated}
+    whole = list(names) == ["pose"] and "pose" not in given_coordinates(mechanism)
+    if whole or (names and set(names) == set(pose_names(mechanism))):
+        return "inverse"
+    return "direct" if actuated and set(names) == actuated else None
+
+
+def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
+    """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
+    inverse problem of limbs. None for any other values, and for a graph."""
+    if mechanism.is_graph:
+        return None
+    if given is None:
+        return joints, pose
+    if joints is not None or pose is not None or not isinstance(given, Mapping):
+        return None
+    kind = plain_kind(mechanism, list(given))
+    if kind == "inverse":
+        return (None, given["pose"]) if "pose" in given else None
+    return (given, None) if kind == "direct" else None
+
+
+def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
+    """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
+    kind = plain_kind(mechanism, names)
+    return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
 
 
 def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
     """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
-    plain = plain_case(mechanism, given) if joints is None and pose is None else None
-    if plain is not None:
-        joints, pose = plain
-    elif given is not None or mechanism.is_graph:
-        return named_given(mechanism, joints, pose, given)
-    return given_from(mechanism, joints, pose)
+    plain = plain_case(mechanism, joints, pose, given)
+    return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
 
 
-def many_given(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
-    """What is given of many inputs, as `any_given` has one."""
+def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | None) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one: rows of joints or of poses, or by name a column or one value each."""
+    if given is not None:
+        return [any_given(mechanism, joints, pose, row) for row in _rows(given)]
     if pose is not None and mechanism.platform_link is None:
         return [named_given(mechanism, joints, pose, None)]
     many = given_many(mechanism, joints, pose)
-    return [told_by_name(mechanism, one) for one in many] if mechanism.is_graph else many
+    plain = plain_case(mechanism, joints, pose, None) is not None
+    return many if plain else [told_by_name(mechanism, one) for one in many]
+
+
+def has_columns(given: Any) -> bool:
+    """Whether values by name are those of several inputs: some are a column, of whole poses several rows."""
+    return isinstance(given, Mapping) and any(np.ndim(value) > (name == "pose") for name, value in given.items())
+
+
+def _rows(given: Columns) -> list[dict[str, Any]]:
+    """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
+    lengths = {name: len(value) for name, value in given.items() if np.ndim(value) > (name == "pose")}  # type: ignore[arg-type]
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")
+    columns = {name: value if name in lengths else [value] * max(lengths.values()) for name, value in given.items()}
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -14,7 +14,7 @@ def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
     """The motion of a platform declared spatial that the joints leave it anyway and that removes most redundant rows, with
     the number of those left; None where there is none. Declared, it changes no solution of the same assembly."""
     mechanism = found.closure.mechanism
-    if mechanism.serial or mechanism.is_graph or mechanism.motion != "spatial" or not found.redundant or not found.closed:
+    if not found.limbs or mechanism.motion != "spatial" or not found.redundant or not found.closed:
         return None
     restricted = [(m, mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
     kept = [(m, other.redundant) for m, other in restricted if other.closed and other.mobility == found.mobility]

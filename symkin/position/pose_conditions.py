@@ -63,7 +63,7 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
 def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
     """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
     frame = mechanism.frame_name
-    named = None if mechanism.serial else fewer_rows(mobility(mechanism))
+    named = fewer_rows(mobility(mechanism))
     motion = "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
     return (
         f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "
