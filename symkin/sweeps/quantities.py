@@ -17,8 +17,7 @@ from symkin.assembly.mode_table import COMPLETENESS, ModeTable
 from symkin.errors import InputError
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.problem import Problem
-from symkin.position.solution_list import make_solution
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import many_elsewhere
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
 from symkin.singularities.roles import Roles, roles_of
@@ -196,9 +195,7 @@ def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     names = list(dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates))
     roles = roles_of(mechanism, names) if problem.kind == "given" else Roles(mechanism)
     closure, generic = roles.closure, generic_ranks(mechanism, None, roles if roles.by_name else None)
-    rows = []
-    for values in found.values:
-        here = values if closure is problem.closure else variables_at(closure, make_solution(problem, values))
-        rows.append(distances(closure, limbwise_equations(closure, here, SINGULAR_VALUE, roles), generic, roles))
+    there = found.values if closure is problem.closure else many_elsewhere(closure, problem.closure, found.values)
+    rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles) for values in there]
     kinds = {"distance_type_1": "type 1", "distance_type_2": "type 2", "distance_increased": "increased"}
     return {name: np.array([row.get(kind, np.nan) for row in rows]) for name, kind in kinds.items()}
