@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
+from symkin.closure.partition import POSE_COORDINATES
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Kind, Problem, build_problem
@@ -61,6 +61,7 @@ def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
     """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
     require_mechanism(mechanism)
+    given = _of_example(mechanism, joints, pose, given)
     if given is not None:
         if joints is not None or pose is not None:
             raise InputError("given: values by name and joints or a pose beside them; give one of them")
@@ -126,6 +127,7 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     inverse problem of limbs. None for any other values, and for a graph."""
     if mechanism.is_graph:
         return None
+    given = _of_example(mechanism, joints, pose, given)
     if given is None:
         return joints, pose
     if joints is not None or pose is not None or not isinstance(given, Mapping):
@@ -134,6 +136,14 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     if kind == "inverse":
         return (None, given["pose"]) if "pose" in given else None
     return (given, None) if kind == "direct" else None
+
+
+def _of_example(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Values | None:
+    """The values by name; where nothing is given those of the example, if it tells names."""
+    example = mechanism.example
+    if given is not None or joints is not None or pose is not None or example is None or example.given is None:
+        return given
+    return dict(example.given)
 
 
 def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:

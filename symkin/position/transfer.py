@@ -6,9 +6,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import LinkPoses, link_poses
-from symkin.closure.partition import POSE_CONDITIONS
 from symkin.closure.tilt_torsion import tilt_and_torsion
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.position.canonical import poses_of
 from symkin.position.given import poses_coordinates
 from symkin.position.readings import readings
