@@ -97,11 +97,14 @@ class BodyBuilder:
                 self.bodies[body] = self._declare_body(body)
 
     def _declare_algebraic_body(self, body: str) -> PlatformSide:
-        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length."""
+        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length; a platform whose motion is
+        spherical by its quaternion alone."""
         e = ca.SX.sym(f"{body}.e", 4)
-        reference = (
-            self.reference if body == self.mechanism.platform_link else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
-        )
+        is_platform = body == self.mechanism.platform_link
+        reference = self.reference if is_platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        if is_platform and self.mechanism.motion == "spherical":
+            self.body_symbols[body] = e
+            return PlatformSide(HomogeneousPose(reference.position, e), reference)
         if self.body_forms[body] == "study":
             g = ca.SX.sym(f"{body}.g", 4)
             self.body_symbols[body] = ca.vertcat(e, g)

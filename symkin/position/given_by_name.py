@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -15,7 +15,7 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import LARGEST_GIVEN, Given, given_from
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
 Values = Mapping[str, float | Sequence[float]]
@@ -103,6 +103,18 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     return mechanism.angle_in(number) if c.is_angular else number
 
 
+def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of limbs; None for any others, and for
+    a graph."""
+    if mechanism.is_graph:
+        return None
+    actuated = {c.name for c in mechanism.actuated}
+    whole = list(names) == ["pose"] and "pose" not in given_coordinates(mechanism)
+    if whole or (names and set(names) == set(pose_names(mechanism))):
+        return "inverse"
+    return "direct" if actuated and set(names) == actuated else None
+
+
 def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
     """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
     inverse problem of limbs. None for any other values, and for a graph."""
@@ -112,10 +124,16 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
         return joints, pose
     if joints is not None or pose is not None or not isinstance(given, Mapping):
         return None
-    if list(given) == ["pose"] and is_whole_pose(mechanism, given):
-        return None, given["pose"]
-    names = {c.name for c in mechanism.actuated}
-    return (given, None) if names and set(given) == names else None
+    kind = plain_kind(mechanism, list(given))
+    if kind == "inverse":
+        return (None, given["pose"]) if "pose" in given else None
+    return (given, None) if kind == "direct" else None
+
+
+def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
+    """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
+    kind = plain_kind(mechanism, names)
+    return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -113,6 +113,8 @@ def _rows_of(dependence: np.ndarray, closure: Closure, unknowns: tuple[Coordinat
 def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     """Places of unknowns, part by part in the order of solution; one part where the rows leave unknowns free."""
     system, slices = problem.system, problem.closure.slices
+    if not system.unknowns:
+        return []
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
     independent = _independent_rows(problem, _closed_jacobian(problem))
     if len(independent) != system.freedom:

@@ -12,6 +12,11 @@ from symkin.position.given import pose_coordinates
 from symkin.position.solution import Solution
 
 
+def variables_at(closure: Closure, solution: Solution) -> np.ndarray:
+    """The full vector of a closure's variables at a solution, its own where the closure is the solution's."""
+    return solution.variables if solution.partition == closure.partition else variables_elsewhere(closure, solution)
+
+
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
     """The full vector of a closure's variables at a solution."""
     values = closure.reference.copy()
