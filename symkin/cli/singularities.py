@@ -42,7 +42,7 @@ def singularities(
         typer.Option(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
-            "configuration's orientation) or two actuated joints, others held.",
+            "configuration's orientation), two actuated joints, or two coordinates of --given, others held.",
         ),
     ] = None,
     window: Annotated[
@@ -77,10 +77,6 @@ def singularities(
         refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
-    if plane is not None and given is not None:
-        raise InputError(
-            "--given belongs to one configuration, not to --plane, whose loci are those of actuated joints or the pose"
-        )
     mechanism = load(mech)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
@@ -112,7 +108,14 @@ def singularities(
     axes = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):
         count = DEFAULT_STARTS if starts is None else starts
-        loci = singular_loci(solution, axes, ranges=sides, starts=count, seed=0 if seed is None else seed)
+        loci = singular_loci(
+            solution,
+            axes,
+            given=None if values is None else list(values),
+            ranges=sides,
+            starts=count,
+            seed=0 if seed is None else seed,
+        )
     if plot is not None:
         loci.plot(plot)
     print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))

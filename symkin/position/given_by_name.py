@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
+from symkin.closure.partition import POSE_COORDINATES
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import LARGEST_GIVEN, Given, given_from
+from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
@@ -59,6 +59,7 @@ def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
     """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
     require_mechanism(mechanism)
+    given = _of_example(mechanism, joints, pose, given)
     if given is not None:
         if joints is not None or pose is not None:
             raise InputError("given: values by name and joints or a pose beside them; give one of them")
@@ -67,9 +68,13 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
-    named = given_from(mechanism, joints, pose)
-    names = tuple(c.name for c in mechanism.actuated) if named.kind == "direct" else pose_names(mechanism)
-    return replace(named, kind="given", names=names)
+    return told_by_name(mechanism, given_from(mechanism, joints, pose))
+
+
+def told_by_name(mechanism: Mechanism, given: Given) -> Given:
+    """The same values of all actuated joints, or of the whole pose, with the names of their coordinates."""
+    names = tuple(c.name for c in mechanism.actuated) if given.kind == "direct" else pose_names(mechanism)
+    return replace(given, kind="given", names=names)
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
@@ -120,6 +125,7 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     inverse problem of limbs. None for any other values, and for a graph."""
     if mechanism.is_graph:
         return None
+    given = _of_example(mechanism, joints, pose, given)
     if given is None:
         return joints, pose
     if joints is not None or pose is not None or not isinstance(given, Mapping):
@@ -130,10 +136,32 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     return (given, None) if kind == "direct" else None
 
 
+def _of_example(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Values | None:
+    """The values by name; where nothing is given those of the example, if it tells names."""
+    example = mechanism.example
+    if given is not None or joints is not None or pose is not None or example is None or example.given is None:
+        return given
+    return dict(example.given)
+
+
 def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
     """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
     kind = plain_kind(mechanism, names)
     return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
+
+
+def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
+    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
+    plain = plain_case(mechanism, joints, pose, given)
+    return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
+
+
+def many_given(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one."""
+    if pose is not None and mechanism.platform_link is None:
+        return [named_given(mechanism, joints, pose, None)]
+    many = given_many(mechanism, joints, pose)
+    return [told_by_name(mechanism, one) for one in many] if mechanism.is_graph else many
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.closure.partition import POSE_CONDITIONS
 from symkin.closure.tilt_torsion import tilt_and_torsion
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.position.given import pose_coordinates
 from symkin.position.solution import Solution
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.closure.partition import POSE_CONDITIONS
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.given_by_name import given_coordinates, plain_kind, pose_names, unknown_name
 from symkin.position.problem import build_problem
@@ -74,13 +73,13 @@ class Roles:
 def roles_of(mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> Roles:
     """The roles for coordinates that are told by name; without `inputs` the actuated joints, without `outputs` the platform, or all
     other joints where there is none or its own coordinates drive. Raises InputError for names that nothing has."""
-    driven = tuple(c.name for c in mechanism.actuated) if inputs is None else _checked(mechanism, inputs, "given")
+    driven = tuple(c.name for c in mechanism.actuated) if inputs is None else checked_names(mechanism, inputs, "given")
     if outputs is None and plain_kind(mechanism, driven) is not None:
         return Roles(mechanism)
     if not driven:
         raise InputError(f"{mechanism.name}: no joint is actuated; name what drives it, by given")
     if outputs is not None:
-        wanted = _checked(mechanism, outputs, "output")
+        wanted = checked_names(mechanism, outputs, "output")
         both = [name for name in wanted if name in driven]
         if both:
             raise InputError(f"output = {', '.join(wanted)}: {', '.join(both)} is given, and drives the mechanism")
@@ -96,7 +95,8 @@ def other_joints(closure: Closure, inputs: Sequence[str]) -> list[str]:
     return [c.name for c in found if c.name not in inputs]
 
 
-def _checked(mechanism: Mechanism, names: Sequence[str], what: str) -> tuple[str, ...]:
+def checked_names(mechanism: Mechanism, names: Sequence[str], what: str) -> tuple[str, ...]:
+    """Names of coordinates, those of the whole pose for "pose". Raises InputError for what no coordinate is named, or twice."""
     known = given_coordinates(mechanism)
     found: list[str] = []
     for name in names:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from difflib import get_close_matches
 from itertools import product
 from typing import Literal
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP
+from symkin.calibration.data.measurements import NO_GROUP, Reading
+from symkin.calibration.data.observables import Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
 from symkin.files.csv_table import UNITS, Table
+from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
@@ -33,6 +36,10 @@ _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
 _EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _MAX_LISTED_GROUPS = 5
 """Most groups of one configuration that a message lists."""
+_OBSERVABLE_PREFIXES = ("point.", "distance.")
+"""What columns of named points and of their distances begin with."""
+_MISSPELT = 0.85
+"""Likeness (of difflib) from which an unknown column is taken for a slip of the pen."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 Measure = Literal["length", "angle"]
@@ -45,7 +52,7 @@ def unit_of(mechanism: Mechanism, measure: Measure) -> str:
 
 def reading_name(mechanism: Mechanism, name: str) -> str:
     """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
-    return f"platform.{name}" if any(c.name == name for c in mechanism.actuated) else name
+    return f"platform.{name}" if any(c.name == name for c in mechanism.coordinates if c.width == 1) else name
 
 
 def measure_of(c: Coordinate) -> Measure:
@@ -81,7 +88,8 @@ class ColumnReader:
 
     def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
         self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
-        self.known = {c.name for c in mechanism.actuated}
+        self.known = {c.name for c in mechanism.coordinates if c.width == 1}
+        self.observables = observables(mechanism)
         self.copies = table.copies()
         self.table = self._matched(table)
         self.notes: list[str] = list(self.table.notes)
@@ -92,15 +100,56 @@ class ColumnReader:
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
         sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
-        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances)))
-        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced)
-        read = [name for name in made.columns if name in (*placed, *self.distances, *sequenced.values())]
+        others = [column for o in self.observables.values() for column in o.columns]
+        sigmas += [f"sigma_{column}" for o in self.observables.values() for column in o.sigmas]
+        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances, *others)))
+        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced | self._of_platform_link(table, known))
+        of_platform = [name for name in made.columns if name in (*placed, *sequenced.values())]
+        read = [*of_platform, *(name for name in made.columns if name in (*self.distances, *others))]
         self._check_left_out(made, anything_read=bool(read))
+        if of_platform and self.mechanism.platform_link is None:
+            raise InputError(
+                f"{made.path}: column {of_platform[0]!r} is of a platform, and {self.mechanism.name} has no platform link; name it by "
+                "[platform] link, or read named points (point.NAME.x) and other links (LINK.x, LINK.qw, LINK.alpha)"
+            )
         return made
 
+    def _of_platform_link(self, table: Table, known: Sequence[str]) -> dict[str, str]:
+        """Map columns of the platform's link, by its own name (foot.x), to those of the platform."""
+        link, found = self.mechanism.platform_link, dict[str, str]()
+        for name in table.columns:
+            sigma = "sigma_" if name.startswith("sigma_") else ""
+            begin, _, last = name.removeprefix("sigma_").rpartition(".")
+            if begin != link or name in known:
+                continue
+            target = f"{sigma}{reading_name(self.mechanism, last)}"
+            if target in known:
+                if target in table.columns:
+                    raise InputError(f"{table.path}: the columns {name!r} and {target!r} both mean {target!r}; leave one out")
+                found[name] = target
+        return found
+
+    def _refuse_misspelt(self, made: Table, header: str) -> None:
+        """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
+        name = header.partition("[")[0].strip()
+        bare = name.removeprefix("sigma_")
+        columns = [column for o in self.observables.values() for column in (*o.columns, *o.sigmas)]
+        near = get_close_matches(bare, columns, 1, _MISSPELT)
+        links = tuple(f"{link}." for link in links_of(self.mechanism))
+        if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
+            return
+        near = near or get_close_matches(bare, columns, 3)
+        guess = (
+            f"did you mean {' or '.join(map(repr, near))}?"
+            if near
+            else "no passive joint, named point or other link has such a name"
+        )
+        raise InputError(f"{made.path}: column {name!r} is unknown; {guess} (else rename it, so that it is left out)")
+
     def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
-        """Refuse files that leave out what is needed: points of distances, joints, all readings."""
+        """Refuse files that leave out what is needed: points of distances, joints, all readings; and columns that look misspelt."""
         for name in made.left_out:
+            self._refuse_misspelt(made, name)
             if name.startswith(DISTANCE):
                 raise InputError(
                     f"{made.path}: column {name!r}: the points of this distance are not known; give them with "
@@ -113,9 +162,18 @@ class ColumnReader:
             joints = ", ".join(names[:_MAX_LISTED_JOINTS]) + (", ..." if len(names) > _MAX_LISTED_JOINTS else "")
             unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
             raise InputError(
-                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), group, alpha, beta, "
-                "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), {self._known_readings()}and "
+                "sigma_ before a name"
             )
+
+    def _known_readings(self) -> str:
+        """The columns of readings that this mechanism may have."""
+        own = [o for o in self.observables.values() if o.kind != "distance"]
+        others = [column for o in own for column in o.columns]
+        shown = ", ".join(others[:_MAX_LISTED_JOINTS]) + (", ..." if len(others) > _MAX_LISTED_JOINTS else "")
+        between = "distance.A.B of two named points, " if len(own) < len(self.observables) else ""
+        platform = "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), "
+        return f"{platform if self.mechanism.platform_link is not None else ''}{shown}{', ' if shown else ''}{between}"
 
     def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
         column = self._column("group")
@@ -176,9 +234,10 @@ class ColumnReader:
         if len(values) > 2 and np.ptp(values) == 0.0:
             self.notes.append(f"{c.name}: the reading is the same in all rows")
 
-    def together(self, names: tuple[str, ...], measure: Measure | None) -> np.ndarray | None:
-        """Read columns that stand together, all cells of a row or none; None where nothing is in them."""
-        present = [self._column(name) for name in names]
+    def together(self, names: tuple[str, ...], measure: Measure | None, *, own: bool = False) -> np.ndarray | None:
+        """Read columns that stand together, all cells of a row or none; None where nothing is in them. Names of observables are their
+        `own`, whatever joints are named."""
+        present = [self._own_column(name) if own else self._column(name) for name in names]
         if not any(present):
             return None
         for name, column in zip(names, present, strict=True):
@@ -197,22 +256,25 @@ class ColumnReader:
             )
         return None if np.all(np.isnan(values)) else values
 
-    def some(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
+    def some(self, names: tuple[str, ...], measure: Measure, *, own: bool = False) -> np.ndarray | None:
         """Read columns any of which may be missing."""
-        present = [self._column(name) for name in names]
+        present = [self._own_column(name) if own else self._column(name) for name in names]
         empty = [float("nan")] * len(self.table)
         values = np.array([empty if column is None else self._numbers(column, measure) for column in present]).T
         return None if np.all(np.isnan(values)) else values
 
     def orientation(self) -> np.ndarray | None:
-        values = self.together(QUATERNION, None)
+        return self._unit_quaternions(QUATERNION)
+
+    def _unit_quaternions(self, names: tuple[str, ...], *, own: bool = False) -> np.ndarray | None:
+        values = self.together(names, None, own=own)
         if values is None:
             return None
         norms = np.linalg.norm(values, axis=1)
         bad = np.flatnonzero(np.abs(norms - 1.0) > 1e-2)
         if bad.size:
             raise InputError(
-                f"{self.table.path}, line {self.table.lines[bad[0]]}, column 'qw': the quaternion has norm {norms[bad[0]]:.6g}; "
+                f"{self.table.path}, line {self.table.lines[bad[0]]}, column {names[0]!r}: the quaternion has norm {norms[bad[0]]:.6g}; "
                 "allowed: 1 to within 0.01"
             )
         return values
@@ -245,6 +307,46 @@ class ColumnReader:
             )
         sigma = f"sigma_{DISTANCE}{name}"
         return values, self._sigma(sigma, "length") if sigma in self.table.columns else None
+
+    def observed(self) -> tuple[Reading, ...]:
+        """Read what is read of passive joints, named points and other links."""
+        found = [self._reading(o) for o in self.observables.values() if any(self._is_read(column) for column in o.columns)]
+        for o in self.observables.values():
+            stray = [s for s in o.sigmas if f"sigma_{s}" in self.table.columns and not any(map(self._is_read, o.columns))]
+            if stray:
+                raise InputError(f"{self.table.path}: column 'sigma_{stray[0]}' stands there without {' or '.join(o.columns)}")
+        return tuple(found)
+
+    def _is_read(self, column: str) -> bool:
+        return column in self.table.columns and any(cell.strip() for cell in self.table.text(column))
+
+    def _own_column(self, name: str) -> str | None:
+        return name if self._is_read(name) else None
+
+    def _reading(self, o: Observable) -> Reading:
+        measure: Measure | None = None if o.kind == "orientation" else "angle" if o.angular else "length"
+        if o.kind == "orientation":
+            values = self._unit_quaternions(o.columns, own=True)
+        elif o.kind == "inclination":
+            values = self.together(o.columns, measure, own=True)
+        else:
+            values = self.some(o.columns, measure or "length", own=True)
+        if o.kind == "distance" and np.any(values <= 0.0):  # type: ignore[operator]
+            row = int(np.argmax(np.any(values <= 0.0, axis=1)))  # type: ignore[operator]
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {o.name!r}: a distance of "
+                f"{self.table.text(o.name)[row].strip()}; a positive number is needed"
+            )
+        return Reading(o.name, np.asarray(values), self._sigmas_of(o))
+
+    def _sigmas_of(self, o: Observable) -> np.ndarray | None:
+        """Standard deviations (n, w) of an observable: for each of its columns that is there, or for none."""
+        if not any(f"sigma_{s}" in self.table.columns for s in o.sigmas):
+            return None
+        measure: Measure = "angle" if o.angular else "length"
+        empty = np.full(len(self.table), np.nan)
+        needed = [s for s in o.sigmas if s not in o.columns or self._is_read(s) or f"sigma_{s}" in self.table.columns]
+        return np.array([self._sigma(f"sigma_{s}", measure) if s in needed else empty for s in o.sigmas]).T
 
     def joint_sigmas(self) -> np.ndarray | None:
         names = [f"sigma_{c.name}" for c in self.mechanism.actuated]
@@ -279,7 +381,7 @@ class ColumnReader:
                 f"{self.table.path}: column {name!r} is missing; give standard deviations of all or of none of its kind; {self.table.held()}"
             )
         values = np.array(self._numbers(name, measure))
-        least = 0.0 if name[len("sigma_") :] in self.known else np.finfo(float).tiny
+        least = 0.0 if name[len("sigma_") :] in {c.name for c in self.mechanism.actuated} else np.finfo(float).tiny
         bad = np.flatnonzero(values < least)
         if bad.size:
             row = int(bad[0])

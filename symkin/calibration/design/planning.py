@@ -17,13 +17,22 @@ from symkin.calibration.data.columns import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
-from symkin.calibration.design.simulation import Noise, check_readings, group_numbers, random_configurations, simulate_readings
+from symkin.calibration.design.simulation import (
+    Noise,
+    group_numbers,
+    observed_kinds,
+    platform_kinds,
+    random_configurations,
+    simulate_readings,
+)
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations
+from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.estimate.residuals import build_readings, whitening
+from symkin.calibration.estimate.transfer import variables_in
 from symkin.calibration.estimate.workspace import Workspace, lever
-from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes, unknown_coordinates
+from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -123,7 +132,7 @@ class PlanOptions(TypedDict, total=False):
     groups: int
     """Most groups of equal inclination, 0 for none. [5]"""
     readings: Sequence[str]
-    """What is read beside the joints (see `READING_CHOICES`). [nothing but groups]"""
+    """What is read beside the joints (see `READING_CHOICES` and `data.observables`). [nothing but groups]"""
     wedges: np.ndarray | None
     """Inclinations (W, 2) that groups may have, radians. [level, edges and corners of the workspace's tilt]"""
     criterion: Criterion
@@ -155,7 +164,6 @@ class _Options:
         if configurations > _MAX_PLANNED:
             raise InputError(f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}")
         group_numbers(configurations, self.groups)
-        check_readings(self.readings)
         if not self.readings and not self.groups:
             raise InputError("nothing is read beside the joints; name groups or readings")
         if not self.groups:
@@ -188,6 +196,7 @@ def plan_measurements(
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     chosen = _Options(**options)
     chosen.check(configurations)
+    platform_kinds(workspace.mechanism, chosen.readings, grouped=chosen.groups > 0)
     task = _Task(workspace, configurations, noise, chosen)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")
@@ -226,7 +235,8 @@ class _Task:
     def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
-        self.names = default_parameters(self.mechanism) if options.parameters is None else tuple(options.parameters)
+        read = tuple(o.name for o in observed_kinds(self.mechanism, options.readings))
+        self.names = default_parameters(self.mechanism, read) if options.parameters is None else tuple(options.parameters)
         wedges = corner_wedges(workspace.tilt) if options.wedges is None else np.asarray(options.wedges, dtype=float)
         self.offered = wedges if options.groups else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
@@ -369,10 +379,16 @@ def reading_slopes(
         present = grouped if kind == "group" else getattr(taken, kind) is not None
         if present and taken.sigma(kind) is None:
             raise InputError(f"the standard deviation of {kind} readings is zero or not given; a plan needs it")
+    for reading in taken.readings:
+        if reading.sigma is None:
+            raise InputError(f"the standard deviation of {reading.name} is zero or not given; a plan needs it")
     model = build_model(mechanism, taken, names)
     values, weights = build_readings(model, taken), noise.joints(mechanism)
-    z = unknown_coordinates(mechanism, made)
-    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
+    count = len(mechanism.actuated)
+    z = np.ascontiguousarray(variables_in(model.closure, build_closure(mechanism), made.values)[:, count:])
+    refuse_undetermined(model, z, made.joints, model.nominal)
+    quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
+    e = model.evaluate(z, made.joints, model.nominal, quaternions)
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
     basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))

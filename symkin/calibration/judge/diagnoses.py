@@ -17,7 +17,7 @@ from itertools import permutations
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configurations import newton_configurations, start_points
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import linearise
@@ -147,7 +147,7 @@ def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Seq
         return math.inf
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
+        z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
         p = fit_measuring_frames(problem, np.nan_to_num(z), model.nominal, solved)
         squares = np.zeros(len(m))
         for rows, part in problem.parts:
@@ -161,8 +161,10 @@ def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Seq
 
 def _without_sigmas(m: Measurements) -> Measurements:
     """Without standard deviations: residuals are then in the length unit."""
-    distances = tuple(replace(d, sigma=None) for d in m.distances)
-    return replace(m, distances=distances, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
+    return replace(
+        m, distances=[replace(d, sigma=None) for d in m.distances], readings=[replace(r, sigma=None) for r in m.readings],
+        group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None,
+    )  # fmt: skip
 
 
 # --- what the readings alone show ------------------------------------------------------------------------------------
