@@ -249,7 +249,7 @@ def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarra
         for v, c in zip(joints, mechanism.actuated, strict=True)
     }
     try:
-        plain = plain_case(mechanism, given) is not None
+        plain = plain_case(mechanism, None, None, given) is not None
         found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS) if plain else modes(mechanism, given=given)
     except SymkinError:
         return np.zeros((0, model.system.width))
