@@ -18,7 +18,7 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given, Joints, are_many, given_from
+from symkin.position.given import Given, Joints, are_many
 from symkin.position.given_by_name import Values, any_given, many_given, named_given, problem_of
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
@@ -127,7 +127,7 @@ def modes_at_need(
     seed: int = DEFAULT_SEED,
 ) -> Modes:
     """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
-    return _modes(mechanism, [given_from(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), None)[0]
+    return _found(mechanism, [any_given(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), (), None)[0]
 
 
 def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None) -> tuple[Modes, ...]:
