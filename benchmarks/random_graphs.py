@@ -6,7 +6,7 @@ Graphs are planar, spherical and spatial, of 2 to 14 links and 1 to 5 loops, wit
 of as many coordinates as the mobility are those of a closed configuration, so that there is a mode. The judge is
 `plain_graph.py`, which shares nothing with symkin. Lost is an isolated configuration of the judge that a list lacks which is
 "proved" or of "probability one"; sampled lists are counted. A mode that the judge finds open is wrong. Every finding names the
-file. Exit status 1 where anything is lost or wrong.
+file. Exit status 1 where anything is lost or wrong, or ends in an error.
 """
 
 from __future__ import annotations
@@ -198,12 +198,15 @@ def main() -> int:
         if chosen is None:
             counts["not closed"] += 1
             continue
-        verdict, about = compare(path, chosen[0], options.starts)
+        try:
+            verdict, about = compare(path, chosen[0], options.starts)
+        except Exception as error:
+            verdict, about = "error", {"error": repr(error)}
         counts[verdict] += 1
         counts[drawing.family] += 1
         print(index, drawing.family, f"{len(drawing.links)} links", f"{drawing.joints} joints", verdict, about, flush=True)
     print(dict(counts))
-    return int(bool(counts["lost"] or counts["wrong"]))
+    return int(bool(counts["lost"] or counts["wrong"] or counts["error"]))
 
 
 if __name__ == "__main__":

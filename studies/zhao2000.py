@@ -32,7 +32,7 @@ from guesses import attempt, least_squares, report_trials, rootfinder
 from report import Report, options_parser
 from symkin.model.limb import Limb
 from symkin.plots.sketch import figure_of_sketch
-from symkin.position.mobility import reciprocal_system
+from symkin.position.limb_screws import reciprocal_system
 from symkin.spatial.rotation import euler_from_quaternion
 from written import written
 from zhao2000_model import (

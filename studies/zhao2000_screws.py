@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from symkin.position.mobility import reciprocal_system
+from symkin.position.limb_screws import reciprocal_system
 from symkin.spatial.screw import reciprocal_product, revolute_screw
 from zhao2000_model import BASE, LINK, SIZE, corners, inverse
 

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from symkin.following.track import track
     from symkin.following.track_result import Track
     from symkin.position.least_squares import LeastSquares as LeastSquares
-    from symkin.position.mobility import Mobility, mobility
+    from symkin.position.mobility import mobility
+    from symkin.position.mobility_result import Mobility
     from symkin.position.newton import Newton as Newton
     from symkin.position.solution import Solution
     from symkin.position.solve import solve
@@ -105,7 +106,7 @@ _LATER = {
     "LeastSquares": "symkin.position.least_squares",
     "Loci": "symkin.singularities.loci",
     "Measurements": "symkin.calibration.data.measurements",
-    "Mobility": "symkin.position.mobility",
+    "Mobility": "symkin.position.mobility_result",
     "ModeGraph": "symkin.following.mode_graph",
     "Modes": "symkin.assembly.modes_result",
     "Newton": "symkin.position.newton",

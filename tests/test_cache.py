@@ -13,7 +13,7 @@ import pytest
 import symkin
 from helpers.samples import five_bar
 from symkin.errors import InputError
-from symkin.homotopy import start_store
+from symkin.homotopy import start_files, start_store
 from symkin.homotopy.systems import algebraic_systems
 from symkin.numeric import cache_folder
 from symkin.numeric.cache_folder import keep, read_kept
@@ -60,15 +60,15 @@ def shipped():
     """A system and the file of its start, whose roots have mirrors."""
     problem = build_problem(symkin.load("zhao2000"), "direct")
     (system,) = algebraic_systems(problem)
-    return system, (start_store.SHIPPED / f"{start_store.start_key(problem, system)}.npz").read_bytes()
+    return system, (start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz").read_bytes()
 
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_start_is_checked_against_the_closure(shipped, wrong):
     """A file of the right form whose content is wrong is no start; the right one is, also when it is written anew."""
     system, content = shipped
-    assert start_store._start_in(_rewritten(content, lambda d: d), system)[0] is not None
-    assert start_store._start_in(_rewritten(content, WRONG[wrong]), system) is None
+    assert start_files._start_in(_rewritten(content, lambda d: d), system)[0] is not None
+    assert start_files._start_in(_rewritten(content, WRONG[wrong]), system) is None
 
 
 @pytest.mark.slow

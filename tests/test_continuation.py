@@ -14,7 +14,7 @@ from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose
 from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
 from symkin.closure.numpy_code import vectorise
-from symkin.homotopy import start_store
+from symkin.homotopy import start_files, start_store
 from symkin.homotopy.instance import instance
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.systems import algebraic_systems
@@ -250,7 +250,7 @@ def test_every_shipped_start_is_read():
             problem = build_problem(symkin.load(name), kind)
             if not problem.is_explicit:
                 for system in algebraic_systems(problem):
-                    assert (start_store.SHIPPED / f"{start_store.start_key(problem, system)}.npz").exists(), (name, kind)
+                    assert (start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz").exists(), (name, kind)
 
 
 @pytest.mark.slow

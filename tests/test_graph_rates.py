@@ -106,10 +106,7 @@ REFUSED = [
     (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "nearest names are follower"),
     (["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"], "1 freedom"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
-    (["singularities", "four_bar"], "singularities takes limbs"),
-    (["track", "four_bar", "--from", "0", "--to", "5"], "track takes limbs"),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
-    (["sweep", "four_bar", "--grid", "crank=0:10:3", "-o", "swept"], "sweep takes limbs"),
 ]
 
 

@@ -11,7 +11,7 @@ import pytest
 import symkin
 from helpers.samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism
-from symkin.position.mobility import implied_motion
+from symkin.position.platform_motion import implied_motion
 
 
 def three_upu() -> Mechanism:

@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 
 from helpers.laws import refused_in_one_line
 from helpers.samples import point, random_joint, seeds
-from symkin import Joint, Limb, Rod, RodLimb
+from symkin import Joint, Limb, LinkRod, Rod, RodLimb
+from symkin.spatial.pose import Pose
 
 
 @given(seeds)
@@ -38,6 +40,23 @@ def test_a_rod_limb_has_one_actuated_length(kind):
     c = limb.coordinate(7.0)
     assert (c.name, c.kind, c.role, c.reference, c.limits) == ("leg", "length", "actuated", (7.0,), (1.0, 2.0))
     assert c.least + limb.offset == 0.0
+
+
+@given(seeds)
+def test_rods_of_every_kind_are_bars(rng):
+    """A leg, a rod at a limb's end and a rod between links have the same ends, and coordinates that are their lengths there."""
+    start, end, origin = point(rng), point(rng), point(rng)
+    pose = Pose(np.array(origin), np.array([1.0, 0.0, 0.0, 0.0]))
+    away = tuple(e - o for e, o in zip(end, origin, strict=True))
+    (leg,) = RodLimb("leg", start, away, offset=2.0).bars(pose)
+    limb = Limb("limb", [random_joint(rng, "R", "r")], [Rod(start, away)])
+    between = LinkRod("leg", ["base", "foot"], start, end, actuated=True, offset=2.0).bar
+    for bar in (leg, *limb.bars(pose), between):
+        assert bar.start.at_reference(pose) == pytest.approx(start)
+        assert bar.end.at_reference(pose) == pytest.approx(end)
+    for bar in (leg, between):
+        assert bar.coordinate.reference[0] + bar.offset == pytest.approx(math.dist(start, end))
+    assert RodLimb("leg", start, away).joints == ()
 
 
 BAD = {

@@ -10,7 +10,7 @@ from helpers.shipped import GRAPHS
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.closure.partition import Partition
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.spatial.rotation import wrapped
 
 LOOP = """

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.samples import three_rrr
+from helpers.samples import delta, three_rrr
 from symkin import Joint, Mechanism
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
-from symkin.position.mobility import fewer_rows, reciprocal_system
+from symkin.position.limb_screws import reciprocal_system
+from symkin.position.platform_motion import fewer_rows
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
 
 
@@ -135,6 +136,31 @@ def test_platform_twists_and_constraints_make_six(name: str) -> None:
     for wrench in found.platform_constraints:
         for twist in found.platform_twists:
             assert abs(reciprocal_product(twist, wrench)) < 1e-8 * found.closure.characteristic_length
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_loops_of_every_mechanism(name: str) -> None:
+    """Joints - links + 1 loops are independent, of limbs as of graphs; none has more redundant rows by itself than its own."""
+    found = symkin.mobility(symkin.load(name))
+    told = found.to_dict()
+    assert len(told["each_loop"]) == told["loops"] == told["joints"] - told["links"] + 1
+    assert all(0 <= loop.rank <= loop.rows <= 6 for loop in found.loops)
+
+
+def test_limbs_that_cannot_close_say_by_how_much() -> None:
+    """A delta's platform does not turn, so that the two rods of a limb are equal vectors: of lengths that differ by 200 one is wrong by
+    100 at least."""
+    machine = delta()
+    first, second = machine.limbs[0].rods
+    uneven = [replace(first, length=120.0), replace(second, length=320.0)]
+    apart = replace(machine, limbs=[replace(machine.limbs[0], rods=uneven), *machine.limbs[1:]])
+    found = symkin.mobility(apart)
+    assert not found.closed
+    assert found.misfit is not None
+    assert 100.0 <= found.misfit.length < 200.0
+    assert "limb1" in found.misfit.loop
+    assert "no configuration closes the loops" in describe(apart)
+    assert found.to_dict()["misfit"] == found.misfit.length
 
 
 def test_rank_counts_singular_values() -> None:

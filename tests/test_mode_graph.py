@@ -139,9 +139,9 @@ def three_rpr() -> Mechanism:
 @pytest.mark.parametrize(
     ("axes", "n", "fragment"),
     [
-        ([("q1", 0, 90)], 3, "two different actuated joints"),
-        ([("q1", 0, 90), ("q1", 0, 90)], 3, "two different actuated joints"),
-        ([("q1", 0, 90), ("b1", 0, 90)], 3, "'b1' is no actuated joint"),
+        ([], 3, "one or two different known coordinates"),
+        ([("q1", 0, 90), ("q1", 0, 90)], 3, "one or two different known coordinates"),
+        ([("q1", 0, 90), ("b1", 0, 90)], 3, "'b1' is no known coordinate"),
         ([("q1", 90, 0), ("q2", 0, 90)], 3, "low below high"),
         ([("q1", 0, math.nan), ("q2", 0, 90)], 3, "low below high"),
         ([("q1", 0), ("q2", 0, 90)], 3, "a name and a range"),

@@ -25,7 +25,7 @@ from helpers.samples import (
 )
 from symkin import InputError, Joint, Limb, Mechanism, SolveError
 from symkin.closure.closure import build_closure
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.singularities.classification import singularity
 from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.screw import reciprocal_product

@@ -18,9 +18,9 @@ from symkin.closure.branches import layout_of
 from symkin.model.file import parse
 from symkin.model.joint import BASE
 from symkin.numeric.rank import Rank
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given_by_name import given_by_name, problem_of
 from symkin.position.groups import structure_groups
-from symkin.position.mobility import closed_configurations
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
@@ -136,6 +136,15 @@ def test_independent_parts_do_not_multiply_the_work():
     assert len(seen) == 5
 
 
+def test_inputs_with_more_modes_than_are_listed_stand_beside_others():
+    """Of sixteen legs on one crank some modes of each input are listed, the first of all legs with both of one."""
+    walker = legs(16)
+    for found in symkin.modes(walker, joints=[[20.0], [35.0]]):
+        assert found.total == 2**16
+        assert len(found) == 1 + 16
+        assert max(mode.residual for mode in found) < 1e-9 * walker.characteristic_length
+
+
 def test_choices_and_the_whole_list_agree():
     """Three legs: the eight modes are those of all choices."""
     walker = legs(3)
@@ -228,3 +237,18 @@ def test_a_strut_whose_point_is_told_may_turn(tmp_path):
     plain = parse(head + "".join(balls))
     told = parse(head + "".join(balls) + '[[link]]\nname = "strut"\npoints = { pin = [45, 50, 30] }\n')
     assert symkin.mobility(told).mobility == symkin.mobility(plain).mobility + 1
+
+
+@pytest.mark.parametrize(("name", "k"), CASES)
+def test_something_is_proved_of_every_mode_of_the_gallery(name, k):
+    """A certificate; where rows are redundant, an exact point of independent rows, and a bound of the others that is rounding."""
+    case = GALLERY[name]["cases"][k]
+    mechanism = symkin.load(name)
+    found = symkin.modes(mechanism, given=case["given"])
+    for mode in found:
+        if mode.certified:
+            assert mode.radius < 1e-6 * mechanism.characteristic_length
+            continue
+        assert mode.ground is not None
+        assert mode.ground.independent < mode.ground.rows
+        assert mode.ground.remaining < 1e-10 * mechanism.characteristic_length

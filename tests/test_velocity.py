@@ -11,7 +11,7 @@ import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
 from symkin import InputError, SolveError
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.velocity.equations import velocity_equations
 
 

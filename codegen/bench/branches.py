@@ -32,7 +32,6 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Kind, build_program
 from symkin.codegen.rod_platform import RodPlatform
-from symkin.codegen.vectors import home_values
 from symkin.model.file import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import build_problem
@@ -104,7 +103,7 @@ def study(mechanism: Mechanism, options: Options, count: int, reach: Reach | Non
     """Asks the generated C for random goals, `count` at a time, and compares what it calls OK with the fine continuation."""
     kind = build_program(mechanism, options).kind
     problem = build_problem(mechanism, "direct")
-    home = home_values(kind, problem.closure)  # type: ignore[arg-type]
+    home = kind.home_values  # type: ignore[union-attr]
     rng, epsilon, size = np.random.default_rng(seed), Real(options.real).epsilon, mechanism.characteristic_length
     reach = reach or (WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS)
     walker, ask = Walker(problem), asking(mechanism, options)

@@ -19,6 +19,7 @@ from symkin.homotopy.branches import complex_count, real_candidates
 from symkin.homotopy.engine import aligned, engine_of
 from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_instances
 from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.structure import Structure
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
 from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
@@ -64,12 +65,13 @@ class _Candidates:
 
 @dataclass(frozen=True, eq=False)
 class BlockPaths:
-    """A block with its algebraic system and the start of its paths."""
+    """A block with its algebraic system and the start of its paths: its own, or those of its structure (`shared`)."""
 
     problem: Problem
     block: System
     algebraic: AlgebraicSystem
     start: Fibre
+    shared: Structure | None = None
 
     @property
     def engine(self) -> str:
@@ -97,6 +99,7 @@ class BlockPaths:
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
         k = known_values(self.problem, known.T)
+        k = k if self.shared is None else self.shared.known(k)
         proves = certify and self.prover.proves_ends
         ends, plain = plain_instances(self.algebraic, self.start, k, judge=not proves)
         plain[plain] = self._clear(ends[plain])
@@ -174,6 +177,8 @@ class BlockPaths:
         """Points of the block for real roots z (width, any) at the instances `owner`; with universal joints that distances have
         replaced, all their choices."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
+        if self.shared is not None and not self.algebraic.projective:
+            values = {c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)}
         names = [c.name for c in self.block.unknowns]
         if not replaced_universal_joints(self.problem):
             return _Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)

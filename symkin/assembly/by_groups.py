@@ -1,85 +1,184 @@
-"""All modes of a problem by its structure groups: each is solved for every choice of those before it that it depends on.
+"""All modes of a problem by its structure groups, for one set of given values or for many.
 
-The modes are the tree of the groups' choices. A group is solved once for each set of values that it reads, so that the cost grows
-with the sum of the groups and not with their product; groups that do not read each other's values are independent.
+Each group is solved for every choice of those before it that it depends on, for all inputs together. The modes of an input are the
+tree of the groups' choices. A group is solved once for each set of values that it reads, so that the cost grows with the sum of the
+groups and not with their product; groups that do not read each other's values are independent.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import dataclass, field, replace
 from math import prod
 
-import casadi as ca
 import numpy as np
 
-from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.continuation import by_continuation
+from symkin.assembly.group_proofs import with_certificates
+from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, GroupRoots, group_roots, one_by_one
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes
+from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
-from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import system_of, unsuitable
-from symkin.homotopy.values import algebraic_points
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
-from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution_list import SolutionList, checked_solutions
 
-_RANKS: dict[Completeness, int] = {"proved": 0, "probability one": 1, "incomplete": 2, "sampled": 3}
-"""Statements from the strongest to the weakest."""
-_DIGITS = 6
-"""Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
 
-
-@dataclass
-class _Solved:
-    """A group's solutions for the values that it has been asked for: `points` (n, width) for each, and what is known of all."""
+@dataclass(frozen=True, eq=False)
+class GroupedModes:
+    """Modes of n inputs: `listed` (m,) of the inputs `owner` (m,), rising, and of each input how many there are (`total`), the place
+    of what is said of them in `STATEMENTS`, and what the groups tell (`account`)."""
 
     problem: Problem
-    completeness: Completeness
-    complex_count: int | None = None
-    unresolved: int | None = 0
-    smallest: float = np.inf
-    continuum: bool = False
-    notes: tuple[str, ...] = ()
-    engine: str | None = None
-    sampled: bool = False
-    count: int = 0
+    search: Search
+    listed: SolutionList
+    owner: np.ndarray
+    total: tuple[int, ...]
+    statement: np.ndarray
+    account: _Account
+
+    def modes_of(self, number: int, given: Given) -> Modes:
+        """The modes of one input. Raises TooManyModesError where its groups' choices are more than can be held."""
+        account, groups = self.account, structure_groups(self.problem)
+        if account.too_many[number] != NOT_KNOWN:
+            raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
+        mine = np.flatnonzero(self.owner == number)
+        found = replace(self.listed.chosen(mine), notes=given.notes)
+        reached = np.flatnonzero(account.seen[number]).tolist()
+        grounds = [] if found.ground is None else [ground for ground in found.ground if ground is not None]
+        smallest = float(account.smallest[number])
+        continuum = bool(account.continuum[number].any())
+        return Modes(
+            problem=self.problem,
+            given=given.echo,
+            modes=found,
+            completeness=STATEMENTS[self.statement[number]],
+            method=self.search.method,
+            seed=self.search.seed,
+            elapsed_s=0.0,
+            complex_count=account.complex_count_of(number),
+            unresolved_paths=account.unresolved_of(number),
+            smallest_residual=None if len(found) or continuum or not np.isfinite(smallest) else smallest,
+            positive_dimensional=continuum,
+            notes=tuple(
+                dict.fromkeys((*given.notes, *account.notes_of(number), *ground_notes(self.problem, grounds, len(found))))
+            ),
+            engine=account.engine,
+            groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
+            count=self.total[number],
+        )
+
+
+@dataclass(eq=False)
+class _Account:
+    """What is known of n inputs and each group (n, groups): whether it was reached, the place of what is said of it in `STATEMENTS`,
+    the most complex and real solutions for one choice before it, unresolved paths, whether a set that is not isolated was met. Of
+    each input (n,): the least closure error of the group that has no solution, and the group at which choices are too many."""
+
+    seen: np.ndarray
+    statement: np.ndarray
+    complex_count: np.ndarray
+    count: np.ndarray
+    unresolved: np.ndarray
+    continuum: np.ndarray
+    smallest: np.ndarray
+    too_many: np.ndarray
+    notes: list[tuple[int, np.ndarray | None, tuple[str, ...]]] = field(default_factory=list)
+    engines: list[str] = field(default_factory=list)
+
+    @staticmethod
+    def empty(n: int, groups: int) -> _Account:
+        numbers = (np.zeros((n, groups), dtype=int) for _ in range(4))
+        flags = (np.zeros((n, groups), dtype=bool) for _ in range(2))
+        statement, complex_count, count, unresolved = numbers
+        seen, continuum = flags
+        return _Account(seen, statement, complex_count, count, unresolved, continuum, np.full(n, np.inf), np.full(n, NOT_KNOWN))
+
+    def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
+        """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an input and a row that it asks for."""
+        self.seen[owner, number] = True
+        counts = roots.counts
+        for array, values in ((self.statement, roots.statement), (self.complex_count, roots.complex_count), (self.count, counts)):
+            np.maximum.at(array[:, number], owner, values[which])
+        self._add_unresolved(number, roots, owner, which)
+        np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
+        unknown = roots.complex_count[which] == NOT_KNOWN
+        self.complex_count[owner[unknown], number] = NOT_KNOWN
+        self.notes.append((number, None, roots.orbits))
+        self.notes += [(number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()]
+        self.engines += [roots.engine] if roots.engine is not None else []
+
+    def _add_unresolved(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
+        """Unresolved paths of all different rows that an input asks for."""
+        pairs = np.unique(np.stack([owner, which]), axis=1) if roots.unresolved.any() else np.zeros((2, 0), dtype=int)
+        np.add.at(self.unresolved[:, number], pairs[0], np.maximum(roots.unresolved[pairs[1]], 0))
+        self.unresolved[owner[roots.unresolved[which] == NOT_KNOWN], number] = NOT_KNOWN
+
+    @property
+    def engine(self) -> str | None:
+        return ", ".join(dict.fromkeys(self.engines)) or None
+
+    @property
+    def whole(self) -> np.ndarray:
+        """Inputs (n,) that have reached all groups."""
+        return np.asarray(self.seen.all(axis=1))
+
+    def complex_count_of(self, number: int) -> int | None:
+        """Complex solutions of an input; None where they are not known."""
+        counts = self.complex_count[number].tolist()
+        return None if NOT_KNOWN in counts or not self.seen[number].all() else prod(counts)
+
+    def unresolved_of(self, number: int) -> int | None:
+        """Unresolved paths of an input; None where some group was searched without paths."""
+        counts = self.unresolved[number].tolist()
+        return None if NOT_KNOWN in counts else sum(counts)
+
+    def notes_of(self, number: int) -> list[str]:
+        """What is said of an input's groups, in their order."""
+        told = [k for k, (_, inputs, _) in enumerate(self.notes) if inputs is None or number in inputs]
+        chosen = sorted((self.notes[k] for k in told if self.seen[number, self.notes[k][0]]), key=lambda note: note[0])
+        return [text for _, _, texts in chosen for text in texts]
+
+    def group_of(self, number: int, place: int, group: Problem) -> Group:
+        """A group as it is for one input."""
+        unknowns = tuple(c.name for c in group.system.unknowns)
+        complex_count = int(self.complex_count[number, place])
+        statement: Completeness = STATEMENTS[self.statement[number, place]]
+        count = int(self.count[number, place])
+        return Group(", ".join(unknowns), unknowns, None if complex_count == NOT_KNOWN else complex_count, statement, count)
 
 
 def modes_by_groups(
-    problem: Problem, given: Given, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
-) -> Modes:
-    """The modes for one set of given values; `choose` takes one solution of each of the first groups, by number."""
-    rng = np.random.default_rng(search.seed)
-    begin = np.zeros((1, int(problem.closure.variables.shape[0])))
+    problem: Problem,
+    known: np.ndarray,
+    search: Search,
+    choose: Sequence[int] = (),
+    *,
+    least_errors: bool = False,
+    certify: bool = False,
+    progress: Progress | None = None,
+) -> GroupedModes:
+    """The modes for known values (n, numbers); `choose` takes one solution of each of the first groups, by number. With
+    `least_errors` inputs without a solution are searched for the least closure error; with `certify` modes are proved."""
+    n, groups = len(known), structure_groups(problem)
+    begin = np.zeros((n, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
-    begin[:, problem.known_places] = given.values if len(given.values) else problem.reference_known
-    groups = structure_groups(problem)
+    begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
     _check_choices(problem, choose)
-    solved: dict[int, _Solved] = {}
-    parts = []
-    for part in independent_parts(groups):
-        values = begin
-        for number in part:
+    account, parts = _Account.empty(n, len(groups)), []
+    for numbers in independent_parts(groups):
+        tree = _Tree(begin, np.arange(n))
+        for number in numbers:
             chosen = choose[number] if number < len(choose) else None
-            solved[number], values = _extended(groups[number], values, search, rng, chosen, progress)
-            if len(values) > MOST_MODES:
-                raise TooManyModesError(_too_many(problem, groups, number))
-            if not len(values):
-                break
-        columns = np.concatenate([groups[number].unknown_places for number in part])
-        parts.append((columns, values[:, columns]))
-    count = prod(len(values) for _, values in parts)
-    return _result(problem, given, search, [solved[k] for k in sorted(solved)], _combined(begin, parts, count), count)
+            tree = _extended(groups[number], number, tree, account, _Ask(search, chosen, least_errors, progress))
+        columns = np.concatenate([groups[number].unknown_places for number in numbers])
+        parts.append(_Tree(tree.values[:, columns], tree.owner, columns))
+    return _checked(problem, known, search, account, _combined(begin, parts), certify=certify)
 
 
 def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
@@ -92,22 +191,6 @@ def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
                 old, new = label[j], label[k]
                 label = [new if mine == old else mine for mine in label]
     return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
-
-
-def _combined(begin: np.ndarray, parts: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
-    """Every combination of the parts' solutions, or, where these are too many, the first of each with every one of one part."""
-    sizes = [len(values) for _, values in parts]
-    if count <= MOST_MODES:
-        chosen = np.array(list(product(*(range(n) for n in sizes))), dtype=int).reshape(count, len(parts))
-    else:
-        rows = [np.zeros(len(parts), dtype=int)]
-        for k, n in enumerate(sizes):
-            rows += [np.eye(1, len(parts), k, dtype=int)[0] * i for i in range(1, n)]
-        chosen = np.array(rows)
-    values = np.repeat(begin, len(chosen), axis=0)
-    for k, (columns, own) in enumerate(parts):
-        values[:, columns] = own[chosen[:, k]]
-    return values
 
 
 def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
@@ -130,165 +213,140 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     )
 
 
-def _extended(
-    group: Problem, values: np.ndarray, search: Search, rng: np.random.Generator, choice: int | None, progress: Progress | None
-) -> tuple[_Solved, np.ndarray]:
-    """Each of the partial configurations (n, variables) with every solution of a group beside it, or with the chosen one."""
-    known, which = np.unique(values[:, group.known_places], axis=0, return_inverse=True)
+# --- the tree of choices -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Tree:
+    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising; of a part that is done only its own
+    `columns` of the variables."""
+
+    values: np.ndarray
+    owner: np.ndarray
+    columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+
+@dataclass(frozen=True)
+class _Ask:
+    """How a group is to be solved: the search, the number of the one solution to take, and whether least errors are needed."""
+
+    search: Search
+    choice: int | None
+    least_errors: bool
+    progress: Progress | None
+
+
+def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: _Ask) -> _Tree:
+    """Each partial configuration with every solution of a group beside it, or with the chosen one."""
+    if not len(tree.owner):
+        return tree
+    known, which = np.unique(tree.values[:, group.known_places], axis=0, return_inverse=True)
     which = which.ravel()
-    solved, points, owner = _solve(group, known, search, rng, progress)
-    order = np.lexsort((*np.round(points.T[::-1], _DIGITS), owner))
-    points, owner = points[order], owner[order]
-    solved.count = int(np.bincount(owner, minlength=1).max())
-    chosen = [np.flatnonzero(owner == mine) for mine in which.tolist()]
-    if choice is not None:
-        least = min((len(columns) for columns in chosen), default=0)
-        if choice >= least:
-            names = ", ".join(c.name for c in group.system.unknowns)
-            allowed = f"0 to {least - 1}" if least else "none"
-            raise InputError(f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: {allowed}")
-        chosen = [columns[choice : choice + 1] for columns in chosen]
-    wider = values[np.repeat(np.arange(len(values)), [len(columns) for columns in chosen])]
-    wider[:, group.unknown_places] = points[np.concatenate(chosen)]
-    return solved, wider
+    roots = group_roots(group, known, ask.search, ask.progress)
+    lost = _lost(roots, tree.owner, which, len(account.seen))
+    if lost.any() and ask.least_errors:
+        untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
+        if untold.size:
+            roots = roots.with_rows(untold, one_by_one(group, known[untold], ask.search, ask.progress))
+            lost = _lost(roots, tree.owner, which, len(account.seen))
+    roots = roots.in_order()
+    account.add(number, roots, tree.owner, which)
+    empty = lost[tree.owner]
+    np.minimum.at(account.smallest, tree.owner[empty], roots.smallest[which[empty]])
+    first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
+    if ask.choice is not None:
+        first, counts = _chosen(group, ask.choice, first, counts)
+    counts = _without_too_many(number, tree.owner, counts, account)
+    parent = np.repeat(np.arange(len(which)), counts)
+    place = first[which[parent]] + np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
+    values = tree.values[parent]
+    values[:, group.unknown_places] = roots.points[place]
+    return _Tree(values, tree.owner[parent])
 
 
-def _solve(
-    group: Problem, known: np.ndarray, search: Search, rng: np.random.Generator, progress: Progress | None
-) -> tuple[_Solved, np.ndarray, np.ndarray]:
-    """Solutions (m, width) of a group at known values (n, known), and the row of these that each belongs to."""
-    if is_linear(group):
-        return _linear(group, known)
-    if search.method == "continuation":
-        paths = group_paths(group)
-        if paths is not None:
-            found = paths.roots(known, certify=False)
-            if found.plain.all() and len(found.points):
-                count = int(found.complex_count.max(initial=0))
-                solved = _Solved(group, "probability one", count, notes=paths.notes, engine=paths.engine)
-                return solved, found.points, found.owner
-    return _one_by_one(group, known, search, rng, progress)
+def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
+    """Inputs (n,) that ask for rows and get no solution of any."""
+    asked = np.bincount(owner, minlength=n) > 0
+    return np.asarray(asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0))
 
 
-def _one_by_one(
-    group: Problem, known: np.ndarray, search: Search, rng: np.random.Generator, progress: Progress | None
-) -> tuple[_Solved, np.ndarray, np.ndarray]:
-    points, owner, solved = [np.zeros((0, group.system.width))], [np.zeros(0, dtype=int)], _Solved(group, "proved")
-    for place, numbers in enumerate(known):
-        given = Given("given", numbers, {})
-        notes: tuple[str, ...] = ()
-        if search.method == "continuation":
-            blocks, notes, _ = by_continuation(group, given, search.starts, rng, progress)
-            (roots,) = blocks
-        else:
-            roots = batched(group, group.blocks[0], given, search.starts, rng, progress)
-        state: Completeness = "probability one"
-        if roots.sampled:
-            state = "sampled"
-        elif roots.unresolved or roots.complex_sets or roots.continuum is not None:
-            state = "incomplete"
-        solved.completeness = max(solved.completeness, state, key=lambda s: _RANKS[s])
-        solved.sampled |= roots.sampled
-        solved.complex_count = None if roots.complex_count is None else max(solved.complex_count or 0, roots.complex_count)
-        solved.unresolved = None if roots.sampled or solved.unresolved is None else solved.unresolved + roots.unresolved
-        solved.continuum |= roots.continuum is not None
-        solved.smallest = min(solved.smallest, roots.smallest_residual)
-        solved.engine = roots.engine or solved.engine
-        missing = () if roots.missing is None else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
-        solved.notes = tuple(dict.fromkeys((*solved.notes, *notes, *missing)))
-        points.append(roots.points)
-        owner.append(np.full(len(roots.points), place))
-    return solved, np.concatenate(points), np.concatenate(owner)
+def _chosen(group: Problem, choice: int, first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the one solution to take stands of each row, and one for each partial configuration. Raises InputError."""
+    least = int(counts.min())
+    if choice >= least:
+        names = ", ".join(c.name for c in group.system.unknowns)
+        allowed = f"0 to {least - 1}" if least else "none"
+        raise InputError(f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: {allowed}")
+    return first + choice, np.ones_like(counts)
 
 
-@lru_cache(maxsize=256)
-def group_paths(group: Problem) -> BlockPaths | None:
-    """What tracks the paths of a group; None where it has no start."""
-    if unsuitable(group) is not None:
-        return None
-    (block,) = group.blocks
-    system = system_of(group, block)
-    start, _ = start_of(group, system, block)
-    return None if start is None else BlockPaths(group, block, system, start)
+def _without_too_many(number: int, owner: np.ndarray, counts: np.ndarray, account: _Account) -> np.ndarray:
+    """Counts of choices, 0 for inputs that have more than can be listed: these are marked."""
+    each = np.bincount(owner, weights=counts, minlength=len(account.too_many))
+    account.too_many[each > MOST_MODES] = number
+    return np.where(each[owner] > MOST_MODES, 0, counts)
 
 
-# --- groups that are linear ----------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class _Combined:
+    """Configurations (m, variables) of the inputs `owner` (m,), rising; how many each input has, listed or not."""
+
+    values: np.ndarray
+    owner: np.ndarray
+    total: tuple[int, ...]
 
 
-@lru_cache(maxsize=256)
-def is_linear(group: Problem) -> bool:
-    """Whether the rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
-    system = group.system
-    turning = any(c.kind == "quaternion" for c in system.unknowns)
-    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
+def _combined(begin: np.ndarray, parts: list[_Tree]) -> _Combined:
+    """Every combination of the parts' solutions of each input, the last part fastest, or, where these are too many, the first of
+    each with every one of one part; and how many they are."""
+    n = len(begin)
+    sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(len(parts), n)
+    few = np.prod(sizes.astype(float), axis=0) <= MOST_MODES
+    counts = np.where(few, np.prod(np.where(few, sizes, 1), axis=0), 0)
+    owner = np.repeat(np.arange(n), counts)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    places = np.zeros((len(parts), len(owner)), dtype=int)
+    for k in reversed(range(len(parts))):
+        radix = sizes[k][owner]
+        places[k] = number % radix
+        number = number // radix
+    for i in np.flatnonzero(~few).tolist():
+        some = _some_combinations(sizes[:, i].tolist())
+        before = int(np.searchsorted(owner, i))
+        owner = np.insert(owner, before, np.full(some.shape[1], i))
+        places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
+    values = begin[owner]
+    for part, size, place in zip(parts, sizes, places, strict=True):
+        values[:, part.columns] = part.values[(np.cumsum(size) - size)[owner] + place]
+    return _Combined(values, owner, tuple(prod(column) for column in sizes.T.tolist()))
 
 
-def _linear(group: Problem, known: np.ndarray) -> tuple[_Solved, np.ndarray, np.ndarray]:
-    system = group.system
-    begin = np.zeros((len(known), system.width))
-    points = system.polish_many(begin, known).points
-    residual = system.residuals(points, known)
-    closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * system.characteristic_length)
-    smallest = float(residual.min(initial=np.inf))
-    return _Solved(group, "proved", 1, smallest=smallest), points[closed], closed
+def _some_combinations(sizes: list[int]) -> np.ndarray:
+    """The first solution of each part with every one of one part, as places (parts, combinations)."""
+    first = np.zeros((len(sizes), 1), dtype=int)
+    others = [first + np.eye(len(sizes), dtype=int)[:, [k]] * np.arange(1, size) for k, size in enumerate(sizes)]
+    return np.concatenate([first, *others], axis=1)
 
 
 # --- the result ----------------------------------------------------------------------------------------------------
 
 
-def _result(problem: Problem, given: Given, search: Search, solved: list[_Solved], values: np.ndarray, count: int) -> Modes:
-    groups = structure_groups(problem)
-    found = checked_solutions(problem, values, given.notes)
-    order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(len(values), dtype=int))
+def _checked(
+    problem: Problem, known: np.ndarray, search: Search, account: _Account, combined: _Combined, *, certify: bool
+) -> GroupedModes:
+    found = checked_solutions(problem, combined.values)
+    order = order_of_modes(problem, found.values, found.position, found.quaternion, combined.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.residual[order] <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    found = _certified(problem, given, found.chosen(order[closed]))
-    whole = len(solved) == len(groups)
-    counts = [part.complex_count for part in solved]
-    completeness: Completeness = max((part.completeness for part in solved), key=lambda s: _RANKS[s], default="proved")
-    if not closed.all():
-        completeness, count = max(completeness, "incomplete", key=lambda s: _RANKS[s]), len(found)
-    unresolved = [part.unresolved for part in solved]
-    smallest = min((part.smallest for part in solved if np.isfinite(part.smallest)), default=None)
-    continuum = any(part.continuum for part in solved)
-    return Modes(
-        problem=problem,
-        given=given.echo,
-        modes=found,
-        completeness=completeness,
-        method=search.method,
-        seed=search.seed,
-        elapsed_s=0.0,
-        complex_count=prod(c for c in counts if c is not None) if whole and None not in counts else None,
-        unresolved_paths=None if None in unresolved else sum(u for u in unresolved if u is not None),
-        smallest_residual=None if len(found) or continuum else smallest,
-        positive_dimensional=continuum,
-        notes=tuple(dict.fromkeys((*given.notes, *(note for part in solved for note in part.notes)))),
-        engine=", ".join(dict.fromkeys(part.engine for part in solved if part.engine is not None)) or None,
-        groups=tuple(_group(part) for part in solved),
-        count=count if whole else 0,
-    )
-
-
-def _group(part: _Solved) -> Group:
-    unknowns = tuple(c.name for c in part.problem.system.unknowns)
-    return Group(", ".join(unknowns), unknowns, part.complex_count, part.completeness, part.count)
-
-
-def _certified(problem: Problem, given: Given, found: SolutionList) -> SolutionList:
-    """The solutions with their certificates, on the rows of all groups together: each group's values are only known up to a box
-    of their own."""
-    from symkin.certificate.certificate import certify_batch
-    from symkin.certificate.exact import knowns_of
-
-    if not len(found) or unsuitable(problem) is not None:
-        return found
-    (block,) = problem.blocks
-    system = system_of(problem, block)
-    named = {c.name: found.values[:, problem.closure.slices[c.name]] for c in block.unknowns}
-    z = algebraic_points(problem, system, named)
-    size = problem.closure.characteristic_length
-    values = given.values if len(given.values) else problem.reference_known
-    batch = certify_batch(system, z, knowns_of(problem, values[None]), np.zeros(z.shape[1], dtype=np.intc), size)
-    index, radius = batch.find(z, np.zeros(z.shape[1], dtype=int), None)
-    return replace(found, certified=(index >= 0).astype(int), radius=radius, _made={})
+    owner = combined.owner[order]
+    left_out = np.zeros(len(known), dtype=bool)
+    left_out[owner[~closed]] = True
+    listed, owner = found.chosen(order[closed]), owner[closed]
+    if certify:
+        listed = with_certificates(structure_groups(problem), listed)
+    statement = np.max(account.statement, axis=1, initial=0)
+    statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
+    counts = np.bincount(owner, minlength=len(known))
+    total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
+    total = np.where(left_out, counts, total)
+    return GroupedModes(problem, search, listed, owner, tuple(int(count) for count in total), statement, account)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from symkin.assembly.by_groups import modes_by_groups
-from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_table import COMPLETENESS
+from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
@@ -20,10 +18,9 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
-from symkin.position.given_by_name import Values, named_given, plain_case, problem_of
+from symkin.position.given import Given, Joints, are_many
+from symkin.position.given_by_name import Values, any_given, many_given, named_given, problem_of
 from symkin.position.least_squares import LeastSquares
-from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
@@ -93,40 +90,31 @@ def modes(
     """
     require_mechanism(mechanism)
     search = Search.of(method, **random)
-    plain = plain_case(mechanism, given) if joints is None and pose is None and not choose else None
-    if plain is not None:
-        joints, pose = plain
-    elif given is not None or mechanism.is_graph or choose:
-        return _by_name(mechanism, joints, pose, given, partial(_of_coordinates, search=search, choose=choose, progress=progress))
-    if are_many(joints) or are_many(pose):
-        return _modes(mechanism, given_many(mechanism, joints, pose), search, progress)
-    return _modes(mechanism, [given_from(mechanism, joints, pose)], search, progress)[0]
+    if given is None and (are_many(joints) or are_many(pose)):
+        return _found(mechanism, many_given(mechanism, joints, pose), search, choose, progress)
+    one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
+    return _found(mechanism, [one], search, choose, progress)[0]
 
 
-def _by_name(
-    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None, find: Callable[[Mechanism, Given], Modes]
-) -> Modes | tuple[Modes, ...]:
-    """The modes for coordinates by name, or for one or many inputs of a graph."""
-    if given is None and are_many(joints):
-        return tuple(find(mechanism, named_given(mechanism, row, pose, None)) for row in joint_rows(mechanism, joints))
-    if given is None and are_many(pose):
-        return tuple(find(mechanism, named_given(mechanism, joints, one, None)) for one in pose)
-    return find(mechanism, named_given(mechanism, joints, pose, given))
+def _found(
+    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
+) -> tuple[Modes, ...]:
+    """The modes of inputs of one kind."""
+    if givens and givens[0].kind == "given":
+        return _of_coordinates(mechanism, givens, search, choose, progress)
+    return _modes(mechanism, givens, search, progress)
 
 
 def _of_coordinates(
-    mechanism: Mechanism, given: Given, *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
-) -> Modes:
-    """The modes for coordinates that are given by name, structure group by structure group."""
+    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
+) -> tuple[Modes, ...]:
+    """The modes for inputs whose coordinates, the same for all, are given by name: structure group by structure group."""
     begin = time.perf_counter()
-    problem = problem_of(mechanism, given)
+    problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
-    found = modes_by_groups(problem, given, search, choose, progress)
-    found = with_least_modes(problem, given, search, found)
-    note = open_loops_note(mechanism) if not len(found) else None
-    if note is not None:
-        found = replace(found, notes=(*found.notes, note))
-    return replace(found, elapsed_s=time.perf_counter() - begin)
+    found = modes_by_name(problem, givens, search, choose, progress)
+    share = (time.perf_counter() - begin) / len(givens)
+    return tuple(replace(modes, elapsed_s=share) for modes in found)
 
 
 @without_float_warnings
@@ -139,7 +127,7 @@ def modes_at_need(
     seed: int = DEFAULT_SEED,
 ) -> Modes:
     """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
-    return _modes(mechanism, [given_from(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), None)[0]
+    return _found(mechanism, [any_given(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), (), None)[0]
 
 
 def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None) -> tuple[Modes, ...]:

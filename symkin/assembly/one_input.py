@@ -12,13 +12,14 @@ import numpy as np
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Modes
+from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.mobility import implied_motion
 from symkin.position.multistart import batched, one_by_one
+from symkin.position.platform_motion import implied_motion
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
 from symkin.position.solution import PartialProof, Solution
@@ -136,7 +137,7 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
             f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
             'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
         )
-    texts += _ground_notes(problem, found)
+    texts += ground_notes(problem, [s.ground for s in found if s.ground is not None], len(found))
     texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
     counts = [b.complex_count for b in blocks]
     sampled = [b for b in blocks if b.hits is not None]
@@ -182,19 +183,6 @@ def _proof_notes(blocks: list[Roots]) -> list[str]:
 
 def _names(block: Roots) -> str:
     return ", ".join(c.name for c in block.system.unknowns)
-
-
-def _ground_notes(problem: Problem, found: list[Solution]) -> list[str]:
-    """What is proved of modes whose rows are redundant."""
-    grounds = [s.ground for s in found if s.ground is not None]
-    if not grounds:
-        return []
-    one, unit = grounds[0], problem.mechanism.length_unit
-    every = "each mode" if len(grounds) == len(found) else f"{len(grounds)} of the modes"
-    return [
-        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact point within "
-        f"{max(g.radius for g in grounds):.1e} {unit}, and no other row is more than {max(g.remaining for g in grounds):.1e} {unit} there"
-    ]
 
 
 def _unseen(blocks: list[Roots]) -> float:

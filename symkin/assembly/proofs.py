@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -85,3 +86,15 @@ class Prover:
 
         known = exact_known(self.problem, self.given.values)
         return prove_independent_rows(self.whole, z, known, self.problem.closure.characteristic_length)
+
+
+def ground_notes(problem: Problem, grounds: Sequence[PartialProof], count: int) -> list[str]:
+    """What is proved of those of `count` modes whose rows are redundant."""
+    if not grounds:
+        return []
+    one, unit = grounds[0], problem.mechanism.length_unit
+    every = "each mode" if len(grounds) == count else f"{len(grounds)} of the modes"
+    return [
+        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact point within "
+        f"{max(g.radius for g in grounds):.1e} {unit}, and no other row is more than {max(g.remaining for g in grounds):.1e} {unit} there"
+    ]

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import (
+    GivenOption,
     JointsOption,
     JsonOption,
     MechArgument,
@@ -16,8 +17,10 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
+    named_from,
     numbers_from,
     print_result,
+    start_from,
     whole_number,
 )
 from symkin.cli.progress import progress_bar
@@ -32,13 +35,14 @@ def singularities(
     mech: MechArgument,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    given: GivenOption = None,
     start: StartOption = None,
     plane: Annotated[
         str | None,
         typer.Option(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
-            "configuration's orientation) or two actuated joints, others held.",
+            "configuration's orientation), two actuated joints, or two coordinates of --given, others held.",
         ),
     ] = None,
     window: Annotated[
@@ -54,7 +58,7 @@ def singularities(
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame), in place of position and "
+            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or joints, in place of position and "
             "orientation together.",
         ),
     ] = None,
@@ -64,7 +68,7 @@ def singularities(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Name the singularity of one configuration, or draw the loci over a plane through it."""
+    """Name the singularity of one configuration, driven by its actuated joints or what --given names, or draw the loci over a plane through it."""
     from symkin.model.file import load
     from symkin.singularities.configuration import configuration
 
@@ -80,28 +84,38 @@ def singularities(
         check_picture_path(plot)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    given = joints_from(joints, "joints", unit), numbers_from(pose, "pose", unit), joints_from(start, "start", unit)
+    values = named_from(given, "given", unit)
+    names = None if output is None else [name.strip() for name in output.split(",")]
     try:
-        solution = configuration(mechanism, joints=given[0], pose=given[1], start=given[2])
+        solution = configuration(
+            mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit), given=values,
+            start=start_from(start, unit),
+        )  # fmt: skip
     except SolveError as error:
         if as_json and error.result is not None:
             print(json.dumps(error.result.to_dict(), allow_nan=False))
         say(error)
         raise typer.Exit(3) from None
     if plane is None:
-        from symkin.singularities.classification import classify
-        from symkin.singularities.output import make_output
+        from symkin.singularities.classification import singularity
 
-        names = None if output is None else [name.strip() for name in output.split(",")]
-        found = classify(solution, output=make_output(names, numbers_from(point, "point", unit)))
+        driven = None if values is None else list(values)
+        found = singularity(solution, given=driven, output=names, point=numbers_from(point, "point", unit))
         print_result(as_json, found.to_dict, lambda: str(found))
         return
     from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
-    names = [name.strip() for name in plane.split(",")]
+    axes = [name.strip() for name in plane.split(",")]
     with progress_bar("singularity loci"):
         count = DEFAULT_STARTS if starts is None else starts
-        loci = singular_loci(solution, names, ranges=sides, starts=count, seed=0 if seed is None else seed)
+        loci = singular_loci(
+            solution,
+            axes,
+            given=None if values is None else list(values),
+            ranges=sides,
+            starts=count,
+            seed=0 if seed is None else seed,
+        )
     if plot is not None:
         loci.plot(plot)
     print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))

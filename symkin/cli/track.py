@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,22 +13,39 @@ from symkin.cli.options import (
     StartOption,
     check_output,
     joints_from,
+    numbers_from,
     print_result,
+    start_from,
     whole_number,
 )
 from symkin.cli.progress import progress_bar
 from symkin.errors import InputError
+from symkin.text import shown
+
+if TYPE_CHECKING:
+    from symkin.model.mechanism import Mechanism
 
 
 def track(
     mech: MechArgument,
     begin: Annotated[
-        str | None, typer.Option("--from", metavar="V1,V2,...", help="All actuated joints at the beginning.")
+        str | None,
+        typer.Option(
+            "--from", metavar="V1,V2,...", help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates."
+        ),
     ] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="V1,V2,...", help="All actuated joints at the end.")] = None,
+    end: Annotated[str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.")] = None,
     poses: Annotated[bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.")] = False,
     csv: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.")
+    ] = None,
+    given: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=FROM:TO,...",
+            help="A path of any coordinates, as many as the mobility, in place of --from and --to; NAME=VALUE stands, NAME alone is a "
+            "column of --csv.",
+        ),
     ] = None,
     start: StartOption = None,
     samples: Annotated[
@@ -53,11 +70,11 @@ def track(
     if csv is not None:
         if begin is not None or end is not None:
             raise InputError("both --csv and --from or --to are given; give one of them")
-        path = read_trajectory(mechanism, csv, poses=poses)
+        path = read_trajectory(mechanism, csv, poses=poses, given=_columns(given, mechanism.angle_unit))
     else:
-        path = _straight(begin, end, poses, mechanism.angle_unit)
+        path = _straight(begin, end, poses, mechanism) if given is None else _named(given, begin, end, mechanism.angle_unit)
         samples = 101 if samples is None else samples
-    begun = joints_from(start, "start", mechanism.angle_unit)
+    begun = start_from(start, mechanism.angle_unit)
     with progress_bar("samples") as progress:
         found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
@@ -70,8 +87,62 @@ def track(
     raise typer.Exit(0 if found.reached else 3)
 
 
-def _straight(begin: str | None, end: str | None, poses: bool, unit: str) -> dict[str, Any]:
+def _straight(begin: str | None, end: str | None, poses: bool, mechanism: Mechanism) -> dict[str, Any]:
+    """The path of --from and --to: joints, poses, or values by name that are not those of all actuated joints."""
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
-        raise InputError(f"{missing} is missing; a path is --from and --to, or --csv FILE")
-    return {"poses" if poses else "joints": [joints_from(begin, "from", unit), joints_from(end, "to", unit)]}
+        raise InputError(f"{missing} is missing; a path is --from and --to, --given NAME=FROM:TO,..., or --csv FILE")
+    unit = mechanism.angle_unit
+    ends = [joints_from(begin, "from", unit), joints_from(end, "to", unit)]
+    named = [e for e in ends if isinstance(e, dict)]
+    if len(named) == 2 and not poses and {*named[0], *named[1]} != {c.name for c in mechanism.actuated}:
+        lone = sorted(set(named[0]) ^ set(named[1]))
+        if lone:
+            raise InputError(f"--from and --to: {lone[0]} stands in one of them only; both name the same coordinates")
+        return {"given": {name: [named[0][name], named[1][name]] for name in named[0]}}
+    return {"poses" if poses else "joints": ends}
+
+
+def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[str, Any]:
+    """The path of --given NAME=FROM:TO,..."""
+    if begin is not None or end is not None:
+        raise InputError("both --given and --from or --to are given; give one of them")
+    columns: dict[str, float | list[float]] = {}
+    for name, values in _parts(given):
+        if not values:
+            raise InputError(
+                f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, NAME=VALUE for one that stands"
+            )
+        numbers = [numbers_from(value, f"given {name}", unit) or [] for value in values]
+        columns[name] = [row[0] for row in numbers] if len(numbers) == 2 else numbers[0][0]
+    if not any(isinstance(column, list) for column in columns.values()):
+        raise InputError(f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one coordinate")
+    return {"given": columns}
+
+
+def _columns(given: str | None, unit: str) -> dict[str, float | None] | None:
+    """The columns of --csv that --given names, and values that stand."""
+    if given is None:
+        return None
+    found: dict[str, float | None] = {}
+    for name, values in _parts(given):
+        if len(values) > 1:
+            raise InputError(
+                f"--given: {name}={':'.join(values)} is a path of its own; with --csv a name is a column, NAME=VALUE stands"
+            )
+        found[name] = (numbers_from(values[0], f"given {name}", unit) or [0.0])[0] if values else None
+    return found
+
+
+def _parts(given: str) -> list[tuple[str, list[str]]]:
+    """Names and what follows them: nothing, a value, or two."""
+    found: list[tuple[str, list[str]]] = []
+    for part in given.split(","):
+        name, equals, text = (piece.strip() for piece in part.partition("="))
+        values = [value.strip() for value in text.split(":")] if equals else []
+        if not name or len(values) > 2 or not all(values):
+            raise InputError(f"--given: {shown(part.strip())} is no path; NAME=FROM:TO,... is needed, such as crank=0:360")
+        if name in dict(found):
+            raise InputError(f"--given: {shown(name)} is given twice")
+        found.append((name, values))
+    return found

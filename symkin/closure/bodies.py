@@ -15,7 +15,7 @@ from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, UnitPose
 from symkin.closure.snapping import snapped_constants
 from symkin.model.dh import reference_frames
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint
+from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -76,9 +76,8 @@ class BodyBuilder:
             return symbols, Pose(ca.SX(tool.position), ca.SX(tool.quaternion))
         paths = {element.name: element.path for branch in self.layout.branches for element in branch.elements}
         joints = {j.name: JointSymbols.declare(j, paths[j.name], table) for j in m.all_joints if j.type != "weld"}
-        frame = "tool" if m.serial else "platform"
-        position = table.vector(f"{frame}.position", m.platform_position)
-        quaternion = table.vector(f"{frame}.quaternion", m.platform_quaternion, "wxyz")
+        position = table.vector(f"{m.frame_name}.position", m.platform_position)
+        quaternion = table.vector(f"{m.frame_name}.quaternion", m.platform_quaternion, "wxyz")
         return joints, Pose(position, quaternion / ca.sqrt(ca.dot(quaternion, quaternion)))
 
     def _shift(self, joint: Joint) -> float:
@@ -91,20 +90,21 @@ class BodyBuilder:
         for body in self.layout.floating:
             if body in self.body_forms:
                 self.bodies[body] = self._declare_algebraic_body(body)
-            elif body == self._platform:
+            elif body == self.mechanism.platform_link:
                 self._declare_pose(self.reference)
                 self.bodies[body] = PlatformSide(self.platform_pose, self.reference)
             else:
                 self.bodies[body] = self._declare_body(body)
 
-    @property
-    def _platform(self) -> str | None:
-        return self.mechanism.platform_link if self.mechanism.is_graph else PLATFORM
-
     def _declare_algebraic_body(self, body: str) -> PlatformSide:
-        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length."""
+        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length; a platform whose motion is
+        spherical by its quaternion alone."""
         e = ca.SX.sym(f"{body}.e", 4)
-        reference = self.reference if body == self._platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        is_platform = body == self.mechanism.platform_link
+        reference = self.reference if is_platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        if is_platform and self.mechanism.motion == "spherical":
+            self.body_symbols[body] = e
+            return PlatformSide(HomogeneousPose(reference.position, e), reference)
         if self.body_forms[body] == "study":
             g = ca.SX.sym(f"{body}.g", 4)
             self.body_symbols[body] = ca.vertcat(e, g)
@@ -134,8 +134,7 @@ class BodyBuilder:
         if isinstance(element.part, Joint):
             return self.mechanism.places[element.name]
         end = element.part.start if first == element.along else element.part.end
-        point = np.array(end.point)
-        return np.asarray(self.mechanism.reference_pose.apply(point)) if end.in_platform_frame else point
+        return end.at_reference(self.mechanism.reference_pose)
 
     def _declare_pose(self, reference: Pose) -> None:
         if self.form is not None:
@@ -174,7 +173,7 @@ class BodyBuilder:
 
     def _place_platform(self) -> None:
         """The pose of a platform that the joints carry, as an expression of theirs; the base's frame where there is none."""
-        platform = self._platform
+        platform = self.mechanism.platform_link
         if platform in self.layout.floating:
             if platform in self.body_forms:
                 self.platform_pose = self.bodies[platform].pose  # type: ignore[union-attr]

@@ -13,36 +13,13 @@ import heapq
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symkin.model.graph import LinkRod
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint
+from symkin.model.bar import Bar
+from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 
 _POSE_FREEDOM = 6
 """Unknown freedoms of a body that floats."""
-
-
-@dataclass(frozen=True)
-class RodEnd:
-    """One end of a rod: the key path of its point, and the point, in the platform frame or in the base frame at the reference."""
-
-    path: str
-    point: tuple[float, ...]
-    in_platform_frame: bool = False
-
-
-@dataclass(frozen=True)
-class Bar:
-    """A rod with spherical ends: of fixed `length` (None: as at the reference), or with a `coordinate` beyond `offset`."""
-
-    name: str
-    start: RodEnd
-    end: RodEnd
-    path: str
-    length: float | None = None
-    offset: float = 0.0
-    coordinate: Coordinate | None = None
-    spins: bool = True
 
 
 @dataclass(frozen=True)
@@ -61,6 +38,11 @@ class Element:
     @property
     def name(self) -> str:
         return self.part.name
+
+    @property
+    def freedom(self) -> int:
+        """Freedoms that it leaves the links at its ends."""
+        return self.part.freedom
 
 
 @dataclass(frozen=True)
@@ -111,41 +93,18 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
 def _limb_branches(mechanism: Mechanism) -> Iterator[Branch]:
     """Limbs from the base to the platform; one that ends in rods carries its last link, from which the rods go on."""
     for limb in mechanism.limbs:
-        if isinstance(limb, RodLimb):
-            yield Branch(limb.name, (BASE, PLATFORM), (_rod_of_limb(mechanism, limb),), ())
-            continue
-        prefix = "" if mechanism.serial else f"{limb.name}."
-        joints = tuple(Element(joint, f"{prefix}{joint.name}") for joint in limb.joints)
-        links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
-        if not limb.rods:
-            yield Branch(limb.name, (BASE, PLATFORM), joints, links)
-            continue
-        last = f"{limb.name}.{len(joints)}"
-        yield Branch(limb.name, (BASE, last), joints, links, carries=True)
-        for rod in _rods_of_limb(limb):
-            yield Branch(limb.name, (last, PLATFORM), (rod,), ())
+        joints = tuple(Element(joint, mechanism.key_path(limb, joint)) for joint in limb.joints)
+        bars, last = limb.bars(mechanism.reference_pose), _last_link(limb)
+        if joints:
+            links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
+            yield Branch(limb.name, (BASE, last if bars else PLATFORM), joints, links, carries=bool(bars))
+        for bar in bars:
+            yield Branch(limb.name, (last, PLATFORM), (Element(bar, bar.path),), ())
 
 
-def _rod_of_limb(mechanism: Mechanism, limb: RodLimb) -> Element:
-    return Element(
-        Bar(
-            limb.name,
-            start=RodEnd(f"{limb.name}.base", tuple(limb.base)),
-            end=RodEnd(f"{limb.name}.platform", tuple(limb.platform), in_platform_frame=True),
-            path=limb.name,
-            offset=limb.offset,
-            coordinate=limb.coordinate(mechanism.reference_rod_value(limb)),
-            spins=limb.type == "SPS",
-        ),
-        limb.name,
-    )
-
-
-def _rods_of_limb(limb: Limb) -> Iterator[Element]:
-    for k, rod in enumerate(limb.rods, start=1):
-        path = f"{limb.name}.rod{k}"
-        end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
-        yield Element(Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length), path)
+def _last_link(limb: Limb | RodLimb) -> str:
+    """The link from which a limb's rods go on."""
+    return f"{limb.name}.{len(limb.joints)}" if limb.joints else limb.links[0]
 
 
 # --- graphs --------------------------------------------------------------------------------------------------------
@@ -155,32 +114,17 @@ def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
     """Joints and rods as branches of one element each, limbs by their joints."""
     for limb in mechanism.limbs:
         first, last = limb.links
-        if isinstance(limb, RodLimb):
-            yield Branch(limb.name, (first, last), (_rod_of_limb(mechanism, limb),), ())
-            continue
-        inner = [f"{limb.name}.{k}" for k in range(1, len(limb.joints) + bool(limb.rods))]
-        links = [first, *inner, *([] if limb.rods else [last])]
-        for joint, a, b in zip(limb.joints, links[:-1], links[1:], strict=True):
-            yield Branch(limb.name, (a, b), (Element(joint, f"{limb.name}.{joint.name}"),), ())
-        for rod in _rods_of_limb(limb):
-            yield Branch(limb.name, (links[-1], last), (rod,), ())
+        bars = limb.bars(mechanism.reference_pose)
+        inner = [f"{limb.name}.{k}" for k in range(1, len(limb.joints))]
+        links = [first, *inner, _last_link(limb) if bars else last]
+        for joint, a, b in zip(limb.joints, links[:-1], links[1:], strict=False):
+            yield Branch(limb.name, (a, b), (Element(joint, mechanism.key_path(limb, joint)),), ())
+        for bar in bars:
+            yield Branch(limb.name, (links[-1], last), (Element(bar, bar.path),), ())
     for entry in mechanism.link_joints:
         yield Branch(entry.joint.name, (entry.links[0], entry.links[1]), (Element(entry.joint, entry.joint.name),), ())
-    for link_rod in mechanism.link_rods:
-        yield Branch(link_rod.name, (link_rod.links[0], link_rod.links[1]), (_bar(link_rod),), ())
-
-
-def _bar(rod: LinkRod) -> Element:
-    bar = Bar(
-        rod.name,
-        start=RodEnd(f"{rod.name}.from", tuple(rod.start)),
-        end=RodEnd(f"{rod.name}.to", tuple(rod.end)),
-        path=rod.name,
-        length=rod.length,
-        offset=rod.offset,
-        coordinate=rod.coordinate if rod.actuated else None,
-    )
-    return Element(bar, rod.name)
+    for rod in mechanism.link_rods:
+        yield Branch(rod.name, (rod.links[0], rod.links[1]), (Element(rod.bar, rod.name),), ())
 
 
 def _chains(edges: Sequence[Branch], wanted: set[str]) -> list[Branch]:

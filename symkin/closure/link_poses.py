@@ -43,7 +43,8 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
     """The displacements of all links, the base and those within limbs ("leg1.1", from the base on) included, at full vectors of
     variables (m, variables)."""
     placed = _placed_links(closure)
-    numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))
+    # of no configuration CasADi makes one
+    numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))[:, : len(values)]
     poses = {
         link: Pose(numbers[7 * k : 7 * k + 3], normalized(numbers[7 * k + 3 : 7 * k + 7])) for k, link in enumerate(placed.links)
     }

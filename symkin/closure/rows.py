@@ -18,13 +18,14 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.bodies import BodyBuilder, PoseForm
-from symkin.closure.branches import Bar, Branch, Element
+from symkin.closure.branches import Branch, Element
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
 from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
-from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
-from symkin.closure.pose_forms import PlatformPose, UnitPose
+from symkin.closure.partition import ALL_JOINTS, Partition
+from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
-from symkin.model.joint import BASE, Coordinate, Joint
+from symkin.model.bar import Bar
+from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -149,15 +150,16 @@ class RowBuilder(BodyBuilder):
     def _distance_between(
         self, name: str, ends: tuple[_Point, _Point], length: ca.SX, length_squared: ca.SX | None = None
     ) -> None:
-        """The distance of two points of links, each in the form that its side takes."""
+        """The distance of two points of links, each in the form that its side takes; seen from a body in Study coordinates, if one
+        of them is, where it is a quadratic form."""
         first, last = ends
-        if isinstance(first.side, PlatformSide) and isinstance(last.side, Chain):
+        if isinstance(first.side, PlatformSide) and not _is_study(last.side):
             first, last = last, first
-        if isinstance(last.side, PlatformSide) and isinstance(first.side, Chain):
-            self._distance(name, last.side.pose, (last.local, first.moved), length, length_squared)
+        if isinstance(last.side, PlatformSide):
+            self._distance(name, last.side.pose, (last.local, first.unweighted), length, length_squared)
         else:
             still = UnitPose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
-            self._distance(name, still, (last.unweighted, first.unweighted), length, length_squared)
+            self._distance(name, still, (last.moved, first.moved), length, length_squared)
 
     def _close(self, branch: Branch) -> None:
         """Write what a branch between two placed bodies holds, cut at its joint of most freedom."""
@@ -205,8 +207,7 @@ class RowBuilder(BodyBuilder):
         if bar.coordinate is not None:
             offset = self.table.scalar(f"{bar.path}.offset", bar.offset)
             return offset + self._symbol(bar.coordinate)
-        reference = self.mechanism.reference_pose
-        ends = [reference.apply(np.array(e.point)) if e.in_platform_frame else np.array(e.point) for e in (bar.start, bar.end)]
+        ends = [end.at_reference(self.mechanism.reference_pose) for end in (bar.start, bar.end)]
         length = bar.length if bar.length is not None else float(np.linalg.norm(ends[0] - ends[1]))
         return self.table.scalar(f"{bar.path}.length", length)
 
@@ -250,7 +251,7 @@ class RowBuilder(BodyBuilder):
         e = multiply(conjugate(base.quaternion), platform.quaternion)
         # the check compares whole rotation matrices, which no spurious root of the rows passes
         full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
-        if branch.ends == (BASE, self._platform) and all(_is_actuated(element) for element in branch.elements):
+        if branch.ends == (BASE, self.mechanism.platform_link) and all(_is_actuated(element) for element in branch.elements):
             self.forward = Pose(base.move(origin), multiply(base.quaternion, self.reference.quaternion))
             self.arm = base
         self._add(
@@ -323,6 +324,10 @@ class _Point:
         if not self.in_platform_frame or self.reference is None:
             return self.point
         return self.reference.position + rotate(self.reference.quaternion, self.point)
+
+
+def _is_study(side: Side) -> bool:
+    return isinstance(side, PlatformSide) and isinstance(side.pose, StudyPose)
 
 
 def _is_actuated(element: Element) -> bool:

@@ -91,13 +91,13 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     vectors = build_vectors(program.kind)
     name = mechanism.name
     values = program.values | _test_values(program)
-    serial = mechanism.serial
+    templates = program.kind.templates
     files = {
         f"{name}.h": program.header,
         f"{name}.c": program.source,
-        f"{name}_test.c": fill("serial_test.c" if serial else "parallel_test.c", values),
+        f"{name}_test.c": fill(f"{templates}_test.c", values),
         f"{name}_vectors.h": vectors_text(program, vectors),
-        "example_main.c": fill("serial_example.c" if serial else "parallel_example.c", values),
+        "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
@@ -154,9 +154,9 @@ def _redundant_values(program: Program) -> dict[str, object]:
     """How answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
     finely followed path, and exactly by the tool's pose."""
     kind, name = program.kind, program.mechanism.name
-    if not isinstance(kind, SerialArm) or not kind.is_redundant:
+    if not kind.is_redundant:
         return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
-    slides = " || ".join(f"(i == {i})" for i, c in enumerate(kind.actuated) if not c.is_angular)
+    slides = " || ".join(f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular)
     bound = f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)" if slides else "0.01"
     first = "geometry, " if program.options.geometry == "struct" else ""
     again = [
@@ -175,7 +175,6 @@ def _redundant_values(program: Program) -> dict[str, object]:
 def vectors_text(program: Program, vectors: Vectors) -> str:
     """NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
     name, real = program.mechanism.name, program.real
-    serial = program.mechanism.serial
     kind = f"{name}_real"
     far = _far(vectors)
     tables = [
@@ -198,7 +197,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
     if len(vectors.singular):
         lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
-    if not serial:
+    if not isinstance(program.kind, SerialArm):
         for label, row in (("home", vectors.home), ("far", far)):
             lines.append(
                 f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"

@@ -21,7 +21,7 @@ _MEANING = {
 
 def meaning(jacobian: AnyJacobian) -> str:
     """The equation in words."""
-    return _MEANING[jacobian.kind].format(origin=f"{'tool' if jacobian.mechanism.serial else 'platform'} origin")
+    return _MEANING[jacobian.kind].format(origin=f"{jacobian.mechanism.frame_name} origin")
 
 
 def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:

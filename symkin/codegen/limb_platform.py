@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -28,6 +29,7 @@ from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, build_problem
+from symkin.spatial.pose import Pose
 
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
@@ -52,6 +54,10 @@ class LimbPlatform:
     mechanism: Mechanism
     options: Options
     real: Real
+    templates: ClassVar[str] = "parallel"
+    is_redundant: ClassVar[bool] = False
+    zero: ClassVar[float] = 0.0
+    """Joint values at home, where joints are changes from there."""
 
     @property
     def name(self) -> str:
@@ -124,6 +130,27 @@ class LimbPlatform:
         sides = ca.mtimes(of_pose.jacobian, scale)
         sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
         return LimbBlock(system, kernel, rod, sides)
+
+    @property
+    def home_values(self) -> np.ndarray:
+        """All variables of the closure at home, which is the reference."""
+        return self.closure.reference
+
+    def stated(self, pose: Pose) -> np.ndarray:
+        """The seven numbers by which generated code knows a pose."""
+        return np.array([*pose.position, *pose.quaternion])
+
+    def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:  # noqa: ARG002 - `near` has the pose
+        """Joint values at a pose as stated, from a configuration near it."""
+        inverse = self.inverse
+        known = inverse.select_values(near, inverse.known_coordinates)
+        unknown = inverse.system.polish(inverse.select_values(near, inverse.system.unknowns), known, 6)
+        return inverse.select_values(inverse.join_values(unknown, known), self.actuated)
+
+    @property
+    def singular_starts(self) -> np.ndarray:
+        """Poses (n, 7) at which the matrix is singular, as stated: none is known."""
+        return np.zeros((0, 7))
 
     def check(self) -> None:
         """Raises InputError where a generated solver could not work."""

@@ -43,6 +43,8 @@ A pose leaves some of the joints free. With $J$ of more columns than rows, each 
 $J^T = Q R$, $R^T y = f$, $s = Q y$, lengths as they are and angles times the size. As pieces of the line shrink, the answer tends
 to the end of $\dot q = J^+ \dot X$; it keeps to the joint values of no earlier visit, as closed paths of poses need not close in $q$."""
 
+_EQUATIONS = {RodPlatform: _RODS, LimbPlatform: _CLOSED, SerialArm: _SERIAL}
+
 _BRANCH = r"""## Which answer is OK
 
 `OK` says that the answer is the one which is reached from the guess along a straight line of the given values without meeting
@@ -100,10 +102,15 @@ the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was giv
 
 def _branch(program: Program) -> str:
     """The section on which answer is OK, as far as it holds for the kernel."""
-    kernel, kind = program.main.kernel, program.kind
-    dead = isinstance(kind, LimbPlatform) and kind.has_dead_centres
+    kernel = program.main.kernel
     pieces = _RULE.split("@@")
-    rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + (_DEAD_CENTRE if dead else "") + pieces[2]
+    rule = (
+        pieces[0]
+        + (_SIGN if kernel.is_square else "")
+        + pieces[1]
+        + (_DEAD_CENTRE if program.kind.has_dead_centres else "")
+        + pieces[2]
+    )
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
     return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
 
@@ -112,12 +119,8 @@ def readme(program: Program) -> str:
     """Markdown with the equations in LaTeX."""
     mechanism, options = program.mechanism, program.options
     name = mechanism.name
-    if isinstance(program.kind, RodPlatform):
-        kind = _RODS + (_RELATIVE if options.home_relative else "")
-    else:
-        kind = _CLOSED if isinstance(program.kind, LimbPlatform) else _SERIAL
-    if isinstance(program.kind, SerialArm) and program.kind.is_redundant:
-        kind += "\n" + _REDUNDANT
+    kind = _EQUATIONS[type(program.kind)] + (_RELATIVE if options.home_relative else "")
+    kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}

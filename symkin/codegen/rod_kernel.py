@@ -13,7 +13,6 @@ import numpy as np
 
 from symkin.closure.snapping import snap
 from symkin.codegen.newton_kernel import Kernel, Meaning
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -59,20 +58,19 @@ class Rods:
 
 def is_rod_platform(mechanism: Mechanism) -> bool:
     """Six rods and a free pose: the fast kernel without trigonometry."""
-    rods = all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    return rods and len(mechanism.limbs) == 6 and mechanism.motion == "spatial"
+    joints = any(limb.joints for limb in mechanism.limbs)
+    return not joints and len(mechanism.limbs) == 6 and mechanism.motion == "spatial"
 
 
 def rod_geometry(mechanism: Mechanism, home: Pose, *, relative: bool, parameters: ca.SX | None) -> Rods:
     """The rods as snapped numbers, or as entries of `parameters` (base, platform, offset of each limb)."""
     bases, points, offsets = [], [], []
-    for k, limb in enumerate(mechanism.limbs):
+    for k, bar in enumerate(mechanism.bars):
         if parameters is not None:
             g = parameters[7 * k : 7 * k + 7]
             base, end, offset = g[:3], g[3:6], g[6]
         else:
-            assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
-            base, end, offset = _snapped(limb.base), _snapped(limb.platform), ca.SX(snap(float(limb.offset)))
+            base, end, offset = _snapped(bar.start.point), _snapped(bar.end.point), ca.SX(snap(float(bar.offset)))
         bases.append(base)
         points.append(end)
         offsets.append(offset)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -11,7 +12,6 @@ from symkin.codegen.c_emitter import Real, indexed
 from symkin.codegen.newton_kernel import Kernel, curvature
 from symkin.codegen.options import Options
 from symkin.codegen.rod_kernel import Rods, rod_geometry, rod_kernel
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
@@ -25,6 +25,9 @@ class RodPlatform:
     options: Options
     home: Pose
     real: Real
+    templates: ClassVar[str] = "parallel"
+    is_redundant: ClassVar[bool] = False
+    has_dead_centres: ClassVar[bool] = False
 
     @property
     def name(self) -> str:
@@ -41,8 +44,7 @@ class RodPlatform:
     @property
     def geometry_values(self) -> np.ndarray:
         """The struct's nominal numbers in its order."""
-        parts = [[*limb.base, *limb.platform, limb.offset] for limb in self.mechanism.limbs if isinstance(limb, RodLimb)]
-        return np.array(parts).ravel()
+        return np.array([[*bar.start.point, *bar.end.point, bar.offset] for bar in self.mechanism.bars]).ravel()
 
     @property
     def geometry_names(self) -> list[str]:
@@ -77,14 +79,39 @@ class RodPlatform:
 
     def joint_values(self, pose: Pose) -> np.ndarray:
         """Joint values as generated code takes them."""
-        zero = self.lengths(self.home) if self.options.home_relative else 0.0
-        return np.asarray(self.lengths(pose) - zero)
+        return np.asarray(self.lengths(pose) - self.zero)
+
+    @property
+    def zero(self) -> np.ndarray | float:
+        """Joint values at home, where joints are changes from there."""
+        return self.lengths(self.home) if self.options.home_relative else 0.0
+
+    @property
+    def home_values(self) -> np.ndarray:
+        """All variables of the closure at home."""
+        return np.concatenate([self.lengths(self.home), self.home.position, self.home.quaternion])
+
+    def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:  # noqa: ARG002 - other platforms begin at `near`
+        """Joint values at a pose as stated, by the closed form of rods."""
+        pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
+        if self.options.home_relative:
+            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(np.zeros(3), np.asarray(self.home.quaternion))
+            pose = Pose(pose.position + self.home.position, turned.quaternion)
+        return self.joint_values(pose)
+
+    @property
+    def singular_starts(self) -> np.ndarray:
+        """A pose with all six rods in one plane, where base and platform are plane; else nothing."""
+        heights = [abs(bar.start.point[2]) + abs(bar.end.point[2]) for bar in self.mechanism.bars]
+        if self.options.home_relative or max(heights) > 0.0:
+            return np.zeros((0, 7))
+        return np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
 
 
 def rod_values(mechanism: Mechanism, pose: Pose) -> np.ndarray:
     """Joint values |p + R a - b| - offset of the rods at a pose (length unit)."""
-    ends = [pose.apply(np.array(limb.platform)) - np.array(limb.base) for limb in mechanism.limbs]  # type: ignore[union-attr]
-    return np.array([float(np.linalg.norm(d)) - limb.offset for d, limb in zip(ends, mechanism.limbs, strict=True)])  # type: ignore[union-attr]
+    rods = [pose.apply(np.array(bar.end.point)) - np.array(bar.start.point) for bar in mechanism.bars]
+    return np.array([float(np.linalg.norm(d)) - bar.offset for d, bar in zip(rods, mechanism.bars, strict=True)])
 
 
 def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:

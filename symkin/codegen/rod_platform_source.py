@@ -16,7 +16,6 @@ from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_platform import RodPlatform, sampled
 from symkin.computed_once import cached_property
-from symkin.model.limb import RodLimb
 from symkin.spatial.backend import cross, dot
 
 
@@ -191,17 +190,17 @@ def _range_tests(platform: RodPlatform) -> list[str]:
     """C conditions that joint values must all satisfy, joint by joint."""
     real, size = platform.real, platform.mechanism.characteristic_length
     slack = max(1e-9, 16 * real.epsilon) * size
-    zero = platform.lengths(platform.home) if platform.options.home_relative else np.zeros(6)
+    zero = platform.zero + np.zeros(6)
     tests = []
-    for i, limb in enumerate(platform.mechanism.limbs):
-        assert isinstance(limb, RodLimb)  # noqa: S101 - a rod platform has no other limbs
-        low = max(-limb.offset + 1e-6 * size, limb.limits[0] - slack if limb.limits else -np.inf) - zero[i]
-        if platform.options.geometry == "struct" and not limb.limits and not platform.options.home_relative:
+    for i, bar in enumerate(platform.mechanism.bars):
+        limits = platform.mechanism.actuated[i].limits
+        low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
+        if platform.options.geometry == "struct" and not limits and not platform.options.home_relative:
             tests.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
         else:
             tests.append(f"(joints[{i}] >= {real.literal(low)})")
-        if limb.limits:
-            tests.append(f"(joints[{i}] <= {real.literal(limb.limits[1] + slack - zero[i])})")
+        if limits:
+            tests.append(f"(joints[{i}] <= {real.literal(limits[1] + slack - zero[i])})")
     return tests
 
 

@@ -7,6 +7,7 @@ shorter arc.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -33,6 +34,8 @@ class SerialArm:
     mechanism: Mechanism
     options: Options
     real: Real
+    templates: ClassVar[str] = "serial"
+    has_dead_centres: ClassVar[bool] = False
 
     @property
     def name(self) -> str:

@@ -20,7 +20,6 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
-from symkin.spatial.pose import Pose
 
 COUNT = 24
 JACOBIANS = 4
@@ -103,46 +102,28 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     mechanism, real = kind.mechanism, kind.real
     direct = build_problem(mechanism, "direct")
     closure, size = direct.closure, direct.closure.characteristic_length
-    home = home_values(kind, closure)
+    home = kind.home_values
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
     for number, case in enumerate(cases):
-        given = rounded_to(real, _tidy(case.known - _zero(kind), lengths))
-        z = direct.system.polish(case.unknown, given + _zero(kind), 6)
-        pose = pose_of(closure, direct.join_values(z, given + _zero(kind)))
+        given = rounded_to(real, _tidy(case.known - kind.zero, lengths))
+        z = direct.system.polish(case.unknown, given + kind.zero, 6)
+        pose = pose_of(closure, direct.join_values(z, given + kind.zero))
         # every other case starts next to the answer, as a servo loop does; the others from home
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
-        guess = rounded_to(real, _tidy(stated(kind, pose_of(closure, warm)), seven))
-        target = _tidy(stated(kind, pose), seven)
-        values = direct.join_values(z, given + _zero(kind))
-        inverse = _tidy(_inverse_at(kind, rounded_to(real, target), values), lengths)
-        bound = _bound(real, size, direct.system.condition(z, given + _zero(kind)), tolerance)
+        guess = rounded_to(real, _tidy(kind.stated(pose_of(closure, warm)), seven))
+        target = _tidy(kind.stated(pose), seven)
+        values = direct.join_values(z, given + kind.zero)
+        inverse = _tidy(kind.inverse_at(rounded_to(real, target), values), lengths)
+        bound = _bound(real, size, direct.system.condition(z, given + kind.zero), tolerance)
         rows.append((given, guess, target, inverse, bound))
         if number < JACOBIANS:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
-    here = rounded_to(real, _tidy(stated(kind, pose_of(closure, home)), seven))
-    return rows, jacobians, here, _flat(kind)
-
-
-def home_values(kind: RodPlatform | LimbPlatform, closure: Closure) -> np.ndarray:
-    """All variables of the closure at home."""
-    if isinstance(kind, LimbPlatform):
-        return closure.reference
-    return np.concatenate([kind.lengths(kind.home), kind.home.position, kind.home.quaternion])
-
-
-def stated(kind: RodPlatform | LimbPlatform, pose: Pose) -> np.ndarray:
-    if isinstance(kind, RodPlatform):
-        return kind.stated(pose)
-    return np.array([*pose.position, *pose.quaternion])
-
-
-def _zero(kind: RodPlatform | LimbPlatform) -> np.ndarray | float:
-    """Joint values at home where joints are changes from there."""
-    return kind.lengths(kind.home) if isinstance(kind, RodPlatform) and kind.options.home_relative else 0.0
+    here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
+    return rows, jacobians, here, kind.singular_starts
 
 
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
@@ -151,21 +132,6 @@ def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
         [1.0 if c.is_angular else direct.closure.characteristic_length for c in direct.known_coordinates]
     )
     return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
-
-
-def _inverse_at(kind: RodPlatform | LimbPlatform, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Joint values at a pose as stated, by the closed form of rods or from a configuration near it."""
-    if isinstance(kind, RodPlatform):
-        pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
-        if kind.options.home_relative:
-            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(np.zeros(3), np.asarray(kind.home.quaternion))
-            pose = Pose(pose.position + kind.home.position, turned.quaternion)
-        return kind.joint_values(pose)
-    inverse = kind.inverse
-    known = inverse.select_values(near, inverse.known_coordinates)
-    unknown = inverse.system.polish(inverse.select_values(near, inverse.system.unknowns), known, 6)
-    values = inverse.join_values(unknown, known)
-    return inverse.select_values(values, kind.actuated)
 
 
 def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
@@ -204,14 +170,6 @@ def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
 
 def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
-
-
-def _flat(kind: RodPlatform | LimbPlatform) -> np.ndarray:
-    """A pose with all six rods in one plane, where base and platform are plane; else nothing."""
-    if not isinstance(kind, RodPlatform) or kind.options.home_relative:
-        return np.zeros((0, 7))
-    heights = [abs(limb.base[2]) + abs(limb.platform[2]) for limb in kind.mechanism.limbs]  # type: ignore[union-attr]
-    return np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]) if max(heights) == 0.0 else np.zeros((0, 7))
 
 
 def _serial(arm: SerialArm) -> _Found:

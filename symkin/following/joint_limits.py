@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from symkin.closure.closure import build_closure
 from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem
 from symkin.following.step_certificate import Interval
@@ -39,7 +38,7 @@ class Limit:
 
     def text(self, mechanism: Mechanism) -> str:
         """Which limit is met, in the mechanism's units."""
-        c = next(c for c in build_closure(mechanism).coordinates if c.name == self.name)
+        c = next(c for c in mechanism.coordinates if c.name == self.name)
         value = mechanism.angle_out(self.value) if c.is_angular else self.value
         unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
         how, where = ("lies beyond its limit", " at the start") if self.is_passed else ("meets its limit", "")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.assembly.modes import modes_at_need
+from symkin.assembly.modes import modes, modes_at_need
 from symkin.assembly.modes_result import Completeness, Modes
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
@@ -18,9 +18,10 @@ from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import DISTINCT_ROOTS
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
+from symkin.position.transfer import variables_at
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""
@@ -32,13 +33,13 @@ _MOST_COMBINED = 8
 
 @dataclass(frozen=True)
 class Meeting:
-    """Numbers (from 1) of modes in the list that `modes` gives at `given` (joints or pose in the mechanism's units, at
-    `parameter` of the path): the followed one, None where the list lacks it, and those that meet it. `count` is the length
+    """Numbers (from 1) of modes in the list that `modes` gives at `given` (joints, pose or values by name in the mechanism's units,
+    at `parameter` of the path): the followed one, None where the list lacks it, and those that meet it. `count` is the length
     of the list and `completeness` what it is worth. `opposite_signs`: whether the determinants of the followed rows (of each
     block that turns) have opposite signs on the two sides of the turning point; None where rows are redundant, or elsewhere."""
 
     parameter: float
-    given: dict[str, list[float]]
+    given: dict[str, Any]
     own: int | None
     others: tuple[int, ...]
     count: int
@@ -79,7 +80,11 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
         return None
     given = user_values(trajectory, trajectory.at(row, u - back))
     try:
-        found = modes_at_need(trajectory.mechanism, seed=seed, **given)  # type: ignore[arg-type]
+        found = (
+            modes(trajectory.mechanism, **given)
+            if problem.kind == "given"
+            else modes_at_need(problem.mechanism, seed=seed, **given)
+        )
     except SymkinError:
         return None
     turning = [block for block in branch.stopped if _is_turning(block)]
@@ -117,16 +122,23 @@ def _near_by(problem: Problem, branch: Branch, found: Modes, u: float) -> tuple[
     return mode_number(problem, found, own), near.tolist(), None
 
 
-def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, list[float]]:
-    """Known values as `modes` takes them: joints in the mechanism's units, or a pose."""
-    mechanism = trajectory.mechanism
+def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
+    """Known values as `modes` takes them, in the mechanism's units: joints, a pose, or values by name."""
+    mechanism, problem = trajectory.mechanism, trajectory.problem
+    values: dict[str, Any] = {}
+    place = 0
+    for c in trajectory.coordinates:
+        if c.role != "pose":
+            number = float(known[place])
+            values[c.name] = mechanism.angle_out(number) if c.is_angular else number
+        place += c.width
     if trajectory.kind == "direct":
-        pairs = zip(trajectory.coordinates, known.tolist(), strict=True)
-        return {"joints": [mechanism.angle_out(v) if c.is_angular else v for c, v in pairs]}
-    problem = build_problem(mechanism, "inverse")
-    reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
-    pose = pose_of(problem.closure, problem.join_values(reference, known))
-    return {"pose": [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]}
+        return {"joints": [values[c.name] for c in mechanism.actuated]}
+    if any(c.role == "pose" for c in trajectory.coordinates):
+        reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
+        pose = pose_of(problem.closure, problem.join_values(reference, known))
+        values["pose"] = [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]
+    return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
 
 
 def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | None:
@@ -137,7 +149,7 @@ def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | No
 
 def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:
     """How far each mode is from a configuration: the largest difference of their features, over the size."""
-    listed = [np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) for mode in modes]
+    listed = [problem.select_values(variables_at(problem.closure, mode), problem.system.unknowns) for mode in modes]
     return _distances(problem, np.array(listed).reshape(-1, len(unknown)), unknown)
 
 

@@ -1,4 +1,4 @@
-"""Find which assembly modes connect without a singularity, over a slice of two inputs: a graph of modes at grid points.
+"""Find which assembly modes connect without a singularity, over a slice of one or two inputs: a graph of modes at grid points.
 
 At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see `track`). Modes that a path
 without singularity joins are of one sheet. Two modes of one input on one sheet are joined by a path that leaves the input and
@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,10 @@ from symkin.errors import InputError
 from symkin.following.meeting_modes import mode_number
 from symkin.following.track import track
 from symkin.following.track_result import Track
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
+from symkin.position.given_by_name import Values, given_by_name, plain_kind
 from symkin.result import Result, Summary
 
 _MOST_POINTS = 10_000
@@ -35,7 +37,7 @@ Node = tuple[int, int]
 
 @dataclass(frozen=True)
 class Axis:
-    """An actuated joint and its range, in its unit."""
+    """A known coordinate and its range, in its unit."""
 
     name: str
     low: float
@@ -46,8 +48,8 @@ class Axis:
 class ModeGraph(Result):
     """Which modes connect without a singularity; made by `mode_graph`.
 
-    `found` holds the modes at each grid point and, last, at the chosen input; `inputs` (n * n + 1, joints) the joint values
-    in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
+    `found` holds the modes at each grid point and, last, at the chosen input; `names` are the known coordinates, the actuated joints
+    unless others are told by name, `inputs` (n * n + 1, names; n + 1 over one axis) their values in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
     `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
     that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete). `path`
     gives the joint values that lead from one mode to another, `plot()` draws the sheets.
@@ -60,8 +62,9 @@ class ModeGraph(Result):
     """
 
     mechanism: Mechanism
-    axes: tuple[Axis, Axis]
+    axes: tuple[Axis, ...]
     n: int
+    names: tuple[str, ...]
     inputs: np.ndarray
     found: tuple[Modes, ...]
     edges: tuple[tuple[Node, Node], ...]
@@ -88,7 +91,7 @@ class ModeGraph(Result):
         return list(groups.values())
 
     def path(self, begin: int, end: int) -> np.ndarray | None:
-        """Joint values (m, joints) along edges from mode `begin` of the chosen input back to it on mode `end`; None where the
+        """Known values (m, names) along edges from mode `begin` of the chosen input back to it on mode `end`; None where the
         graph does not join them."""
         last = len(self.found) - 1
         for k in (begin, end):
@@ -102,9 +105,11 @@ class ModeGraph(Result):
         return np.asarray(rows[np.append(True, moved)])
 
     def to_dict(self) -> dict[str, Any]:
+        last = self.inputs[-1].tolist()
+        plain = plain_kind(self.mechanism, self.names) is not None
         return {
             "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
-            "joints": self.inputs[-1].tolist(), "counts": [len(found) for found in self.found[:-1]],
+            **({"joints": last} if plain else {"given": dict(zip(self.names, last, strict=True))}), "counts": [len(found) for found in self.found[:-1]],
             "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
             "stopped": self.stopped, "unmatched": self.unmatched,
         }  # fmt: skip
@@ -115,7 +120,7 @@ class ModeGraph(Result):
         groups = "; ".join(" and ".join(str(k + 1) for k in group) for group in self.groups)
         proved = "each proved in ball arithmetic" if self.certified else "not proved"
         text = (
-            f"{self.mechanism.name}: {self.n} x {self.n} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
+            f"{self.mechanism.name}: {' x '.join(str(self.n) for _ in self.axes)} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
             f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); modes of the chosen input that "
             f"connect without a singularity: {groups or 'none'}"
         )
@@ -125,17 +130,17 @@ class ModeGraph(Result):
 
 def mode_graph(
     mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
-    progress: Progress | None = None,
+    given: Values | None = None, progress: Progress | None = None,
 ) -> ModeGraph:  # fmt: skip
-    """Find which assembly modes connect without a singularity over two actuated joints: their graph on n x n points.
+    """Find which modes connect without a singularity over one or two known coordinates: their graph on n or n x n points.
 
     Nodes are the modes at each point, found by complete enumeration; edges join those that `track` carries from one point to
     its neighbour without a singularity. Modes of the chosen input that are on one connected set of nodes can be exchanged without
     a singularity (Innocenti and Parenti-Castelli 1998); a finer grid can join more, and never parts what is joined.
 
-    `axes` are two actuated joints, each with a range in its unit, `n` (2 to 100) the points along each. `joints` is the chosen
-    input, in file order or by name, and holds the other joints (default: the example's, else the reference's). Joint limits are
-    left out of account. `progress` is called with the points and edges done and their number. Raises InputError.
+    `axes` are one or two actuated joints, each with a range in its unit, `n` (2 to 100) the points along each. `joints` is the chosen
+    input, in file order or by name, and holds the other joints (default: the example's, else the reference's); or `given`, values of
+    any coordinates by name, as many as the mobility, of which the axes are then one or two. Joint limits are left out of account. `progress` is called with the points and edges done and their number. Raises InputError.
 
         >>> from symkin import Joint, Limb, Mechanism, mode_graph
         >>> z = (0, 0, 1)
@@ -147,26 +152,25 @@ def mode_graph(
         >>> graph.groups, graph.certified          # the tip above or below the elbows: a singularity parts the two
         ([[0], [1]], True)
     """
-    require_limbs(mechanism, "mode_graph", "use modes at each point")
-    if mechanism.serial:
+    require_mechanism(mechanism)
+    if mechanism.serial and (given is None or plain_kind(mechanism, given) is not None):
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there is nothing to join"
         )
-    pair = _checked(mechanism, axes, n)
-    chosen = np.array(given_from(mechanism, joints, None).echo.get("joints", []))
-    if not len(chosen):
-        raise InputError(f"joints: the example of {mechanism.name} gives a pose; give all actuated joints")
-    inputs = _grid(mechanism, pair, n, chosen)
+    names, chosen = _chosen_input(mechanism, joints, given)
+    pair = _checked(mechanism, axes, n, names)
+    inputs = _grid(names, pair, n, chosen)
     found = []
     for k, row in enumerate(inputs):
-        found.append(modes(mechanism, joints=row))
+        found.append(modes(mechanism, given=dict(zip(names, row.tolist(), strict=True))))
         if progress is not None:
             progress(k + 1, 2 * len(inputs))
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0
-    for a, b in _grid_edges(n, inputs, pair, mechanism):
+    for a, b in _grid_edges(n, inputs, pair, names):
+        path = dict(zip(names, inputs[[a, b]].T.tolist(), strict=True))
         for k, mode in enumerate(found[a]):
-            followed = track(mechanism, joints=inputs[[a, b]], start=mode, limits=False, name_modes=False)
+            followed = track(mechanism, given=path, start=mode, limits=False, name_modes=False)
             joined = _number_at_end(followed, found[b]) if followed.reached else None
             stopped, unmatched = stopped + (not followed.reached), unmatched + (followed.reached and joined is None)
             if joined is not None:
@@ -179,6 +183,7 @@ def mode_graph(
         mechanism=mechanism,
         axes=pair,
         n=n,
+        names=names,
         inputs=inputs,
         found=tuple(found),
         edges=tuple(edges),
@@ -195,43 +200,55 @@ def _number_at_end(followed: Track, there: Modes) -> int | None:
     return mode_number(problem, there, problem.select_values(end.values, problem.system.unknowns))
 
 
-def _checked(mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int) -> tuple[Axis, Axis]:
+def _chosen_input(mechanism: Mechanism, joints: Joints | None, given: Values | None) -> tuple[tuple[str, ...], np.ndarray]:
+    """The known coordinates and their values at the chosen input, in the mechanism's units."""
+    if given is None:
+        chosen = np.array(given_from(mechanism, joints, None).echo.get("joints", []))
+        if not len(chosen):
+            raise InputError(f"joints: the example of {mechanism.name} gives a pose; give all actuated joints")
+        return tuple(c.name for c in mechanism.actuated), chosen
+    if joints is not None:
+        raise InputError("given: values by name and joints beside them; give one of them")
+    read = given_by_name(mechanism, given)
+    if "pose" in read.echo:
+        raise InputError("given: a whole pose is no coordinate of a graph of modes; give x, y, z, azimuth, tilt and torsion")
+    return tuple(read.echo), np.array(list(read.echo.values()))
+
+
+def _checked(
+    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, names: tuple[str, ...]
+) -> tuple[Axis, ...]:
     for axis in axes:
         if not isinstance(axis, Axis) and len(axis) != 3:
             raise InputError(f"axes: {axis!r}; a name and a range are needed, as in ('q1', 0.0, 90.0)")
-    pair = [axis if isinstance(axis, Axis) else Axis(*axis) for axis in axes]
-    names = [c.name for c in mechanism.actuated]
-    if len(pair) != 2 or pair[0].name == pair[1].name:
-        raise InputError(f"axes: {len(pair)} given; two different actuated joints are needed, each with a range")
-    for axis in pair:
+    chosen = tuple(axis if isinstance(axis, Axis) else Axis(*axis) for axis in axes)
+    if len(chosen) not in (1, 2) or len({axis.name for axis in chosen}) < len(chosen):
+        raise InputError(f"axes: {len(chosen)} given; one or two different known coordinates are needed, each with a range")
+    for axis in chosen:
         if axis.name not in names:
-            raise InputError(f"axes: {axis.name!r} is no actuated joint of {mechanism.name}; allowed: {', '.join(names)}")
+            raise InputError(f"axes: {axis.name!r} is no known coordinate of {mechanism.name}; allowed: {', '.join(names)}")
         if not (np.isfinite([axis.low, axis.high]).all() and axis.low < axis.high):
             raise InputError(f"axes: the range {axis.low} to {axis.high} of {axis.name} is none; low below high is needed")
     if n < 2 or n * n > _MOST_POINTS:
         raise InputError(f"n = {n}; allowed: 2 to {int(_MOST_POINTS**0.5)}")
-    return pair[0], pair[1]
+    return chosen
 
 
-def _grid(mechanism: Mechanism, axes: tuple[Axis, Axis], n: int, chosen: np.ndarray) -> np.ndarray:
-    """Joint values at the grid points, then the chosen ones."""
-    names = [c.name for c in mechanism.actuated]
-    inputs = np.tile(chosen, (n * n + 1, 1))
-    first, second = (np.linspace(axis.low, axis.high, n) for axis in axes)
-    inputs[:-1, names.index(axes[0].name)] = np.repeat(first, n)
-    inputs[:-1, names.index(axes[1].name)] = np.tile(second, n)
+def _grid(names: tuple[str, ...], axes: tuple[Axis, ...], n: int, chosen: np.ndarray) -> np.ndarray:
+    """Known values at the grid points, then the chosen ones."""
+    points = list(product(*(np.linspace(axis.low, axis.high, n) for axis in axes)))
+    inputs = np.tile(chosen, (len(points) + 1, 1))
+    inputs[:-1, [names.index(axis.name) for axis in axes]] = points
     return inputs
 
 
-def _grid_edges(n: int, inputs: np.ndarray, axes: tuple[Axis, Axis], mechanism: Mechanism) -> Iterator[tuple[int, int]]:
+def _grid_edges(n: int, inputs: np.ndarray, axes: tuple[Axis, ...], names: tuple[str, ...]) -> Iterator[tuple[int, int]]:
     """The grid's edges, then one from the chosen input to the nearest grid point."""
-    for i in range(n):
-        for j in range(n):
-            if j + 1 < n:
-                yield i * n + j, i * n + j + 1
-            if i + 1 < n:
-                yield i * n + j, (i + 1) * n + j
-    names = [c.name for c in mechanism.actuated]
+    for k in range(len(inputs) - 1):
+        if (k + 1) % n:
+            yield k, k + 1
+        if len(axes) == 2 and k + n < len(inputs) - 1:
+            yield k, k + n
     columns = [names.index(axis.name) for axis in axes]
     away = np.abs(inputs[:-1, columns] - inputs[-1, columns]) / [axis.high - axis.low for axis in axes]
     yield len(inputs) - 1, int(np.argmin(away.sum(axis=1)))

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from symkin.closure.link_poses import link_poses
 from symkin.computed_once import cached_property
 from symkin.following.follow import PathPoint
 from symkin.following.trajectory import Trajectory
+from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import singular_values
 from symkin.position.problem import Problem
+from symkin.position.readings import left_out, readings_at
 from symkin.position.solution import Solution, pose_of
 from symkin.position.solution_list import make_solution
 from symkin.spatial.pose import Pose
@@ -21,7 +24,7 @@ from symkin.spatial.pose import Pose
 @dataclass(frozen=True, eq=False)
 class Sample:
     """One configuration of the path. `values` are all variables of the closure, angles and quaternions continuing those
-    before; `parameter` runs from 0 to 1; `smallest_singular_value` is that of the unknowns' Jacobian (angles times the
+    before, `readings` the coordinates of joints that a closure of coordinates by name leaves out; `parameter` runs from 0 to 1; `smallest_singular_value` is that of the unknowns' Jacobian (angles times the
     size), zero at a singularity; `radius` (length unit) is proved to hold the one exact solution, None where it is not."""
 
     problem: Problem
@@ -33,17 +36,30 @@ class Sample:
     condition: float
     smallest_singular_value: float
     radius: float | None
+    readings: dict[str, np.ndarray] = field(default_factory=dict)
 
     @cached_property
     def joints(self) -> dict[str, Any]:
-        """Joint coordinates in the mechanism's units, passive ones included."""
+        """Joint coordinates in the mechanism's units, passive ones included; where values are told by name, those of all joints."""
         mechanism, closure = self.problem.mechanism, self.problem.closure
         out: dict[str, Any] = {}
-        for c in closure.role("actuated", "passive"):
-            part = self.values[closure.slices[c.name]]
+        for c in listed_joints(self.problem):
+            part = self.readings[c.name] if c.name in self.readings else self.values[closure.slices[c.name]]
             scalar = mechanism.angle_out(float(part[0])) if c.is_angular else float(part[0])
             out[c.name] = scalar if c.width == 1 else [float(v) for v in part]
         return out
+
+    @cached_property
+    def points(self) -> dict[str, list[float]]:
+        """Where the named points of links are, in the base frame."""
+        named = self.problem.mechanism.link_points
+        poses = link_poses(self.problem.closure, self.values[None]).at(0) if named else {}
+        return {p.name: np.asarray(poses[p.link].apply(np.array(p.point))).tolist() for p in named}
+
+    @property
+    def has_platform(self) -> bool:
+        """Whether `pose` is that of a link."""
+        return self.problem.mechanism.platform_link is not None
 
     @property
     def solution(self) -> Solution:
@@ -62,20 +78,27 @@ class Sample:
 
     def to_dict(self) -> dict[str, Any]:
         """The sample in the JSON of `symkin track`; an infinite condition is None."""
+        pose = {
+            "position": np.asarray(self.pose.position).tolist(),
+            "quaternion": np.asarray(self.pose.quaternion).tolist(),
+            "matrix": np.asarray(self.pose.rotation).tolist(),
+        }
         return {
             "parameter": self.parameter,
             "time": self.time,
-            "pose": {
-                "position": np.asarray(self.pose.position).tolist(),
-                "quaternion": np.asarray(self.pose.quaternion).tolist(),
-                "matrix": np.asarray(self.pose.rotation).tolist(),
-            },
+            "pose": pose if self.has_platform else None,
             "joints": self.joints,
+            **({"points": self.points} if self.points else {}),
             "residual": self.residual,
             "condition": self.condition if math.isfinite(self.condition) else None,
             "smallest_singular_value": self.smallest_singular_value,
             "radius": self.radius,
         }
+
+
+def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
+    """The joint coordinates of samples: of all joints in file order where values are told by name, else those of the closure."""
+    return problem.mechanism.coordinates if problem.kind == "given" else problem.closure.role("actuated", "passive")
 
 
 def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, before: Sample | None) -> Sample:
@@ -97,4 +120,17 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, befo
         condition=problem.system.condition(unknown, known),
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
+        readings=_readings(problem, values, before) if problem.kind == "given" else {},
     )
+
+
+def _readings(problem: Problem, values: np.ndarray, before: Sample | None) -> dict[str, np.ndarray]:
+    """Coordinates of joints that the closure leaves out, as near as possible to those before."""
+    read = {name: part[0] for name, part in readings_at(problem.closure, values[None]).items()}
+    for c in left_out(problem.closure) if before is not None else ():
+        last = before.readings[c.name]  # type: ignore[union-attr]
+        if c.kind == "quaternion":
+            read[c.name] = read[c.name] if read[c.name] @ last >= 0.0 else -read[c.name]
+        elif c.kind == "angle":
+            read[c.name] = last + np.array([math.remainder(v, 2 * math.pi) for v in read[c.name] - last])
+    return read

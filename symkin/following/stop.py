@@ -15,6 +15,8 @@ from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem
 from symkin.singularities.classification import classify
+from symkin.singularities.roles import Roles, roles_of
+from symkin.singularities.singular_groups import SingularGroup
 
 _AT_START = 1e-6
 """A singular point found at a smaller parameter than this is that of the start."""
@@ -29,7 +31,8 @@ class Stop:
     interval and the share of it, `place` the configuration there, `text` a sentence where the stop is no singularity. `type` is
     what the followed problem loses, `kinds` all that `symkin.singularity` names there, `meeting` the modes that meet there;
     `error` bounds the place on its interval (share of it) where that is proved; `blocks` counts the independent parts (limbs
-    whose platform pose is given) that stop there together.
+    whose platform pose is given) that stop there together; `groups` are the structure groups, of coordinates told by name, that are
+    singular there.
     """
 
     kind: str
@@ -43,6 +46,7 @@ class Stop:
     error: float | None = None
     limit: Limit | None = None
     blocks: int = 1
+    groups: tuple[SingularGroup, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The stop in the JSON of `symkin track`."""
@@ -56,6 +60,7 @@ class Stop:
             "error": self.error,
             "limit": None if self.limit is None else self.limit.name,
             "meeting": None if self.meeting is None else self.meeting.to_dict(),
+            **({"blocks": [group.to_dict() for group in self.groups]} if self.groups else {}),
             "text": str(self),
         }
 
@@ -67,6 +72,7 @@ class Stop:
         kinds = ", ".join(self.kinds or ([self.type] if self.type else []))
         named = f"{self.kind} ({kinds})" if kinds else self.kind
         named += f" of {self.blocks} limbs at once" if self.blocks > 1 else ""
+        named += f" of {'; '.join(str(group) for group in self.groups)}" if self.groups else ""
         what = {
             "turning point": "the mode ends there",
             "bifurcation": "branches meet there, and which one goes on is not defined",
@@ -108,6 +114,7 @@ def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kep
     stops = [b.stop for b in branch.stopped if b.stop is not None]
     points = [s.singular for s in stops if s.singular is not None]
     place = make_sample(trajectory, problem, branch.last, kept[-1])
+    found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.last_tube is None else s.last_tube.error for s in stops]
     return Stop(
         kind=next((k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)), "turning point"),
@@ -116,15 +123,26 @@ def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kep
         place=place,
         text="",
         type=_type(branch),
-        kinds=classify(place.solution).kinds,
+        kinds=found.kinds,
+        groups=found.groups,
         meeting=meeting_modes(problem, trajectory, branch) if name_modes else None,
         error=None if None in errors else max(e for e in errors if e is not None),
         blocks=len(points),
     )
 
 
+def roles_followed(problem: Problem) -> Roles:
+    """What drives along a path: the coordinates that it tells by name, or the actuated joints."""
+    names = [c.name for c in problem.known_coordinates]
+    return roles_of(problem.mechanism, names if problem.name == "given" else None)
+
+
 def _type(branch: Branch) -> str:
-    """Type 2 (direct problem) or type 1 (inverse problem), or passive where neither platform nor actuated joints move."""
+    """Type 2 (direct problem) or type 1 (inverse problem), or passive where neither platform nor actuated joints move. Of values by
+    name all others are the output."""
+    followed = branch.blocks[0].system.problem
+    if followed.kind == "given":
+        return "type 1" if followed.name == "inverse" else "type 2"
     largest = 0.0
     for block in branch.stopped:
         problem, system = block.system.problem, block.system.system

@@ -17,20 +17,23 @@ from symkin.following.nearest_singularity import nearest_to_singularity
 from symkin.following.sample import Sample, make_sample
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
-from symkin.following.trajectory import Trajectory, make_trajectory
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.following.trajectory import Columns, Trajectory, make_trajectory
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_CONDITION
+from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Joints
-from symkin.position.problem import Problem, build_problem
+from symkin.position.given_by_name import Values
+from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.start_notes import start_notes
+from symkin.position.transfer import variables_at
 from symkin.spatial.pose import Pose
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or rad)."""
 
-Start = Solution | Joints | Pose | None
+Start = Solution | Joints | Values | Pose | None
 
 
 class TrackOptions(TypedDict, total=False):
@@ -67,18 +70,20 @@ def track(
     *,
     joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
+    given: Columns | None = None,
     start: Start = None,
     **options: Unpack[TrackOptions],
 ) -> Track:
-    """Follow one assembly mode along rows of actuated joint values, or one working mode along poses.
+    """Follow one assembly mode along rows of actuated joint values, one working mode along poses, or one mode along values by name.
 
     The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved by Krawczyk's operator in ball
     arithmetic: exactly one solution for every input of the step, and no singularity (Krawczyk 1969; see `step_certificate`).
 
     `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's
-    units; between two rows joint values and positions move straight, rotations by the shortest way. `start` is the mode: a
-    solution of `modes` or `solve` at the first row, or what `solve` takes as its start. `options` are those of `TrackOptions`:
-    times, samples, limits, name_modes, notes, progress.
+    units; `given` maps names of coordinates, as many as the mobility, to a column of n values, or to one value that stands: joints,
+    passive ones too, x, y, z, azimuth, tilt and torsion of the platform, or its whole "pose". Between two rows joint values and
+    positions move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at the first row,
+    or what `solve` takes as its start. `options` are those of `TrackOptions`: times, samples, limits, name_modes, notes, progress.
 
     The track ends at the path's end or the first stop: a singularity, a limit, loops that open (`Track.stop`). Raises InputError
     for a path, a start or options that do not fit.
@@ -88,11 +93,15 @@ def track(
         >>> found = symkin.track(arm, joints=[[0, 0, 0, 0, 0, 0], [10, 20, 30, 0, 0, 0]], samples=3)
         >>> found.reached, len(found.samples), [round(value, 9) for value in found.end.actuated_values]
         (True, 3, [10.0, 20.0, 30.0, 0.0, 0.0, 0.0])
+        >>> linkage = symkin.load("four_bar")
+        >>> symkin.track(linkage, given={"follower": [0.0, -60.0]}).stop.kind         # the crank is at a dead point
+        'turning point'
     """
-    require_limbs(mechanism, "track", "use modes or solve with a start at each point of the path")
     begin = time.perf_counter()
     chosen = _Options(**options)
-    trajectory = make_trajectory(mechanism, joints=joints, poses=poses, times=chosen.times, count=chosen.samples)
+    trajectory = make_trajectory(
+        mechanism, joints=joints, poses=poses, given=given, times=chosen.times, count=chosen.samples, limits=chosen.limits
+    )
     trajectory = replace(trajectory, notes=(*chosen.notes, *trajectory.notes))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         found = _track(trajectory, start, chosen)
@@ -100,17 +109,16 @@ def track(
 
 
 def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
-    problem = build_problem(trajectory.mechanism, trajectory.kind)
+    problem = trajectory.problem
     _check_isolated(problem)
-    mode, failure = _start_mode(trajectory, start)
+    mode, notes = _start_mode(trajectory, start)
     if mode is None:
-        return _not_begun(trajectory, problem, failure)
-    if start is not None and not isinstance(start, Solution):
-        trajectory = replace(trajectory, notes=(*trajectory.notes, *start_notes(mode, trajectory.kind, start)))
-    unknown = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns] or [np.zeros(0)])
+        return _not_begun(trajectory, problem, "; ".join(notes))
+    trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
+    unknown = problem.select_values(variables_at(problem.closure, mode), problem.system.unknowns)
     watch = LimitWatch(problem, trajectory, off=not options.limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
-    if mode.condition >= SINGULAR_CONDITION or limit is not None:
+    if problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION or limit is not None:
         first = PathPoint(0, 0.0, unknown, radius=None)
         branch = Branch([first], first, (), ending="singular" if limit is None else "limit", limit=limit)
     else:
@@ -123,6 +131,9 @@ def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
 
 
 def _check_isolated(problem: Problem) -> None:
+    if problem.kind == "given":
+        refuse_unless_determined(problem)
+        return
     free = problem.system.freedom - problem.generic_rank
     if free > 0:
         raise InputError(
@@ -131,25 +142,31 @@ def _check_isolated(problem: Problem) -> None:
         )
 
 
-def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, str]:
-    """The mode at the first sample, or None and why there is none."""
+def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, tuple[str, ...]]:
+    """The mode at the first sample and what is to be noted of it; or None and why there is none."""
     if isinstance(start, Solution):
         _check_start(trajectory, start)
-        return start, ""
-    given = {"joints" if trajectory.kind == "direct" else "pose": trajectory.given[0]}
-    result = solve(trajectory.mechanism, start=start, check=False, **given)  # type: ignore[arg-type]
-    return result.solution, result.message
+        return start, ()
+    first = trajectory.given[0]
+    form = "given" if isinstance(first, dict) else "joints" if trajectory.kind == "direct" else "pose"
+    result = solve(trajectory.mechanism, start=start, check=False, **{form: first})
+    if result.solution is None:
+        return None, (result.message, *(result.notes if trajectory.problem.kind == "given" else ()))
+    if trajectory.problem.kind == "given":
+        return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
+    return result.solution, () if start is None else start_notes(result.solution, trajectory.problem.kind, start)  # type: ignore[arg-type]
 
 
 def _check_start(trajectory: Trajectory, mode: Solution) -> None:
     """Raise InputError where a start mode is not one of the path's first sample."""
-    mechanism = trajectory.mechanism
+    mechanism, problem = trajectory.mechanism, trajectory.problem
     if mode.mechanism != mechanism:
         raise InputError(f"start: the solution is one of {mode.mechanism.name}, the path one of {mechanism.name}")
+    values = problem.select_values(variables_at(problem.closure, mode), problem.known_coordinates)
     place = 0
     for c in trajectory.coordinates:
-        wanted, own = trajectory.samples[0][place : place + c.width], np.atleast_1d(np.asarray(mode.values[c.name], dtype=float))
-        place += c.width
+        here = slice(place, place + c.width)
+        wanted, own, place = trajectory.samples[0][here], values[here], place + c.width
         if c.kind == "quaternion":
             off = min(float(np.max(np.abs(own - wanted))), float(np.max(np.abs(own + wanted))))
         elif c.kind == "angle":

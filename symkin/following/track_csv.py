@@ -3,39 +3,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.files.csv_table import Table, read_table, write_table
-from symkin.following.sample import Sample
+from symkin.following.sample import Sample, listed_joints
 from symkin.following.track_result import Track
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.given_by_name import given_coordinates, unknown_name
 
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+_TILT = ("azimuth", "tilt", "torsion")
 _CHECKS = ("path", "residual", "sigma", "radius")
 """Columns that a track adds; they are left out in reading."""
 
 
-def read_trajectory(mechanism: Mechanism, path: str | Path, *, poses: bool = False) -> dict[str, Any]:
-    """Keyword arguments of `track`: rows of all actuated joints (direct problem) or, with `poses` or where the joints' columns
-    are missing, poses; times where there is a column t; and notes on how the file was read. Columns of other joints, of checks
-    and of what means nothing are left out. Raises InputError."""
-    coordinates = build_closure(mechanism).role("actuated", "passive")
-    table = read_table(path).matched(["t", *(n for c in coordinates for n in _names(c)), *_POSITION, *_QUATERNION, *_CHECKS])
+def read_trajectory(
+    mechanism: Mechanism, path: str | Path, *, poses: bool = False, given: Mapping[str, float | None] | None = None
+) -> dict[str, Any]:
+    """Keyword arguments of `track`: rows of all actuated joints (direct problem); with `poses`, or where the joints' columns are
+    missing, poses; columns of the coordinates that `given` names, of those without a value. Times where there is a column t; and notes
+    on how the file was read. Columns of other joints, of checks and of what means nothing are left out. Raises InputError."""
+    known = given_coordinates(mechanism)
+    for name in given or ():
+        if name not in known:
+            raise InputError(unknown_name(mechanism, name, list(known)))
+    names = [n for c in mechanism.coordinates for n in _names(c)] + [n for n in known if n in (given or ())]
+    table = read_table(path).matched(
+        list(dict.fromkeys(["t", *names, *_POSITION, *_QUATERNION, *_TILT, *_point_names(mechanism), *_CHECKS]))
+    )
     if not len(table):
         raise InputError(f"{path}: there are no rows below the header; at least one sample is needed")
     times = table.numbers("t", "time", "s") if "t" in table.columns else None
     back = next((k for k, (a, b) in enumerate(pairwise(times or []), start=1) if b < a), None)
     if back is not None:
         raise InputError(f"{path}, line {table.lines[back]}, column 't': the time goes back; times must rise or stay")
+    if given is not None:
+        columns = {n: _joint(table, mechanism, known[n]) if value is None else value for n, value in given.items()}
+        return {"given": columns, "times": times, "notes": table.notes}
     if poses or (not any(c.name in table.columns for c in mechanism.actuated) and "x" in table.columns):
-        columns = [table.numbers(name, "length", mechanism.length_unit) for name in _POSITION]
-        columns += [table.numbers(name) for name in _QUATERNION]
-        return {"poses": _rows(columns), "times": times, "notes": table.notes}
+        numbers = [table.numbers(name, "length", mechanism.length_unit) for name in _POSITION]
+        numbers += [table.numbers(name) for name in _QUATERNION]
+        return {"poses": _rows(numbers), "times": times, "notes": table.notes}
     return {"joints": _rows([_joint(table, mechanism, c) for c in mechanism.actuated]), "times": times, "notes": table.notes}
 
 
@@ -54,37 +67,40 @@ def _names(c: Coordinate) -> list[str]:
     return [f"{c.name}.{part}" for part in _QUATERNION] if c.kind == "quaternion" else [c.name]
 
 
+def _point_names(mechanism: Mechanism) -> list[str]:
+    return [f"{point.name}.{axis}" for point in mechanism.link_points for axis in _POSITION]
+
+
 def write_track(track: Track, path: str | Path) -> None:
-    """The samples of a track with all joints, pose and checks; a file that exists is replaced only when all is written."""
+    """The samples of a track with all joints, pose, points and checks; a file that exists is replaced only when all is written."""
     mechanism = track.trajectory.mechanism
     length, angle = mechanism.length_unit, mechanism.angle_unit
     timed = track.trajectory.times is not None
     headers = ["t[s]"] if timed else []
-    for c in build_closure(mechanism).role("actuated", "passive"):
+    for c in listed_joints(track.problem):
         unit = "" if c.kind == "quaternion" else f"[{angle}]" if c.is_angular else f"[{length}]"
         headers += [name + unit for name in _names(c)]
-    headers += [f"{name}[{length}]" for name in _POSITION] + [
-        *_QUATERNION,
-        "path",
-        f"residual[{length}]",
-        "sigma",
-        f"radius[{length}]",
-    ]
-    write_table(path, headers, [_row(sample, timed) for sample in track.samples])
+    if mechanism.platform_link is not None:
+        headers += [*(f"{name}[{length}]" for name in _POSITION), *_QUATERNION]
+    headers += [f"{c.name}[{angle}]" for c in _told_angles(track)] + [f"{name}[{length}]" for name in _point_names(mechanism)]
+    headers += ["path", f"residual[{length}]", "sigma", f"radius[{length}]"]
+    write_table(path, headers, [_row(track, sample, timed) for sample in track.samples])
 
 
-def _row(sample: Sample, timed: bool) -> list[object]:
+def _told_angles(track: Track) -> list[Coordinate]:
+    """Angles of the platform's pose along which the path is told."""
+    return [c for c in track.problem.known_coordinates if c.role == "given" and c.is_angular]
+
+
+def _row(track: Track, sample: Sample, timed: bool) -> list[object]:
     row: list[object] = [sample.time] if timed else []
     for value in sample.joints.values():
         row += value if isinstance(value, list) else [value]
-    pose = sample.to_dict()["pose"]
+    written = sample.to_dict()
+    if written["pose"] is not None:
+        row += [*written["pose"]["position"], *written["pose"]["quaternion"]]
+    slices, mechanism = track.problem.closure.slices, track.trajectory.mechanism
+    row += [mechanism.angle_out(float(sample.values[slices[c.name].start])) for c in _told_angles(track)]
+    row += [number for point in sample.points.values() for number in point]
     radius = "" if sample.radius is None else sample.radius
-    return [
-        *row,
-        *pose["position"],
-        *pose["quaternion"],
-        sample.parameter,
-        sample.residual,
-        sample.smallest_singular_value,
-        radius,
-    ]
+    return [*row, sample.parameter, sample.residual, sample.smallest_singular_value, radius]

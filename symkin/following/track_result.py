@@ -8,14 +8,17 @@ from typing import Any
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.following.sample import Sample
-from symkin.following.stop import Stop
+from symkin.following.sample import Sample, listed_joints
+from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
+from symkin.model.joint import Coordinate
 from symkin.plain_number import NOTHING, plain
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.singularities.classification import classify
 
+_MOST_COLUMNS = 7
+"""Joints in the table at most."""
 _MOST_ROWS = 11
 """Rows of the table at most; the dict and the CSV hold all samples."""
 
@@ -56,7 +59,7 @@ class Track(Result):
     @cached_property
     def distances(self) -> dict[str, float]:
         """Distances from singularities (see `Singularity.distances`) at `nearest`; empty where there is none."""
-        return {} if self.nearest is None else classify(self.nearest.solution).distances
+        return {} if self.nearest is None else classify(self.nearest.solution, roles=roles_followed(self.problem)).distances
 
     @property
     def reached(self) -> bool:
@@ -79,7 +82,7 @@ class Track(Result):
         return {
             "mechanism": trajectory.mechanism.name,
             "problem": trajectory.kind,
-            "given": {"from": list(trajectory.given[0]), "to": list(trajectory.given[1]), "rows": len(trajectory)},
+            "given": {"from": _told(trajectory.given[0]), "to": _told(trajectory.given[1]), "rows": len(trajectory)},
             "length_unit": trajectory.mechanism.length_unit,
             "angle_unit": trajectory.mechanism.angle_unit,
             "reached": self.reached,
@@ -107,7 +110,9 @@ class Track(Result):
         """Some samples with pose, smallest singular value and residual; then how it ended and on what ground."""
         mechanism = self.trajectory.mechanism
         unit, size = mechanism.length_unit, mechanism.characteristic_length
-        above = [f"{mechanism.name}, {self.trajectory.kind} problem, {len(self.samples)} samples"]
+        told = ", ".join(c.name for c in self.problem.known_coordinates)
+        what = f"given {told}" if self.trajectory.kind == "given" else f"{self.trajectory.kind} problem"
+        above = [f"{mechanism.name}, {what}, {len(self.samples)} samples"]
         below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
         if self.nearest is not None:
             below.insert(0, self._nearest_line(self.nearest))
@@ -115,12 +120,46 @@ class Track(Result):
             return Summary(above, below=below)
         most = _MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS)
         chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int))
-        header = ["path", f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz", "sigma", "residual"]
+        header = ["path", *self._header, "sigma", "residual"]
         legend = (
             "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
             f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
         )
-        return Summary(above, header, [_row(self.samples[k], size) for k in chosen], [legend, *below])
+        return Summary(above, header, [self._row(self.samples[k]) for k in chosen], [legend, *below])
+
+    @property
+    def _shows_pose(self) -> bool:
+        """Whether the platform's pose is the story, and not the joints'."""
+        return self.samples[0].has_platform and self.trajectory.kind != "given"
+
+    @property
+    def _shown_joints(self) -> list[Coordinate]:
+        """The joints along which the path is told, then others, as many as a table takes."""
+        known = {c.name for c in self.problem.known_coordinates}
+        scalars = [c for c in listed_joints(self.problem) if c.kind != "quaternion"]
+        return sorted(scalars, key=lambda c: c.name not in known)[:_MOST_COLUMNS]
+
+    @property
+    def _header(self) -> list[str]:
+        mechanism = self.trajectory.mechanism
+        unit, angle = mechanism.length_unit, mechanism.angle_unit
+        if self._shows_pose:
+            return [f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz"]
+        return [f"{c.name} [{angle if c.is_angular else unit}]" for c in self._shown_joints]
+
+    def _row(self, sample: Sample) -> list[str]:
+        size, sigma = self.trajectory.mechanism.characteristic_length, sample.smallest_singular_value
+        if self._shows_pose:
+            cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
+            cells += [f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(sample.pose.quaternion)]
+        else:
+            cells = [f"{plain(sample.joints[c.name], 1.0 if c.is_angular else size):.6g}" for c in self._shown_joints]
+        return [
+            f"{sample.parameter:.6f}",
+            *cells,
+            f"{plain(sigma, 1.0):.2e}" if sigma >= NOTHING else "0",
+            f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
+        ]
 
     def _nearest_line(self, near: Sample) -> str:
         """How near the path comes to a singularity, between samples too."""
@@ -129,12 +168,6 @@ class Track(Result):
         return f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; distance: {distances}"
 
 
-def _row(sample: Sample, size: float) -> list[str]:
-    sigma = sample.smallest_singular_value
-    return [
-        f"{sample.parameter:.6f}",
-        *(f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)),
-        *(f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(sample.pose.quaternion)),
-        f"{plain(sigma, 1.0):.2e}" if sigma >= NOTHING else "0",
-        f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
-    ]
+def _told(row: Any) -> Any:
+    """A row as the user wrote it: values by name, or a list."""
+    return dict(row) if isinstance(row, dict) else list(row)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,12 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, joint_rows, joint_values, pose_coordinates, pose_from
-from symkin.position.problem import Kind, build_problem
+from symkin.position.given_by_name import given_by_name, plain_kind, pose_names, problem_of_names
+from symkin.position.problem import Kind, Problem
 from symkin.spatial.pose import Pose
+
+Columns = Mapping[str, Any]
+"""Values along a path by the names of coordinates: a column for each, or one number for a coordinate that stands."""
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
@@ -35,18 +39,26 @@ _MOST_SAMPLES = 10**6
 class Trajectory:
     """Samples (n, w) of the known coordinates of a problem, in radians and the length unit: angles continue over whole turns,
     consecutive quaternions have a scalar product that is not negative. `times` (n,) or None. `given` are the first and the
-    last sample as the user wrote them."""
+    last sample as the user wrote them: a row, or values by name."""
 
-    mechanism: Mechanism
-    kind: Kind
+    problem: Problem
     samples: np.ndarray
     times: np.ndarray | None
-    given: tuple[tuple[float, ...], tuple[float, ...]]
+    given: tuple[Any, Any]
     notes: tuple[str, ...] = ()
 
     @property
+    def mechanism(self) -> Mechanism:
+        return self.problem.mechanism
+
+    @property
+    def kind(self) -> Kind:
+        """What is followed, as users read it."""
+        return self.problem.name
+
+    @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        return build_problem(self.mechanism, self.kind).known_coordinates
+        return self.problem.known_coordinates
 
     def __len__(self) -> int:
         return len(self.samples)
@@ -74,28 +86,107 @@ def make_trajectory(
     *,
     joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
+    given: Columns | None = None,
     times: Sequence[float] | None = None,
     count: int | None = None,
+    limits: bool = True,
 ) -> Trajectory:
-    """A path through rows of actuated joint values (direct problem) or poses (inverse problem), in the mechanism's units.
-    With `count`, each interval is divided so that about that many samples stand on the whole path. Raises InputError."""
+    """A path through rows of actuated joint values, poses, or values of coordinates by name, in the mechanism's units. With `count`,
+    each interval is divided so that about that many samples stand on the whole path. With `limits` the closure of coordinates by
+    name holds all joints that have some. Raises InputError."""
     require_mechanism(mechanism)
-    if (joints is None) == (poses is None):
-        raise InputError("a path is given either by joint values (direct problem) or by poses (inverse problem)")
-    rows: list[Any] = joint_rows(mechanism, joints) if joints is not None else list(poses if poses is not None else [])
+    if sum(path is not None for path in (joints, poses, given)) != 1:
+        raise InputError(
+            "a path is given either by joint values (direct problem) or by poses (inverse problem), or by values of coordinates by name "
+            "(given)"
+        )
+    if given is not None:
+        trajectory = _by_name(mechanism, _named_rows(given), times, limits)
+    elif joints is not None:
+        trajectory = _by_joints(mechanism, joint_rows(mechanism, joints), times, limits)
+    else:
+        trajectory = _by_poses(mechanism, list(poses if poses is not None else []), times, limits)
+    return trajectory if count is None else _refined(trajectory, count)
+
+
+def _by_joints(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool) -> Trajectory:
+    _check_any(rows)
+    samples = np.array([_joints(mechanism, row, k) for k, row in enumerate(rows, start=1)])
+    first, last = (tuple(float(v) for v in row) for row in (rows[0], rows[-1]))
+    problem = _problem(mechanism, tuple(c.name for c in mechanism.actuated), limits)
+    return Trajectory(problem, samples, _times(times, len(rows)), (first, last))
+
+
+def _by_poses(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool) -> Trajectory:
+    _check_any(rows)
+    if mechanism.platform_link is None:
+        raise InputError(f"poses: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
+    problem = _problem(mechanism, pose_names(mechanism), limits)
+    samples, notes = _poses(problem, rows)
+    first, last = (tuple(_seven(row)) for row in (rows[0], rows[-1]))
+    return Trajectory(problem, samples, _times(times, len(rows)), (first, last), notes)
+
+
+def _by_name(mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[float] | None, limits: bool) -> Trajectory:
+    """A path of values by name; that of all actuated joints or the whole pose of limbs is the direct or the inverse problem's."""
+    match plain_kind(mechanism, list(rows[0])):
+        case "direct":
+            columns = {name: [row[name] for row in rows] for name in rows[0]}
+            return _by_joints(mechanism, joint_rows(mechanism, columns), times, limits)
+        case "inverse":
+            return _by_poses(mechanism, [row["pose"] for row in rows], times, limits)
+    read = []
+    for k, row in enumerate(rows, start=1):
+        try:
+            read.append(given_by_name(mechanism, row))
+        except InputError as error:
+            raise InputError(f"sample {k}: {error}") from None
+    problem = _problem(mechanism, read[0].names, limits)
+    samples: list[np.ndarray] = []
+    for k, values in enumerate(read, start=1):
+        if values.off_motion > _ON_MOTION * mechanism.characteristic_length:
+            raise InputError(_off_motion(mechanism, k, values.off_motion))
+        samples.append(_continued(problem.known_coordinates, samples[-1], values.values) if samples else values.values)
+    return Trajectory(problem, np.array(samples), _times(times, len(rows)), (read[0].echo, read[-1].echo))
+
+
+def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
+    """The problem of known coordinates; one of coordinates by name holds those that have limits, so that these are seen."""
+    limited = (c.name for c in mechanism.coordinates if limits and c.limits is not None and c.name not in names)
+    return problem_of_names(mechanism, names, tuple(limited))
+
+
+def _named_rows(given: Columns) -> list[dict[str, Any]]:
+    """Rows of values by name from a column for each name; a single value stands for the whole path."""
+    if not isinstance(given, Mapping) or not given:
+        raise InputError("given: columns of values by name are needed, as in given={'crank': [0.0, 90.0]}")
+    columns = {name: _column(name, column) for name, column in given.items()}
+    lengths = {name: len(column) for name, column in columns.items() if column is not None}
+    if not lengths:
+        raise InputError("given: every value stands alone; a path has values for at least one coordinate, one a sample")
+    if len(set(lengths.values())) > 1:
+        counts = ", ".join(f"{name} {n}" for name, n in lengths.items())
+        raise InputError(
+            f"given: the columns have different counts of values ({counts}); each needs one a sample, or one for all"
+        )
+    count = next(iter(lengths.values()))
+    if not count:
+        _check_any([])
+    return [{name: given[name] if column is None else column[k] for name, column in columns.items()} for k in range(count)]
+
+
+def _column(name: str, values: Any) -> list[Any] | None:
+    """The values of a coordinate along the path, of "pose" poses; None where one stands for all."""
+    if isinstance(values, Pose | str) or np.ndim(values) == 0:
+        return None
+    if name == "pose" and all(np.ndim(v) == 0 and not isinstance(v, Pose) for v in values):
+        return None
+    return list(values)
+
+
+def _check_any(rows: list[Any]) -> None:
     if not rows:
         raise InputError("the path has no samples; at least one is needed")
-    notes: tuple[str, ...] = ()
-    if joints is not None:
-        samples = np.array([_joints(mechanism, row, k) for k, row in enumerate(rows, start=1)])
-        echo = [tuple(float(v) for v in row) for row in (rows[0], rows[-1])]
-    else:
-        samples, notes = _poses(mechanism, rows)
-        echo = [tuple(_seven(row)) for row in (rows[0], rows[-1])]
-    trajectory = Trajectory(
-        mechanism, "direct" if joints is not None else "inverse", samples, _times(times, len(rows)), (echo[0], echo[-1]), notes
-    )
-    return trajectory if count is None else _refined(trajectory, count)
 
 
 def interpolated(coordinates: tuple[Coordinate, ...], a: np.ndarray, b: np.ndarray, u: float) -> np.ndarray:
@@ -131,19 +222,15 @@ def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> np.ndarr
     return np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
 
 
-def _poses(mechanism: Mechanism, rows: Sequence[Sequence[float] | Pose]) -> tuple[np.ndarray, tuple[str, ...]]:
-    samples: list[np.ndarray] = []
+def _poses(problem: Problem, rows: Sequence[Sequence[float] | Pose]) -> tuple[np.ndarray, tuple[str, ...]]:
+    mechanism, samples = problem.mechanism, list[np.ndarray]()
     furthest = 0.0
-    coordinates = build_problem(mechanism, "inverse").known_coordinates
     for number, row in enumerate(rows, start=1):
         values, off = pose_coordinates(mechanism, pose_from(row, f"pose of sample {number}"))
         if off > _ON_MOTION * mechanism.characteristic_length:
-            raise InputError(
-                f"pose of sample {number} lies off the platform's {mechanism.motion} motion by {off:.3g} "
-                f"{mechanism.length_unit}; allowed: {_ON_MOTION * mechanism.characteristic_length:.3g}"
-            )
+            raise InputError(_off_motion(mechanism, number, off))
         furthest = max(furthest, off)
-        samples.append(_continued(coordinates, samples[-1], values) if samples else values)
+        samples.append(_continued(problem.known_coordinates, samples[-1], values) if samples else values)
     notes = (
         (f"poses were projected onto the platform's {mechanism.motion} motion, by {furthest:.3g} {mechanism.length_unit}",)
         if furthest > 1e-12 * mechanism.characteristic_length
@@ -152,14 +239,21 @@ def _poses(mechanism: Mechanism, rows: Sequence[Sequence[float] | Pose]) -> tupl
     return np.array(samples), notes
 
 
+def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
+    return (
+        f"pose of sample {number} lies off the platform's {mechanism.motion} motion by {off:.3g} "
+        f"{mechanism.length_unit}; allowed: {_ON_MOTION * mechanism.characteristic_length:.3g}"
+    )
+
+
 def _continued(coordinates: tuple[Coordinate, ...], before: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The same pose, its quaternion and angle written as near as possible to those before."""
+    """The same pose, its quaternion and angle written as near as possible to those before; other values as they are."""
     out, start = values.copy(), 0
     for c in coordinates:
         place = slice(start, start + c.width)
         if c.kind == "quaternion":
             out[place] = values[place] if values[place] @ before[place] >= 0.0 else -values[place]
-        elif c.kind == "angle":
+        elif c.kind == "angle" and c.role == "pose":
             out[place] = before[place] + np.array([math.remainder(values[start] - before[start], 2 * math.pi)])
         start += c.width
     return out
@@ -203,4 +297,4 @@ def _refined(trajectory: Trajectory, count: int) -> Trajectory:
     places = [(row, j / parts) for row in range(intervals) for j in range(parts)] + [(intervals - 1, 1.0)]
     samples = np.array([trajectory.at(row, u) for row, u in places])
     times = None if trajectory.times is None else np.array([trajectory.time(row, u) for row, u in places], dtype=float)
-    return Trajectory(trajectory.mechanism, trajectory.kind, samples, times, trajectory.given, trajectory.notes)
+    return replace(trajectory, samples=samples, times=times)

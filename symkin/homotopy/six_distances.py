@@ -16,7 +16,7 @@ from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 from symkin.position.solution import pose_of
 from symkin.spatial.rotation import matrix_from_quaternion

@@ -6,21 +6,12 @@ starts lie in `symkin/homotopy/data/starts`, others in the cache folder (SYMKIN_
 
 from __future__ import annotations
 
-import hashlib
-import io
 import logging
-import zlib
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
-from zipfile import BadZipFile
 
-import casadi as ca
 import numpy as np
 
-from symkin.closure.expression_graph import instructions
-from symkin.computed_once import computing, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.branches import uncovered
@@ -31,32 +22,28 @@ from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre, 
 from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
 from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.homotopy.six_revolute import arm_start, is_six_revolute
-from symkin.homotopy.symmetry import Orbits, Symmetries, find_symmetries
+from symkin.homotopy.start_files import SHIPPED, closure_key, content_of, hash_of, kept_or_computed
+from symkin.homotopy.symmetry import find_symmetries
 from symkin.homotopy.symmetry import orbits as orbits_under
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
 from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angles, known_values
-from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
-from symkin.position.mobility import closed_configurations, mobility
+from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import merge
 
 LOG = logging.getLogger(__name__)
-SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
+RIGID = "no coordinate is known that would move the solutions"
+"""Why a part that nothing moves has no generic instances."""
 TIED = "the given values must satisfy conditions of their own"
 """Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
-_VERSION = 6
-_SATISFIED = 1e-8
-"""Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows of a root far from real ones
-have derivatives of 1e4 and more; theirs are divided by these."""
-_MIRRORED = 1e-5
-"""Difference of a root and the image of another that is the same one."""
 _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
@@ -73,16 +60,7 @@ def start_of(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
     """The generic roots of a block, or None and the reason."""
-    key = start_key(problem, system)
-    kept = _read(key, system)
-    if kept is not None:
-        return kept
-    with computing((__name__, key)):
-        kept = _read(key, system)
-        if kept is None:
-            kept = compute_start(problem, system, block, progress)
-            keep(cache_folder(), key, ".npz", _content(*kept))
-    return kept
+    return kept_or_computed(start_key(problem, system), system, lambda: compute_start(problem, system, block, progress))
 
 
 def compute_start(
@@ -90,6 +68,8 @@ def compute_start(
 ) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by monodromy; at a base
     from which real instances take few steps."""
+    if not int(system.k.shape[0]):
+        return None, RIGID
     LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
     data = distance_data(problem)
     if is_six_revolute(problem):
@@ -354,105 +334,10 @@ def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
     return search.fibre(seed + 50, seed, (start, first.k))
 
 
-# --- files -------------------------------------------------------------------------------------------------------
-
-
 def start_key(problem: Problem, system: AlgebraicSystem) -> str:
     """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
     distances = distance_function(problem) if is_universal(problem) else None
-    return closure_key(system) if distances is None else _hash_of(distances, "six distances")
-
-
-@lru_cache(maxsize=256)
-def closure_key(system: AlgebraicSystem) -> str:
-    """Hash of the block's rows: instructions, places and constants."""
-    function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
-    return _hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}")
-
-
-def _hash_of(function: ca.Function, text: str) -> str:
-    digest = hashlib.sha256(f"{_VERSION} {text}".encode())
-    for op, inputs, outputs, number in instructions(function):
-        constant = f"{number:.12g}" if op == ca.OP_CONST else ""
-        digest.update(f"{op} {inputs} {outputs} {constant};".encode())
-    return digest.hexdigest()[:32]
-
-
-def _read(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
-    """A kept start whose roots satisfy the rows, or the reason why there is none; anything else is removed."""
-    with suppress(OSError):
-        shipped = _start_in((SHIPPED / f"{key}.npz").read_bytes(), system)
-        if shipped is not None:
-            return shipped
-    for place, content in read_kept(cache_folder(), key, ".npz"):
-        kept = _start_in(content, system)
-        if kept is not None:
-            return kept
-        discard(place)
-    return None
-
-
-def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
-    """What a file says, or None where it holds no start of this system."""
-    try:
-        with np.load(io.BytesIO(content)) as data:
-            if str(data["reason"]):
-                return None, str(data["reason"])
-            kept = Fibre(
-                z=data["z"],
-                k=data["k"],
-                orbits=data["orbits"],
-                evidence=float(data["evidence"]),
-                loops=0,
-                seed=int(data["seed"]),
-                mirrors=_mirrors_in(data),
-            )
-        with np.errstate(all="ignore"):
-            return (kept, "") if _is_start(system, kept) else None
-    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, MemoryError, BadZipFile, zlib.error):
-        return None
-
-
-def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
-    """Whether the roots satisfy the rows, differ from each other, and are carried to each other as their mirrors say."""
-    n = start.z.shape[1]
-    fits = start.z.shape == (system.width, n) and start.k.shape == (system.k.shape[0],) and start.orbits.shape == (n,)
-    if not fits or n == 0:
-        return False
-    rows, derivatives = system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))
-    steepness = np.max(np.abs(derivatives), axis=(1, 2))
-    if not np.max(np.max(np.abs(rows), axis=1) / np.maximum(steepness, 1.0)) < _SATISFIED:
-        return False
-    features = system.all_features(start.z)
-    mixed = features @ np.random.default_rng(0).normal(size=features.shape[1])
-    if not np.all(np.abs(mixed[:, None] - mixed)[np.triu_indices(n, 1)] > _SATISFIED):
-        return False
-    if start.mirrors is None:
-        return True
-    mirrored = system.all_features(start.mirrors.unfold(start.z[:, start.mirrors.first]))
-    return bool(np.max(np.abs(mirrored - features), initial=0.0) < _MIRRORED)
-
-
-def _mirrors_out(mirrors: Orbits) -> dict[str, np.ndarray]:
-    maps = {"matrices": mirrors.symmetries.matrices, "shifts": mirrors.symmetries.shifts}
-    return maps | {"labels": mirrors.labels, "first": mirrors.first, "maps": mirrors.maps}
-
-
-def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
-    if "matrices" not in data:
-        return None
-    return Orbits(Symmetries(data["matrices"], data["shifts"]), data["labels"], data["first"], data["maps"], True)
-
-
-def _content(start: Fibre | None, reason: str) -> bytes:
-    """A file of a start, or of the reason why there is none."""
-    content: dict[str, np.ndarray | float | str] = {"reason": reason}
-    if start is not None:
-        content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
-        content |= {} if start.mirrors is None else _mirrors_out(start.mirrors)
-    file = io.BytesIO()
-    np.savez(file, **content)  # type: ignore[arg-type]
-    return file.getvalue()
+    return closure_key(system) if distances is None else hash_of(distances, "six distances")
 
 
 def write_shipped() -> None:
@@ -470,7 +355,7 @@ def write_shipped() -> None:
             for block in problem.blocks:
                 system = system_of(problem, block)
                 start, reason = compute_start(problem, system, block)
-                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(_content(start, reason))
+                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
                 print(
                     mechanism.name,
                     kind,

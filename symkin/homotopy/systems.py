@@ -106,8 +106,10 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
     for body in unknown:
         z_parts.append(symbols[body])
-        z_scale += [1.0] * 4 + [size] * 4
-        rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
+        z_scale += [1.0] * 4
+        if int(symbols[body].shape[0]) == 8:
+            z_scale += [size] * 4
+            rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
     k_parts, k_scale, ray = _known_parts(problem, symbols)
     z, k = ca.vertcat(*z_parts), ca.vertcat(ca.SX(0, 1), *k_parts)
     rows = ca.substitute(rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale))) / size
@@ -124,7 +126,7 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
     for c in problem.known_coordinates:
         if c.body is not None and c.body in symbols:
             key = c.name.rpartition(".")[2]
-            symbol = symbols[c.body][3:] if key == "quaternion" else symbols[c.body]["xyz".index(key)]
+            symbol = symbols[c.body][-4:] if key == "quaternion" else symbols[c.body]["xyz".index(key)]
         else:
             symbol = closure.variables[closure.slices[c.name]]
         if c.kind == "quaternion" and not ray:

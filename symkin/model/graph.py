@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.errors import MechanismError
+from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import Coordinate, Joint, finite, interval, link_pair, vector3
 from symkin.model.limb import coincide
 
@@ -96,6 +97,19 @@ class LinkRod:
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
         reference = self.reference_length - self.offset
         return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
+
+    @property
+    def bar(self) -> Bar:
+        """The rod as the closure takes it."""
+        return Bar(
+            self.name,
+            start=RodEnd(f"{self.name}.from", tuple(self.start)),
+            end=RodEnd(f"{self.name}.to", tuple(self.end)),
+            path=self.name,
+            length=self.length,
+            offset=self.offset,
+            coordinate=self.coordinate if self.actuated else None,
+        )
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from symkin.errors import MechanismError
+from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, interval, link_pair, vector3
+from symkin.spatial.pose import Pose
 
 RodType = Literal["SPS", "UPS", "SPU"]
 ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
@@ -54,10 +56,24 @@ class RodLimb:
         object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))
         object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
 
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """None: those of a rod limb are its ends and its length."""
+        return ()
+
     def coordinate(self, reference: float) -> Coordinate:
         """The rod's coordinate with its value at the reference configuration."""
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
         return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
+
+    def bars(self, platform: Pose) -> tuple[Bar, ...]:
+        """The rod, for a reference pose of the platform."""
+        start = RodEnd(f"{self.name}.base", tuple(self.base))
+        end = RodEnd(f"{self.name}.platform", tuple(self.platform), in_platform_frame=True)
+        reference = float(np.linalg.norm(end.at_reference(platform) - np.array(self.base))) - self.offset
+        coordinate = self.coordinate(reference)
+        spins = self.type == "SPS"
+        return (Bar(self.name, start, end, path=self.name, offset=self.offset, coordinate=coordinate, spins=spins),)
 
 
 @dataclass(frozen=True)
@@ -136,10 +152,23 @@ class Limb:
                 "them moves them apart, a rod of no length; leave one of them out"
             )
 
+    def bars(self, platform: Pose) -> tuple[Bar, ...]:  # noqa: ARG002 - a rod limb's depend on the pose
+        """The rods at its end."""
+        found = []
+        for k, rod in enumerate(self.rods, start=1):
+            path = f"{self.name}.rod{k}"
+            end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
+            found.append(Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length))
+        return tuple(found)
+
     @property
     def type(self) -> str:
         """Letters of the joints from base to platform, and the count of rods: RUS, R+2SS."""
         return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")
+
+
+AnyLimb: TypeAlias = Limb | RodLimb
+"""What has `joints` in order from the base, and `bars` at its end: of a rod limb no joint and one bar."""
 
 
 def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:

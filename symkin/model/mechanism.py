@@ -13,10 +13,11 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, MechanismError
+from symkin.model.bar import Bar
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, vector3
+from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
@@ -36,8 +37,8 @@ _ROUNDING = 1e-9
 class Example:
     """A worked example of a mechanism, used where no input is given; in the mechanism's own units.
 
-    Either `joints` (actuated values in file order) or `pose` (x, y, z, qw, qx, qy, qz); `start` is where a solve begins: a pose
-    with `joints`, actuated values with `pose`. Whether they fit is checked by the Mechanism that holds them.
+    `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of a coordinate's name and its
+    value); `start` is where a solve begins: a pose with `joints`, else actuated values. Whether they fit is checked by the Mechanism that holds them.
 
     >>> import symkin
     >>> symkin.load("zhang2009").example.joints[:3]
@@ -46,6 +47,7 @@ class Example:
 
     joints: tuple[float, ...] | None = None
     pose: tuple[float, ...] | None = None
+    given: tuple[tuple[str, float], ...] | None = None
     start: tuple[float, ...] | None = None
 
 
@@ -87,12 +89,13 @@ class Mechanism:
     platform_link: str | None = PLATFORM
 
     def __post_init__(self) -> None:
-        frame = "tool" if self.serial else "platform"
         for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points"):
             object.__setattr__(self, key, tuple(getattr(self, key)))
-        object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{frame}.position"))
-        object.__setattr__(self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{frame}.quaternion"))
-        if self.is_graph and self.platform_link in (None, PLATFORM):
+        object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{self.frame_name}.position"))
+        object.__setattr__(
+            self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{self.frame_name}.quaternion")
+        )
+        if self.platform_link in (None, PLATFORM):
             # the link of that name carries the platform frame where no other does
             object.__setattr__(self, "platform_link", PLATFORM if PLATFORM in links_of(self) else None)
         _check_names(self)
@@ -101,11 +104,10 @@ class Mechanism:
         _check_choice("motion", self.motion, MOTIONS)
         _check_choice("length_unit", self.length_unit, LENGTH_UNITS)
         _check_choice("angle_unit", self.angle_unit, ANGLE_UNITS)
-        if not self.limbs and not self.is_graph:
+        if not (self.limbs or self.link_joints or self.link_rods):
             raise MechanismError("the mechanism has no limb; give [[limb]], [dh] or [[joint]]")
         _check_rods(self)
-        if self.is_graph:
-            check_graph(self)
+        check_graph(self)
         if self.serial:
             _check_serial(self)
         if self.example is not None:
@@ -118,14 +120,23 @@ class Mechanism:
         return bool(self.link_joints or self.link_rods or self.couplings or self.link_points or other_limbs)
 
     @property
+    def frame_name(self) -> str:
+        """What the frame is called whose pose is found: the tool's of an arm, else the platform's."""
+        return "tool" if self.serial else "platform"
+
+    def key_path(self, limb: Limb | RodLimb, joint: Joint) -> str:
+        """The key path of a joint's numbers: the joints of an arm stand in no limb."""
+        return joint.name if self.serial else f"{limb.name}.{joint.name}"
+
+    @property
     def reference_pose(self) -> Pose:
         """Pose of the platform or tool at the reference configuration."""
         return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
 
     @property
-    def joints(self) -> Iterator[tuple[Limb, Joint]]:
-        """All joints of limbs of joints, in file order."""
-        return ((limb, joint) for limb in self.limbs if isinstance(limb, Limb) for joint in limb.joints)
+    def joints(self) -> Iterator[tuple[Limb | RodLimb, Joint]]:
+        """All joints of limbs, in file order."""
+        return ((limb, joint) for limb in self.limbs for joint in limb.joints)
 
     @property
     def all_joints(self) -> Iterator[Joint]:
@@ -134,16 +145,20 @@ class Mechanism:
         yield from (entry.joint for entry in self.link_joints)
 
     @cached_property
+    def bars(self) -> tuple[Bar, ...]:
+        """The rods of limbs, then those between links, in file order."""
+        pose = self.reference_pose
+        return (*(bar for limb in self.limbs for bar in limb.bars(pose)), *(rod.bar for rod in self.link_rods))
+
+    @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Every coordinate of joints and actuated rods in file order: those of limbs, then of joints and of rods between links.
         Angles that a coupling with other than whole factors names advance without end: a whole turn of one gear is none of the
         other."""
         found: list[Coordinate] = []
         for limb in self.limbs:
-            if isinstance(limb, RodLimb):
-                found.append(limb.coordinate(self.reference_rod_value(limb)))
-            else:
-                found.extend(c for joint in limb.joints for c in joint.coordinates)
+            found.extend(c for joint in limb.joints for c in joint.coordinates)
+            found.extend(bar.coordinate for bar in limb.bars(self.reference_pose) if bar.coordinate is not None)
         found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
         found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
         angles = {c.name for c in found if c.kind == "angle"}
@@ -157,11 +172,6 @@ class Mechanism:
         """Actuated coordinates in file order: the order of `--joints`."""
         return tuple(c for c in self.coordinates if c.role == "actuated")
 
-    def reference_rod_value(self, limb: RodLimb) -> float:
-        """Coordinate of a rod limb at the reference: distance of its joint centres less its offset."""
-        end = self.reference_pose.apply(np.array(limb.platform))
-        return float(np.linalg.norm(end - np.array(limb.base))) - limb.offset
-
     @cached_property
     def places(self) -> dict[str, np.ndarray]:
         """A point of each joint at the reference: the one described; or, where that makes the mechanism much larger than it
@@ -169,7 +179,8 @@ class Mechanism:
         described = {joint.name: np.array(joint.point) for joint in self.all_joints}
         origin, placed = np.array(self.platform_position), dict(described)
         for limb in self.limbs:
-            placed |= placed_points(limb, origin) if isinstance(limb, Limb) else {}
+            starts = [bar.start.point for bar in limb.bars(self.reference_pose)]
+            placed |= placed_points(limb.joints, np.mean(starts, axis=0) if starts else origin)
         spread, much = self._spread(placed), self._spread(described)
         # points placed by least squares may coincide to rounding where the described ones do not: then the described ones stay
         return placed if _ROUNDING * much < spread and _MUCH_LARGER * spread < much else described
@@ -182,16 +193,8 @@ class Mechanism:
 
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
-        reference = self.reference_pose
-        points = list(places.values())
-        for limb in self.limbs:
-            if isinstance(limb, RodLimb):
-                points += [np.array(limb.base), reference.apply(np.array(limb.platform))]
-            else:
-                points += [np.array(rod.start) for rod in limb.rods]
-                points += [reference.apply(np.array(rod.platform)) for rod in limb.rods]
-        for link_rod in self.link_rods:
-            points += [np.array(link_rod.start), np.array(link_rod.end)]
+        ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]
+        points = [*places.values(), *ends]
         spread = _diameter(points)
         return spread or _diameter([*points, np.array(self.platform_position)])
 
@@ -220,10 +223,9 @@ class Mechanism:
                 f"{self.name}: {len(links_of(self))} links, {len(list(self.all_joints))} joints, {len(self.link_rods)} rods; lengths in "
                 f"{self.length_unit}, angles in {self.angle_unit}"
             )
-        kind = "serial arm" if self.serial else "parallel mechanism"
+        kind = "serial arm" if self.serial else f"parallel mechanism, platform {self.motion}"
         limbs = ", ".join(f"{limb.name}: {limb.type}" for limb in self.limbs)
-        motion = "" if self.serial else f", platform {self.motion}"
-        return f"{self.name}: {kind}{motion} ({limbs}); lengths in {self.length_unit}, angles in {self.angle_unit}"
+        return f"{self.name}: {kind} ({limbs}); lengths in {self.length_unit}, angles in {self.angle_unit}"
 
 
 def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanism:
@@ -278,14 +280,14 @@ def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:
 def _check_names(mechanism: Mechanism) -> None:
     check_mechanism_name(mechanism.name)
     limb_names = [limb.name for limb in mechanism.limbs]
-    coordinate_names = [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    coordinate_names += [joint.name for joint in mechanism.all_joints] + [rod.name for rod in mechanism.link_rods]
+    drives = [bar.name for bar in mechanism.bars if bar.coordinate is not None]
+    coordinate_names = drives + [joint.name for joint in mechanism.all_joints]
+    coordinate_names += [rod.name for rod in mechanism.link_rods if not rod.actuated]
     for what, names in (("limb", limb_names), ("joint", coordinate_names)):
         for name in names:
             check_name(name, f"{what}: name")
     made = [c.name for joint in mechanism.all_joints for c in joint.coordinates]
-    made += [limb.name for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    made += [rod.name for rod in mechanism.link_rods if rod.actuated]
+    made += drives
     for name in made:
         if name.startswith("pose."):
             raise MechanismError(f"joint {name!r}: names that begin with 'pose.' are the platform's own")
@@ -300,9 +302,9 @@ def _check_names(mechanism: Mechanism) -> None:
 
 def _check_rods(mechanism: Mechanism) -> None:
     for limb in mechanism.limbs:
-        for k, rod in enumerate(() if isinstance(limb, RodLimb) else limb.rods, start=1):
-            end = mechanism.reference_pose.apply(np.array(rod.platform))
-            if rod.length is None and coincide(end.tolist(), rod.start):
+        for k, bar in enumerate(limb.bars(mechanism.reference_pose), start=1):
+            end = bar.end.at_reference(mechanism.reference_pose)
+            if bar.length is None and bar.coordinate is None and coincide(end.tolist(), bar.start.point):
                 raise MechanismError(
                     f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a rod has a length"
                 )
@@ -315,6 +317,12 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
         _check_joints("example.joints", mechanism, example.joints)
     if example.pose is not None:
         unit_quaternion(example.pose[3:], "example.pose: the quaternion")
+    if example.given is not None:
+        allowed = (*(c.name for c in mechanism.coordinates if c.kind != "quaternion"), *POSE_CONDITIONS)
+        for name, value in example.given:
+            finite(value, f"example.given.{name}")
+            if name not in allowed:
+                raise MechanismError(f"example.given.{name}: no coordinate has this name; allowed: {', '.join(allowed)}")
     if example.start is None:
         return
     if not starts_with_pose:

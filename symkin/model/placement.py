@@ -13,26 +13,24 @@ from itertools import pairwise
 import numpy as np
 
 from symkin.model.joint import Joint
-from symkin.model.limb import Limb
 
 _NEARLY_PARALLEL = 0.02
 """Sine of the angle below which two axes of neighbouring joints do not say where along them their points are."""
 
 
-def placed_points(limb: Limb, platform: np.ndarray) -> dict[str, np.ndarray]:
-    """A point of each joint at the reference: on axes that are nearly parallel to a neighbour's those that make the sum of
-    squared distances between neighbours least, the limb's end (its rods, else the platform's origin) included. The point of a
-    P joint, which holds nothing, is the one nearest to the joint before it."""
-    points = {joint.name: np.array(joint.point) for joint in limb.joints}
-    loose = _loose(limb.joints)
-    held = [joint for joint in limb.joints if joint.type != "P"]
+def placed_points(joints: Sequence[Joint], end: np.ndarray) -> dict[str, np.ndarray]:
+    """A point of each joint of a limb at the reference: on axes that are nearly parallel to a neighbour's those that make the sum of
+    squared distances between neighbours least, the limb's `end` included. The point of a P joint, which holds nothing, is the one
+    nearest to the joint before it."""
+    points = {joint.name: np.array(joint.point) for joint in joints}
+    loose = _loose(joints)
+    held = [joint for joint in joints if joint.type != "P"]
     moved = [joint for joint in held if joint.name in loose]
     if moved:
-        end = np.mean([rod.start for rod in limb.rods], axis=0) if limb.rods else platform
         shifts = _shifts(held, moved, end)
         points |= {j.name: points[j.name] + s * np.array(j.axis) for j, s in zip(moved, shifts, strict=True)}
     # a P joint's point holds nothing: the foot of the perpendicular from the joint before it will do
-    for before, joint in pairwise([held[0] if held else limb.joints[0], *limb.joints]):
+    for before, joint in pairwise([*(held or joints)[:1], *joints]):
         if joint.type == "P" and joint.name in loose:
             axis = np.array(joint.axis)
             points[joint.name] += axis * float(axis @ (points[before.name] - points[joint.name]))

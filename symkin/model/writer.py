@@ -27,19 +27,22 @@ def mechanism_to_toml(mechanism: Description) -> str:
         document["dh"] = _dh(mechanism, mechanism.dh)
     elif mechanism.serial:
         _frame(document, "tool", mechanism)
-        document["joint"] = _tables([_joint(mechanism, joint) for _, joint in mechanism.joints])
-    elif mechanism.is_graph:
-        _graph(document, mechanism)
+        # that they are actuated goes without saying
+        joints = [_joint(mechanism, joint) for _, joint in mechanism.joints]
+        document["joint"] = _tables([{key: value for key, value in table.items() if key != "actuated"} for table in joints])
     else:
-        _frame(document, "platform", mechanism)
-        document["limb"] = _tables([_limb(mechanism, limb) for limb in mechanism.limbs])
+        _links(document, mechanism)
     if mechanism.example is not None:
-        given = {k: getattr(mechanism.example, k) for k in ("joints", "pose", "start")}
-        document["example"] = {k: list(v) for k, v in given.items() if v is not None}
+        values = {k: getattr(mechanism.example, k) for k in ("joints", "pose", "start")}
+        document["example"] = {k: list(v) for k, v in values.items() if v is not None}
+        given = getattr(mechanism.example, "given", None)
+        if given is not None:
+            document["example"]["given"] = dict(given)
     return tomlkit.dumps(document)
 
 
-def _graph(document: tomlkit.TOMLDocument, mechanism: Description) -> None:
+def _links(document: tomlkit.TOMLDocument, mechanism: Description) -> None:
+    """Limbs, and joints and rods between links."""
     if mechanism.platform_link is not None:
         _frame(document, "platform", mechanism)
     tables = {
@@ -124,7 +127,7 @@ def _joint(mechanism: Description, joint: Joint) -> dict[str, Any]:
             table[key] = list(getattr(joint, key))
     if joint.pitch:
         table["pitch"] = joint.pitch
-    if joint.actuated and not mechanism.serial:
+    if joint.actuated:
         table["actuated"] = True
     if joint.zero:
         table["zero"] = _angle(mechanism, joint.zero) if angular else joint.zero

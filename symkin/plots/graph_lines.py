@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.closure.branches import Bar, Branch, edges_of
+from symkin.closure.branches import Branch, edges_of
+from symkin.model.bar import Bar
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
@@ -121,10 +122,9 @@ def _has_no_place(edge: Branch) -> bool:
 def _add_rod(lines: GraphLines, edge: Branch, poses: Mapping[str, Pose]) -> None:
     bar = edge.elements[0].part
     assert isinstance(bar, Bar)  # noqa: S101 - the caller has asked
-    reference, ends = lines.mechanism.reference_pose, []
+    ends = []
     for link, end in zip(edge.ends, (bar.start, bar.end), strict=True):
-        point = np.array(end.point)
-        ends.append(poses[link].apply(reference.apply(point) if end.in_platform_frame else point))
+        ends.append(poses[link].apply(end.at_reference(lines.mechanism.reference_pose)))
         _attach(lines, link, ends[-1])
     lines.rods.append(RodLine(bar.name, ends[0], ends[1], bar.coordinate is not None))
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.plots.style import COLOURS, drawing
+from symkin.position.given_by_name import given_coordinates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +32,8 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
     across = min(count, 4)
     down = max(1, -(-count // max(across, 1)))
     with drawing():
-        figure = Figure(figsize=(3.6 * max(across, 1) + 0.6, 3.5 * down + 0.9), facecolor="white", layout="constrained")
+        high = 3.5 if len(graph.axes) == 2 else 1.3
+        figure = Figure(figsize=(3.6 * max(across, 1) + 0.6, high * down + 0.9), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()
         for k, panel in enumerate(axes):
@@ -40,10 +42,9 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
             else:
                 panel.set_axis_off()
         if route is not None and count:
-            u, v = _columns(graph)
             last = len(graph.found) - 1
             shown = next((k for k in range(count) if any(point == last for point, _ in graph.sheets[k])), 0)
-            axes[shown].plot(route[:, u], route[:, v], "-", color=COLOURS["accent"], lw=2.0, zorder=4)
+            axes[shown].plot(*_places(graph, route).T, "-", color=COLOURS["accent"], lw=2.0, zorder=4)
         more = "" if count == len(graph.sheets) else f", the {count} largest of {len(graph.sheets)}"
         keys = [axes[0].scatter([], [], s=22, c=colour) for colour in _COLOURS]
         figure.legend(keys, _COUNTS, loc="outside lower center", ncols=4, frameon=False, fontsize=9, labelcolor=COLOURS["quiet"])
@@ -52,34 +53,38 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
     return figure
 
 
-def _columns(graph: ModeGraph) -> tuple[int, int]:
-    names = [c.name for c in graph.mechanism.actuated]
-    return names.index(graph.axes[0].name), names.index(graph.axes[1].name)
+def _places(graph: ModeGraph, points: np.ndarray) -> np.ndarray:
+    """Places (m, 2) of known values (m, names) in a panel; over one axis on a line."""
+    columns = [graph.names.index(axis.name) for axis in graph.axes]
+    flat = points[:, columns]
+    return flat if len(columns) == 2 else np.hstack([flat, np.zeros((len(flat), 1))])
 
 
 def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
-    u, v = _columns(graph)
-    points, sheet = graph.inputs, graph.sheets[k]
+    points, sheet = _places(graph, graph.inputs), graph.sheets[k]
     for (a, i), (b, _) in graph.edges:
         if (a, i) in sheet:
-            panel.plot(points[[a, b], u], points[[a, b], v], "-", color=COLOURS["base"], lw=0.8, zorder=1)
+            panel.plot(*points[[a, b]].T, "-", color=COLOURS["base"], lw=0.8, zorder=1)
     counts = np.zeros(len(points) - 1, dtype=int)
     for point, _ in sheet:
         if point < len(counts):
             counts[point] += 1
     colours = [_COLOURS[min(c, len(_COLOURS) - 1)] for c in counts]
-    panel.scatter(points[:-1, u], points[:-1, v], s=22, c=colours, zorder=2)
+    panel.scatter(*points[:-1].T, s=22, c=colours, zorder=2)
     mine = [str(mode + 1) for point, mode in sorted(sheet) if point == len(points) - 1]
     if mine:
-        panel.plot(points[-1:, u], points[-1:, v], "+", color=COLOURS["text"], ms=11, mew=1.6, zorder=5)
+        panel.plot(*points[-1:].T, "+", color=COLOURS["text"], ms=11, mew=1.6, zorder=5)
     of = f": mode{'s' if len(mine) > 1 else ''} {', '.join(mine)} of the input" if mine else ""
     panel.set_title(f"sheet {k + 1}{of}", fontsize=9, color=COLOURS["quiet"])
     panel.locator_params(nbins=5)
-    units = [_unit(graph, column) for column in (u, v)]
-    panel.set_xlabel(f"{graph.axes[0].name} [{units[0]}]", color=COLOURS["text"], parse_math=False)
-    panel.set_ylabel(f"{graph.axes[1].name} [{units[1]}]", color=COLOURS["text"], parse_math=False)
+    titles = [f"{axis.name} [{_unit(graph, axis.name)}]" for axis in graph.axes]
+    panel.set_xlabel(titles[0], color=COLOURS["text"], parse_math=False)
+    if len(titles) == 2:
+        panel.set_ylabel(titles[1], color=COLOURS["text"], parse_math=False)
+    else:
+        panel.set(yticks=[], ylim=(-1.0, 1.0))
 
 
-def _unit(graph: ModeGraph, column: int) -> str:
-    coordinate = graph.mechanism.actuated[column]
+def _unit(graph: ModeGraph, name: str) -> str:
+    coordinate = given_coordinates(graph.mechanism)[name]
     return graph.mechanism.angle_unit if coordinate.is_angular else graph.mechanism.length_unit

@@ -6,6 +6,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from symkin.plain_number import plain
+from symkin.plots.graph_figures import GraphPanel, panels_of_graph
+from symkin.plots.graph_lines import solution_lines
 from symkin.plots.mechanism_lines import lines_at
 from symkin.plots.panel_figure import Panel, panel_figure
 from symkin.singularities.singularity_result import Singularity
@@ -15,10 +17,17 @@ if TYPE_CHECKING:
 
 
 def figure_of_singularity(found: Singularity) -> Figure:
-    """One panel: the mechanism at the configuration; platform motions as dashed axes, translations as arrows."""
+    """One panel: the mechanism at the configuration; platform motions as dashed axes, translations as arrows. Where coordinates drive
+    that are told by name, the rates of joints that move while these stand are written above it."""
     solution, mechanism = found.solution, found.solution.mechanism
     kinds = ", ".join(found.kinds) + " singularity" if found.kinds else "singular" if found.is_singular else "regular"
+    distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
+    facts = [f"distance from singularities (0 singular): {distances}"]
+    if found.given:
+        facts.insert(0, f"driven by {', '.join(found.given)}")
+        rates = [", ".join(f"{name} {rate:.4g}" for name, rate in motion.items()) for motion in found.motions if found.rank_loss]
+        text = "\n".join(f"free to move: {motion}" for motion in rates)
+        return panels_of_graph(mechanism, [GraphPanel(kinds, text, solution_lines(solution))], facts)
     twists = "\n".join(str(twist) for twist in found.twists)
     panel = Panel(kinds, twists, lines_at(mechanism, solution.values, solution.pose), found.twists)
-    distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
-    return panel_figure(mechanism, [panel], [f"distance from singularities (0 singular): {distances}"])
+    return panel_figure(mechanism, [panel], facts)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.following.sample import listed_joints
 from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.rotation import rotation_vector_from_quaternion
 from symkin.text import matplotlib_text
@@ -23,8 +24,8 @@ _MOST_NAMED = 8
 
 @drawing()
 def figure_of_track(track: Track) -> Figure:
-    """Panels over the path, or over time: the platform's position and turning from the start (direct problem) or the actuated
-    joints (inverse problem), and the smallest singular value; the stop, if any, as a line. Raises InputError for a track without
+    """Panels over the path, or over time: the platform's position and turning from the start (direct problem), the actuated
+    joints (inverse problem) or all joints that are found and the named points (values by name, or no platform), and the smallest singular value; the stop, if any, as a line. Raises InputError for a track without
     samples."""
     from matplotlib.figure import Figure
 
@@ -45,7 +46,9 @@ def figure_of_track(track: Track) -> Figure:
     for ax in axes:
         _mark_stop(ax, track, where)
     mechanism = track.trajectory.mechanism
-    title = f"{mechanism.title or mechanism.name}: one mode of the {track.trajectory.kind} problem"
+    told = ", ".join(c.name for c in track.problem.known_coordinates)
+    what = f"given {told}" if track.trajectory.kind == "given" else f"of the {track.trajectory.kind} problem"
+    title = f"{mechanism.title or mechanism.name}: one mode {what}"
     figure.suptitle(matplotlib_text(title), fontsize=11)
     return figure
 
@@ -58,7 +61,7 @@ def _abscissa(track: Track) -> np.ndarray:
 def _panels(track: Track) -> Iterator[tuple[str, dict[str, np.ndarray]]]:
     """Label and curves of each panel."""
     mechanism, samples = track.trajectory.mechanism, track.samples
-    if track.trajectory.kind == "direct":
+    if track.trajectory.kind == "direct" and samples[0].has_platform:
         positions = np.array([s.pose.position for s in samples], dtype=float)
         yield f"position [{mechanism.length_unit}]", dict(zip("xyz", positions.T, strict=True))
         turns = np.unwrap(np.array([rotation_vector_from_quaternion(s.pose.quaternion) for s in samples]), axis=0)
@@ -68,10 +71,16 @@ def _panels(track: Track) -> Iterator[tuple[str, dict[str, np.ndarray]]]:
             dict(zip(("about x", "about y", "about z"), np.array(shown).T, strict=True)),
         )
         return
+    known = {c.name for c in track.problem.known_coordinates}
+    found = mechanism.actuated if track.trajectory.kind == "inverse" else listed_joints(track.problem)
     for angular, unit in ((False, mechanism.length_unit), (True, mechanism.angle_unit)):
-        chosen = [c for c in mechanism.actuated if c.is_angular == angular]
+        chosen = [c for c in found if c.is_angular == angular and c.kind != "quaternion" and c.name not in known]
         if chosen:
             yield f"joints [{unit}]", {c.name: np.array([s.joints[c.name] for s in samples]) for c in chosen}
+    if track.trajectory.kind != "inverse" and samples[0].points:
+        named = {name: np.array([s.points[name] for s in samples]) for name in samples[0].points}
+        curves = {f"{name}.{axis}": points[:, k] for name, points in named.items() for k, axis in enumerate("xyz")}
+        yield f"points [{mechanism.length_unit}]", curves
 
 
 def _singular_panel(ax: Any, track: Track, where: np.ndarray) -> None:

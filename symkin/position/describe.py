@@ -6,38 +6,30 @@ from __future__ import annotations
 
 from collections import Counter
 
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
-from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility, fewer_rows, mobility
+from symkin.position.describe_parts import heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.mobility import mobility
+from symkin.position.mobility_result import Mobility
+from symkin.position.platform_motion import fewer_rows
 from symkin.position.problem import build_problem
 
 
 def describe(mechanism: Mechanism) -> str:
     """A readable account of a mechanism, with every figure computed from its closure."""
     found = mobility(mechanism)
-    if mechanism.is_graph:
+    if not found.limbs:
         return describe_graph(found)
+    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
     sections = [
-        _heading(mechanism),
+        heading(mechanism, kind),
         _limbs(mechanism, found),
         _closure(mechanism, found),
         _mobility(found),
         _screws(found),
     ]
     return "\n\n".join(sections)
-
-
-def _heading(mechanism: Mechanism) -> str:
-    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
-    lines = [mechanism.name + (f": {mechanism.title}" if mechanism.title else ""), kind]
-    if mechanism.source:
-        lines.append(f"source: {mechanism.source}")
-    lines.append(
-        f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {mechanism.characteristic_length:.6g}"
-    )
-    return "\n".join(lines)
 
 
 def _limbs(mechanism: Mechanism, found: Mobility) -> str:
@@ -48,19 +40,17 @@ def _limbs(mechanism: Mechanism, found: Mobility) -> str:
             ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
         )
         lines.append(f"  {limb.name} ({limb.type}): rows: {rows}")
-        lines += (
-            [f"    {joint_text(mechanism, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else [f"    {_rod(limb)}"]
-        )
-        if isinstance(limb, Limb):
-            lines += [f"    rod from {vector_text(rod.start)} to {vector_text(rod.platform)} (platform)" for rod in limb.rods]
+        lines += [f"    {joint_text(mechanism, joint)}" for joint in limb.joints]
+        lines += [f"    {_rod(bar)}" for bar in limb.bars(mechanism.reference_pose)]
     if found.closure.idle:
         lines.append("  not in the closure: " + "; ".join(found.closure.idle))
     return "\n".join(lines)
 
 
-def _rod(limb: RodLimb) -> str:
-    offset = f", length = value + {limb.offset:g}" if limb.offset else ""
-    return f"rod from {vector_text(limb.base)} to {vector_text(limb.platform)} (platform), actuated{offset}"
+def _rod(bar: Bar) -> str:
+    offset = f", length = value + {bar.offset:g}" if bar.offset else ""
+    drive = "" if bar.coordinate is None else f", actuated{offset}"
+    return f"rod from {vector_text(bar.start.point)} to {vector_text(bar.end.point)} (platform){drive}"
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:
@@ -77,15 +67,8 @@ def _closure(mechanism: Mechanism, found: Mobility) -> str:
 
 
 def _mobility(m: Mobility) -> str:
-    where = "the reference configuration" if m.at_reference else "a configuration near the reference"
     lines = ["Mobility" + ("" if m.closed else " (no closed configuration was found: what follows holds at the open reference)")]
-    lines.append(
-        f"  equations {m.rows}, rank at generic closed configurations {m.rank.value}, freedoms of the coordinates {m.freedoms}"
-    )
-    lines.append(
-        f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: {m.gruebler})"
-    )
-    lines.append(f"  redundant constraints: {m.redundant}")
+    lines += ranks_text(m, "equations")
     restriction = fewer_rows(m)
     if restriction is not None:
         motion, left = restriction
@@ -94,7 +77,7 @@ def _mobility(m: Mobility) -> str:
             f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
         )
     lines += [f"  warning: {warning}" for warning in m.warnings]
-    lines.append(f"  screws below: at {where}, base frame, (force; moment about the origin)")
+    lines.append(f"  screws below: at {where_text(m)}, base frame, (force; moment about the origin)")
     return "\n".join(lines)
 
 

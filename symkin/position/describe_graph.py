@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from symkin.model.graph import Coupling, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
-from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
-from symkin.position.describe_parts import joint_text, rows_text, vector_text
-from symkin.position.mobility import Mobility
+from symkin.position.describe_parts import heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.mobility_result import Mobility
 
 
 def describe_graph(found: Mobility) -> str:
@@ -26,12 +25,7 @@ def _heading(m: Mechanism) -> str:
         _count(len(list(m.all_joints)), "joint"),
         *(_count(len(some), word) for some, word in ((m.link_rods, "rod"), (m.couplings, "coupling"), (m.limbs, "limb")) if some),
     ]
-    lines = [m.name + (f": {m.title}" if m.title else ""), f"graph of {', '.join(counts)}"]
-    if m.source:
-        lines.append(f"source: {m.source}")
-    size = f"{m.characteristic_length:.6g}"
-    lines.append(f"units: {m.length_unit}, {m.angle_unit}; size (largest distance of joint points): {size}")
-    return "\n".join(lines)
+    return heading(m, f"graph of {', '.join(counts)}")
 
 
 def _joints(m: Mechanism) -> str:
@@ -42,7 +36,7 @@ def _joints(m: Mechanism) -> str:
     lines += [f"  {links:{width}}  {text}" for links, text in pairs]
     for limb in m.limbs:
         lines.append(f"  {limb.links[0]} - {limb.links[1]}: limb {limb.name} ({limb.type})")
-        lines += [f"    {joint_text(m, joint)}" for joint in limb.joints] if isinstance(limb, Limb) else []
+        lines += [f"    {joint_text(m, joint)}" for joint in limb.joints]
     lines += [f"  coupling: {_coupling(m, coupling)}" for coupling in m.couplings]
     lines += [f"  point {point.name} of {point.link} at {vector_text(point.point)}" for point in m.link_points]
     if m.platform_link is not None:
@@ -106,14 +100,7 @@ def _closure(m: Mobility) -> str:
 def _mobility(m: Mobility) -> str:
     lines = ["Mobility"]
     if m.closed:
-        lines.append(
-            f"  rows {m.rows}, rank at generic closed configurations {m.rank.value}, freedoms of the coordinates {m.freedoms}"
-        )
-        lines.append(
-            f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
-            f"{m.gruebler})"
-        )
-        lines.append(f"  redundant constraints: {m.redundant}")
+        lines += ranks_text(m, "rows")
         if m.reference_rank is not None and not m.at_reference:
             there = m.reference_rank.value
             lines.append(
@@ -126,8 +113,7 @@ def _platform(m: Mobility) -> str:
     mechanism = m.closure.mechanism
     if mechanism.platform_link is None or m.misfit is not None:
         return ""
-    where = "the reference configuration" if m.at_reference else "a configuration near the reference"
-    lines = [f"Screws of {mechanism.platform_link} at {where}, base frame"]
+    lines = [f"Screws of {mechanism.platform_link} at {where_text(m)}, base frame"]
     lines += rows_text("  constraints (force; moment about the origin)", m.platform_constraints)
     lines += rows_text("  twists left (angular velocity; velocity at the origin)", m.platform_twists)
     return "\n".join(lines)

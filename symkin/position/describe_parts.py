@@ -6,6 +6,7 @@ import numpy as np
 
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
+from symkin.position.mobility_result import Mobility
 
 
 def joint_text(mechanism: Mechanism, joint: Joint) -> str:
@@ -16,6 +17,32 @@ def joint_text(mechanism: Mechanism, joint: Joint) -> str:
     pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
     drive = "actuated" if joint.actuated else ""
     return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
+
+
+def heading(mechanism: Mechanism, kind: str) -> str:
+    """Name and title, what kind of mechanism it is, source, units and size."""
+    lines = [mechanism.name + (f": {mechanism.title}" if mechanism.title else ""), kind]
+    if mechanism.source:
+        lines.append(f"source: {mechanism.source}")
+    size = f"{mechanism.characteristic_length:.6g}"
+    return "\n".join(
+        [*lines, f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {size}"]
+    )
+
+
+def ranks_text(found: Mobility, rows: str) -> list[str]:
+    """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the closure's rows are called."""
+    return [
+        f"  {rows} {found.rows}, rank at generic closed configurations {found.rank.value}, freedoms of the coordinates {found.freedoms}",
+        f"  mobility = {found.freedoms} - {found.rank.value} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
+        f"{found.gruebler})",
+        f"  redundant constraints: {found.redundant}",
+    ]
+
+
+def where_text(found: Mobility) -> str:
+    """Where screws are those of."""
+    return "the reference configuration" if found.at_reference else "a configuration near the reference"
 
 
 def rows_text(title: str, rows: np.ndarray) -> list[str]:

@@ -15,7 +15,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem, build_problem
 
 PROJECTED = 1e-4

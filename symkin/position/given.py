@@ -258,7 +258,7 @@ def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, flo
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
-    frame, unit = "tool" if mechanism.serial else "platform", mechanism.length_unit
+    frame, unit = mechanism.frame_name, mechanism.length_unit
     if nearest.distance <= PROJECTED * mechanism.characteristic_length:
         note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
         return nearest.values, 0.0, note

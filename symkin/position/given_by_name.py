@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
+from symkin.closure.partition import POSE_COORDINATES
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import LARGEST_GIVEN, Given, given_from
-from symkin.position.problem import Problem, build_problem
+from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
+from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
 Values = Mapping[str, float | Sequence[float]]
@@ -59,6 +59,7 @@ def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
     """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
     require_mechanism(mechanism)
+    given = _of_example(mechanism, joints, pose, given)
     if given is not None:
         if joints is not None or pose is not None:
             raise InputError("given: values by name and joints or a pose beside them; give one of them")
@@ -67,15 +68,19 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
-    named = given_from(mechanism, joints, pose)
-    names = tuple(c.name for c in mechanism.actuated) if named.kind == "direct" else pose_names(mechanism)
-    return replace(named, kind="given", names=names)
+    return told_by_name(mechanism, given_from(mechanism, joints, pose))
+
+
+def told_by_name(mechanism: Mechanism, given: Given) -> Given:
+    """The same values of all actuated joints, or of the whole pose, with the names of their coordinates."""
+    names = tuple(c.name for c in mechanism.actuated) if given.kind == "direct" else pose_names(mechanism)
+    return replace(given, kind="given", names=names)
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
     found = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
-    if mechanism.platform_link is not None or not mechanism.is_graph:
+    if mechanism.platform_link is not None:
         pose = {n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given") for n in POSE_CONDITIONS}
         found = pose | found
     return found
@@ -103,15 +108,60 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     return mechanism.angle_in(number) if c.is_angular else number
 
 
-def plain_case(mechanism: Mechanism, given: Values | None) -> tuple[Any, Any] | None:
-    """Joints and pose, one of them None, where the values by name are all actuated joints or the whole pose of limbs: the direct and
-    the inverse problem. None for any other values, and for a graph."""
-    if given is None or mechanism.is_graph or not isinstance(given, Mapping):
+def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of limbs; None for any others, and for
+    a graph."""
+    if mechanism.is_graph:
         return None
-    if list(given) == ["pose"] and is_whole_pose(mechanism, given):
-        return None, given["pose"]
-    names = {c.name for c in mechanism.actuated}
-    return (given, None) if names and set(given) == names else None
+    actuated = {c.name for c in mechanism.actuated}
+    whole = list(names) == ["pose"] and "pose" not in given_coordinates(mechanism)
+    if whole or (names and set(names) == set(pose_names(mechanism))):
+        return "inverse"
+    return "direct" if actuated and set(names) == actuated else None
+
+
+def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
+    """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
+    inverse problem of limbs. None for any other values, and for a graph."""
+    if mechanism.is_graph:
+        return None
+    given = _of_example(mechanism, joints, pose, given)
+    if given is None:
+        return joints, pose
+    if joints is not None or pose is not None or not isinstance(given, Mapping):
+        return None
+    kind = plain_kind(mechanism, list(given))
+    if kind == "inverse":
+        return (None, given["pose"]) if "pose" in given else None
+    return (given, None) if kind == "direct" else None
+
+
+def _of_example(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Values | None:
+    """The values by name; where nothing is given those of the example, if it tells names."""
+    example = mechanism.example
+    if given is not None or joints is not None or pose is not None or example is None or example.given is None:
+        return given
+    return dict(example.given)
+
+
+def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
+    """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
+    kind = plain_kind(mechanism, names)
+    return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
+
+
+def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
+    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
+    plain = plain_case(mechanism, joints, pose, given)
+    return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
+
+
+def many_given(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one."""
+    if pose is not None and mechanism.platform_link is None:
+        return [named_given(mechanism, joints, pose, None)]
+    many = given_many(mechanism, joints, pose)
+    return [told_by_name(mechanism, one) for one in many] if mechanism.is_graph else many
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -23,7 +23,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 
 _POINTS = 3
@@ -72,6 +72,14 @@ def _part(
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
 
 
+@lru_cache(maxsize=256)
+def is_linear(group: Problem) -> bool:
+    """Whether a group's rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
+    system = group.system
+    turning = any(c.kind == "quaternion" for c in system.unknowns)
+    return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
+
+
 def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:
     """The same rows with the reference's values of coordinates that they hold with coefficients of rounding only."""
     later = [c for c in closure.coordinates if c.name not in allowed]
@@ -105,6 +113,8 @@ def _rows_of(dependence: np.ndarray, closure: Closure, unknowns: tuple[Coordinat
 def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     """Places of unknowns, part by part in the order of solution; one part where the rows leave unknowns free."""
     system, slices = problem.system, problem.closure.slices
+    if not system.unknowns:
+        return []
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
     independent = _independent_rows(problem, _closed_jacobian(problem))
     if len(independent) != system.freedom:

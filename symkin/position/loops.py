@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.closure.branches import Bar, Branch, edges_of
+from symkin.closure.branches import Branch, edges_of
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import lru_cache
+from symkin.model.bar import Bar
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -168,8 +169,7 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
     if isinstance(part, Bar):
         ends = []
         for pose, end in ((before, part.start), (after, part.end)):
-            point = np.array(end.point)
-            ends.append(pose.apply(mechanism.reference_pose.apply(point) if end.in_platform_frame else point))
+            ends.append(pose.apply(end.at_reference(mechanism.reference_pose)))
         return np.vstack([_turns(np.eye(3), np.asarray(end), size) for end in ends])
     if part.type == "weld":
         return np.zeros((0, _SPATIAL))

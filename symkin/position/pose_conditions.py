@@ -18,7 +18,8 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import pose_coordinates
-from symkin.position.mobility import fewer_rows, mobility
+from symkin.position.mobility import mobility
+from symkin.position.platform_motion import fewer_rows
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 
@@ -61,8 +62,8 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
 
 def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
     """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
-    frame = "tool" if mechanism.serial else "platform"
-    named = None if mechanism.serial else fewer_rows(mobility(mechanism))
+    frame = mechanism.frame_name
+    named = fewer_rows(mobility(mechanism))
     motion = "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
     return (
         f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "

@@ -13,9 +13,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
-from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
+from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property, lru_cache
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
@@ -171,12 +171,12 @@ def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tup
 
 def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
-    if not mechanism.is_graph and kind != "given":
+    if kind != "given":
         return ALL_JOINTS
     wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
     conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)
-    whole = kind == "inverse" or any(name.startswith("pose.") for name in wanted)
+    whole = any(name.startswith("pose.") for name in wanted)
     geometry = not names and held is None
     return Partition(frozenset(wanted) & joints, pose=whole, pose_conditions=conditions, geometry=geometry)
 

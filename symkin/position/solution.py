@@ -75,8 +75,7 @@ class Solution(Result):
     def joints(self) -> dict[str, Any]:
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
         of the closure first."""
-        names = [c.name for c in self.mechanism.coordinates]
-        order = names if self.mechanism.is_graph else [*self.held_joints, *(n for n in names if n not in self.held_joints)]
+        order = dict.fromkeys([*self._printed_names, *(c.name for c in self.mechanism.coordinates)])
         return {name: self._in_units(name, self.all_values[name]) for name in order}
 
     @cached_property
@@ -91,8 +90,7 @@ class Solution(Result):
     @cached_property
     def held_joints(self) -> dict[str, Any]:
         """The joint coordinates that the closure holds, in the mechanism's units."""
-        names = (c.name for c in self._closure.role("actuated", "passive"))
-        return {name: self._in_units(name, self.values[name]) for name in names}
+        return {name: self._in_units(name, self.values[name]) for name in self._held_names}
 
     @cached_property
     def points(self) -> dict[str, list[float]]:
@@ -183,18 +181,28 @@ class Solution(Result):
         unit = self.mechanism.length_unit
         pose = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True))
         points = {f"{name} {axis}": v for name, point in self.points.items() for axis, v in zip("xyz", point, strict=True)}
-        values = {**(pose if self.has_platform else {}), **points, **self._printed_joints}
+        values = {**(pose if self.has_platform else {}), **points, **self.printed_joints}
         values |= {f"residual, {unit}": self.residual, "condition": self.condition}
         rows = [[name, f"{value:.7g}"] for name, value in values.items() if isinstance(value, float)]
         return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
     @property
-    def _printed_joints(self) -> dict[str, Any]:
+    def _held_names(self) -> list[str]:
+        return [c.name for c in self._closure.role("actuated", "passive")]
+
+    @property
+    def _printed_names(self) -> list[str]:
         """All joints of a graph, those of the closure of limbs."""
-        return self.joints if self.mechanism.is_graph else self.held_joints
+        return [c.name for c in self.mechanism.coordinates] if self.mechanism.is_graph else self._held_names
+
+    @cached_property
+    def printed_joints(self) -> dict[str, Any]:
+        """The joint coordinates that tables show, in the mechanism's units."""
+        values = self.values if set(self._printed_names) <= set(self.values) else self.all_values
+        return {name: self._in_units(name, values[name]) for name in self._printed_names}
 
     def __str__(self) -> str:
-        parts = [f"{k} = {v:.6g}" for k, v in self._printed_joints.items() if isinstance(v, float)]
+        parts = [f"{k} = {v:.6g}" for k, v in self.printed_joints.items() if isinstance(v, float)]
         where = self.mechanism.name
         if self.has_platform:
             position = ", ".join(f"{v:.6g}" for v in self.position)

@@ -21,7 +21,7 @@ from symkin.spatial.pose import Pose
 class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
     `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
-    `radius` (m,); `notes` are those of all."""
+    `radius` (m,), `ground` (m,) the partial proofs of those that are not certified; `notes` are those of all."""
 
     closure: Closure
     values: np.ndarray
@@ -33,6 +33,7 @@ class SolutionList(Sequence[Solution]):
     certified: np.ndarray
     radius: np.ndarray
     notes: tuple[str, ...]
+    ground: np.ndarray | None = None
     _made: dict[int, Solution] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -70,6 +71,7 @@ class SolutionList(Sequence[Solution]):
             within_limits=_flag(self.within_limits[i]),
             certified=certified,
             radius=float(self.radius[i]) if certified else None,
+            ground=None if self.ground is None else self.ground[i],
             notes=self.notes if condition < SINGULAR_CONDITION else (*self.notes, SINGULAR_NOTE),
         )
 

@@ -78,13 +78,12 @@ def solve(
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
         raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
-    plain = plain_case(mechanism, given) if joints is None and pose is None else None
-    if plain is None and (given is not None or mechanism.is_graph):
+    plain = plain_case(mechanism, joints, pose, given)
+    if plain is None:
         own = None if solver == "newton" else chosen
         result = solve_by_name(mechanism, named_given(mechanism, joints, pose, given), start, own)
     else:
-        joints, pose = (joints, pose) if plain is None else plain
-        result = _solved(mechanism, given_from(mechanism, joints, pose), start, chosen)
+        result = _solved(mechanism, given_from(mechanism, *plain), start, chosen)
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
     return result

@@ -18,9 +18,7 @@ def solution_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[l
     """Header and rows for the solutions of one problem; both are empty where there is no solution."""
     if not solutions:
         return [], []
-    graph = problem.mechanism.is_graph
-    coordinates = _graph_columns(problem, solutions) if graph else _coordinate_columns(problem, solutions)
-    columns = {"#": [str(k + 1) for k in range(len(solutions))], **coordinates}
+    columns = {"#": [str(k + 1) for k in range(len(solutions))], **_coordinate_columns(problem, solutions)}
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["inside" if s.within_limits else "outside" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
@@ -30,14 +28,7 @@ def solution_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[l
 
 
 def _coordinate_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """What differs between the solutions: joints of an inverse problem, pose and passive joints of a direct one."""
-    if problem.name == "inverse":
-        return _joint_columns(problem, solutions)
-    return _pose_columns(solutions) | ({} if problem.mechanism.serial else _joint_columns(problem, solutions))
-
-
-def _graph_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """Pose where there is one and it is not given, named points, then joints; as many as a table shows."""
+    """What differs between the solutions: pose where there is one and it is not given, named points, then joints."""
     columns: dict[str, list[str]] = {}
     if solutions[0].has_platform and problem.name != "inverse":
         columns |= _pose_columns(solutions)
@@ -46,7 +37,7 @@ def _graph_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str,
     for name in rows[0]:
         columns |= {f"{name} {axis}": [_length(size, row[name][i]) for row in rows] for i, axis in enumerate("xyz")}
     columns |= _joint_columns(problem, solutions)
-    return dict(list(columns.items())[:_MOST_COLUMNS])
+    return dict(list(columns.items())[:_MOST_COLUMNS]) if problem.mechanism.is_graph else columns
 
 
 def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
@@ -65,11 +56,11 @@ def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
 
 
 def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """Joint coordinates that are one number and were not given: all of a graph, those of the closure of limbs."""
+    """Joint coordinates that are one number and were not given."""
     mechanism = problem.mechanism
     given = {c.name for c in problem.known_coordinates}
     digits = 3 if mechanism.characteristic_length > 10 else 5
-    rows = [s.joints if mechanism.is_graph else s.held_joints for s in solutions]
+    rows = [s.printed_joints for s in solutions]
     names = [name for name, value in rows[0].items() if name not in given and isinstance(value, float)]
     return {name: [_fixed(row[name], digits) for row in rows] for name in names}
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.closure.partition import POSE_CONDITIONS
 from symkin.closure.tilt_torsion import tilt_and_torsion
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.position.given import pose_coordinates
 from symkin.position.solution import Solution
+
+
+def variables_at(closure: Closure, solution: Solution) -> np.ndarray:
+    """The full vector of a closure's variables at a solution, its own where the closure is the solution's."""
+    return solution.variables if solution.partition == closure.partition else variables_elsewhere(closure, solution)
 
 
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:

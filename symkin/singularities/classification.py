@@ -9,34 +9,40 @@ of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton
     II   impossible input: some q' belong to no motion
     IO   impossible output: some t belong to no motion
     RPM  redundant passive motion: passive joints move alone      P loses rank
-    IIM  increased instantaneous mobility: more motions in all
+    IIM  increased instantaneous mobility: more motions in all    F loses rank
 
+where q' may be the rates of any coordinates that drive and t those of any that are wanted, told by name (see `roles`),
 and where the limbs' constraint wrenches lose rank it is a constraint singularity (Zlatanov, Bonev and Gosselin 2002).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure
+from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
+from symkin.position.given_by_name import Values
+from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
+from symkin.position.transfer import variables_at
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
+from symkin.singularities.held_motions import held_motions
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, row_span
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
-from symkin.singularities.output import Output, OutputEquations, make_output, output_equations, output_twists
+from symkin.singularities.output import Output, OutputEquations, coordinate_names, make_output, output_equations, output_twists
+from symkin.singularities.roles import Roles, roles_of
+from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
-from symkin.velocity.equations import variables_of
 
 
 @without_float_warnings
@@ -45,7 +51,8 @@ def singularity(
     *,
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Joints | Pose | None = None,
+    given: Values | Sequence[str] | None = None,
+    start: Joints | Values | Pose | None = None,
     tolerance: float = SINGULAR_VALUE,
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
@@ -56,12 +63,17 @@ def singularity(
     eliminated: type 1 where B loses rank, type 2 where A does (Gosselin and Angeles 1990), and Zlatanov's conditions
     (Zlatanov, Fenton and Benhabib 1995). A distance is a singular value of rows of unit length; below `tolerance` it is zero.
 
-    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` and `start` (one
-    of joints and pose, in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
+    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` or `given` and
+    `start` (in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
     configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. `output` names what type 1 and
     type 2 are about, in place of the platform's position and orientation together: some of x, y, z (velocity of `point`, given in
-    the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame. Raises SolveError where no
-    configuration is reached, InputError for values that do not fit.
+    the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame; or coordinates by name. Raises SolveError
+    where no configuration is reached, InputError for values that do not fit.
+
+    The coordinates that `given` names drive, q' are their rates; with a Solution their names are enough. Without `output` t is the
+    platform's twist, or all other joints' rates where no link is the platform or its own coordinates drive; "increased" is what the
+    mechanism as a whole gains. `Singularity.motions` are the joints that may move while the given coordinates stand, `groups` the
+    structure groups that are singular, with their loops.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
@@ -70,37 +82,57 @@ def singularity(
         (('type 1',), ['q2', 'q3', 'q4', 'q6'])
         >>> symkin.singularity(arm, joints=[10, 20, 30, 40, 50, 60]).is_singular
         False
+        >>> slider = symkin.load("slider_crank")
+        >>> stretched = symkin.solve(slider, given={"crank": 0.0}).solution
+        >>> symkin.singularity(stretched, given=["crank"]).kinds, symkin.singularity(stretched, given=["slider"]).kinds
+        ((), ('type 2',))
     """
-    wanted = make_output(output, point)
+    described = mechanism.mechanism if isinstance(mechanism, Solution) else mechanism
+    names = coordinate_names(described, output) if isinstance(described, Mechanism) else None
+    wanted = make_output(output if names is None else None, point)
     if isinstance(mechanism, Solution):
         if not (joints is None and pose is None and start is None):
             raise InputError("a Solution is classified as it is: give joints, pose and start with a mechanism only")
-        return classify(mechanism, tolerance, wanted)
+        return classify(mechanism, tolerance, wanted, roles_of(mechanism.mechanism, _names(given), names))
     if not isinstance(mechanism, Mechanism):
         raise InputError(
             f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as `symkin.solve(...).solution` "
             "or one of `symkin.modes(...)`"
         )
-    return classify(configuration(mechanism, joints=joints, pose=pose, start=start), tolerance, wanted)
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError("given: values by name are needed, as in given={'crank': 60.0}; names alone go with a Solution")
+    roles = roles_of(mechanism, _names(given), names)
+    return classify(configuration(mechanism, joints=joints, pose=pose, given=given, start=start), tolerance, wanted, roles)
+
+
+def _names(given: Values | Sequence[str] | None) -> list[str] | None:
+    """The names of what drives."""
+    if isinstance(given, str):
+        raise InputError(f"given = {given!r}: a list of names is needed, as in given=['crank']")
+    return None if given is None else list(given)
 
 
 @without_float_warnings
-def classify(solution: Solution, tolerance: float = SINGULAR_VALUE, output: Output | None = None) -> Singularity:
+def classify(
+    solution: Solution, tolerance: float = SINGULAR_VALUE, output: Output | None = None, roles: Roles | None = None
+) -> Singularity:
     """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
-    require_limbs(solution.mechanism, "singularity", "the condition of a solution of solve or modes tells how near it is to one")
-    closure = build_closure(solution.mechanism)
-    values = variables_of(closure, solution)
-    whole = limbwise_equations(closure, values, tolerance)
+    roles = roles_of(solution.mechanism) if roles is None else roles
+    if output is not None and not roles.has_twist:
+        raise InputError(_no_twist(roles, output))
+    closure = roles.closure
+    values = variables_at(closure, solution)
+    whole = limbwise_equations(closure, values, tolerance, roles)
     reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
     equations = whole if reduced is None else reduced.equations
     ranks = Ranks.of(equations, tolerance)
-    generic = generic_ranks(solution.mechanism, output).at_other_assembly(ranks)
+    generic = generic_ranks(solution.mechanism, output, roles if roles.by_name else None).at_other_assembly(ranks)
     conditions = _conditions(ranks, generic)
-    kinds = _kinds(closure, ranks, generic, conditions)
+    kinds = _kinds(closure, ranks, generic, conditions, roles)
     feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]
-    wrenches = _borne_wrenches(feasible, reduced, tolerance) if "IO" in conditions else feasible[:0]
+    wrenches = _borne_wrenches(feasible, reduced, tolerance) if "IO" in conditions and roles.has_twist else feasible[:0]
     inputs = null_space(equations.rates, tolerance) if "type 1" in kinds else equations.rates[:0]
     return Singularity(
         solution=solution,
@@ -109,15 +141,31 @@ def classify(solution: Solution, tolerance: float = SINGULAR_VALUE, output: Outp
         generic=generic,
         conditions=conditions,
         kinds=kinds,
-        distances=distances(closure, equations, generic),
+        distances=distances(closure, equations, generic, roles),
         singular_values=_direct_map(equations, ranks, generic, tolerance),
-        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance)),
+        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance)) if roles.has_twist else (),
         wrenches=tuple(named_wrench(solution, row) for row in tidy_rows(wrenches @ whole.motion.T)),
-        inputs=tuple(joint_rates(solution, row) for row in tidy_rows(inputs)),
-        feasible_twists=_twists(solution, whole, _row_span(feasible, tolerance)),
-        notes=_notes(closure, ranks, generic, output),
+        inputs=tuple(joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)),
+        feasible_twists=_twists(solution, whole, row_span(feasible, tolerance)) if roles.has_twist else (),
+        notes=_notes(closure, ranks, generic, output, roles),
         output=output,
+        roles=roles,
+        motions=held_motions(closure, values, roles, tolerance) if roles.by_name else (),
+        groups=_groups(solution, roles, tolerance) if roles.by_name and {"type 2", "passive"} & set(kinds) else (),
     )
+
+
+def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[SingularGroup, ...]:
+    """The structure groups of the problem whose known coordinates drive that are singular at a solution."""
+    problem = build_problem(solution.mechanism, "given", roles.inputs or ())
+    return singular_groups(problem, variables_at(problem.closure, solution), tolerance)
+
+
+def _no_twist(roles: Roles, output: Output) -> str:
+    name, names = roles.mechanism.name, ", ".join(output.names)
+    if roles.mechanism.platform_link is None:
+        return f"output = {names}: {name} has no platform link; name coordinates of joints, or the link by [platform] link"
+    return f"output = {names}: coordinates of the platform drive {name}; name coordinates of joints"
 
 
 # --- kinds ---------------------------------------------------------------------------------------------------------
@@ -137,11 +185,13 @@ def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
     return tuple(name for name, holds in tests.items() if holds)
 
 
-def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...]) -> tuple[str, ...]:
+def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...], roles: Roles) -> tuple[str, ...]:
+    lost = closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints
     tests = {
-        "type 1": "RI" in conditions,
+        "type 1": "RI" in conditions and roles.names_output,
         "type 2": "RO" in conditions,
-        "constraint": closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints,
+        "increased": roles.by_name and "IIM" in conditions,
+        "constraint": not roles.by_name and lost,
         "passive": "RPM" in conditions,
     }
     return tuple(name for name, holds in tests.items() if holds)
@@ -184,12 +234,6 @@ def _twists(solution: Solution, equations: LimbwiseEquations, rows: np.ndarray) 
     return tuple(named_twist(solution, row) for row in tidy_rows(rows @ equations.motion.T))
 
 
-def _row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows of the same span, singular values below `tolerance` taken as zero."""
-    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
-    return np.asarray(right[singular > tolerance])
-
-
 # --- notes -----------------------------------------------------------------------------------------------------------
 
 _PERMANENT = {
@@ -200,8 +244,18 @@ _PERMANENT = {
 """What a mechanism has of each kind at every configuration."""
 
 
-def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None) -> tuple[str, ...]:
+_PERMANENT_BY_NAME = {
+    "type 1": "freedoms of the given coordinates with {output} at rest",
+    "type 2": "freedoms that the given coordinates do not decide",
+    "passive": "freedoms of further joints alone",
+}
+"""The same where what drives and what is wanted are told by name."""
+
+
+def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None, roles: Roles) -> tuple[str, ...]:
     """Sentences on what is not looked for or counted, and where the freedoms differ from those elsewhere."""
+    if roles.by_name:
+        return _notes_by_name(ranks, generic, roles)
     mechanism, full = closure.mechanism, sum(c.freedom for c in closure.role("pose"))
     notes = []
     if mechanism.motion != "spatial":
@@ -212,6 +266,17 @@ def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None
     if generic.inputs < len(mechanism.actuated):
         notes.append(f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent")
     notes += [f"{_PERMANENT[kind]}, everywhere: {count}" for kind, count in generic.permanent_freedoms.items()]
+    if ranks.freedoms != generic.freedoms:
+        notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
+    return tuple(notes)
+
+
+def _notes_by_name(ranks: Ranks, generic: Ranks, roles: Roles) -> tuple[str, ...]:
+    driven = len(roles.inputs or ())
+    notes = [f"only {generic.inputs} of {driven} given coordinates are independent"] if generic.inputs < driven else []
+    counts = generic.permanent_freedoms if roles.names_output else {"type 2": generic.motions - generic.inputs}
+    texts = {kind: _PERMANENT_BY_NAME[kind].format(output=roles.output_text) for kind in counts}
+    notes += [f"{texts[kind]}, everywhere: {count}" for kind, count in counts.items() if count]
     if ranks.freedoms != generic.freedoms:
         notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
     return tuple(notes)

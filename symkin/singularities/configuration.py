@@ -4,21 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, ROUNDED_STEP
 from symkin.position.given import Given, Joints, given_from
+from symkin.position.given_by_name import Values, plain_case, pose_names
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve import solve
-from symkin.position.solve_result import SolveError
+from symkin.position.solve_result import SolveError, SolveResult
 from symkin.position.starts import start_values
+from symkin.position.transfer import variables_at
 from symkin.spatial.pose import Pose
+
+_NEARLY_SINGULAR = 1e4
+"""Condition above which a configuration of values by name is iterated to the last digit."""
+_FIRST_STEP = 1e-3
+"""Of the size: a longer step leads elsewhere."""
+_MOST_HALVINGS = 40
+"""Steps from there to 1e-12; those at a double root end at 1e-8."""
 
 
 def configuration(
@@ -26,12 +36,57 @@ def configuration(
     *,
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
-    start: Joints | Pose | None = None,
+    given: Values | None = None,
+    start: Joints | Values | Pose | None = None,
 ) -> Solution:
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
     and that first where the start is singular and nearly closes the loops: it is meant as it is.
     Raises SolveError where no configuration is reached, InputError for values that do not fit."""
-    require_limbs(mechanism, "singularities", "the condition of a solution of solve or modes tells how near it is to one")
+    plain = plain_case(mechanism, joints, pose, given)
+    if plain is None:
+        return _refined(_noted(solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)), given)
+    joints, pose = plain
+    return _of_limbs(mechanism, joints, pose, start)
+
+
+def _noted(result: SolveResult) -> Solution:
+    """The solution of a result with the result's notes."""
+    if result.solution is None:
+        raise SolveError(result.message, result)
+    noted = (n for n in result.notes if n not in result.solution.notes)
+    return replace(result.solution, notes=(*result.solution.notes, *noted))
+
+
+def _refined(solution: Solution, given: Values | None) -> Solution:
+    """A nearly singular solution of values by name, to as many digits as it has: steps of a solver end where rows vanish, which they
+    do to the square of what is left."""
+    if solution.condition < _NEARLY_SINGULAR:
+        return solution
+    mechanism = solution.mechanism
+    names = [c.name for c in mechanism.actuated] if given is None else [name for name in given if name != "pose"]
+    problem = build_problem(mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ())))
+    values = variables_at(problem.closure, solution)
+    known, z = (problem.select_values(values, c) for c in (problem.known_coordinates, problem.system.unknowns))
+    z = _halved(problem, z, known)
+    found = make_solution(problem, problem.join_values(z, known), notes=solution.notes)
+    return found if found.residual <= solution.residual else solution
+
+
+def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Newton's steps as long as they shrink: where two solutions meet each halves what is left, down to the root of rounding."""
+    last = _FIRST_STEP * problem.closure.characteristic_length
+    for _ in range(_MOST_HALVINGS):
+        rows, jacobian = problem.system.linearise_one(z, known)
+        step = np.linalg.lstsq(jacobian, -rows, rcond=ROUNDED_STEP)[0]
+        size = float(np.linalg.norm(step))
+        if not size < last:
+            break
+        z, last = problem.system.move(z[None], step[None])[0], 0.9 * size
+    return z
+
+
+def _of_limbs(mechanism: Mechanism, joints: Any, pose: Any, start: Any) -> Solution:
+    """The configuration of all actuated joints or the pose of limbs."""
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
     begin = start_values(problem, given, start)
@@ -46,8 +101,7 @@ def configuration(
             return found
     result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
     if result.solution is not None:
-        noted = (n for n in result.notes if n not in result.solution.notes)
-        return replace(result.solution, notes=(*result.solution.notes, *noted))
+        return _noted(result)
     found = _by_least_squares(problem, given, begin) if given.off_motion == 0.0 else None
     if found is None:
         raise SolveError(result.message, result)

@@ -1,6 +1,7 @@
 """Eliminate the passive joints from each limb's velocity equations, in one normal form.
 
-The rows of limb i, differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which
+Where what is driven and what is wanted are told by name (see `roles`), t and q' are these, x' all other rates, and a "limb" is a part
+of the rows that shares no x' with others. The rows of limb i, differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which
 y P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis of these rows,
 
     a_i t + b_i q' = 0,    a_i a_i^T + b_i b_i^T = 1,
@@ -25,7 +26,8 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
+from symkin.singularities.roles import Roles
 from symkin.velocity.differential import motion_columns
 
 _SHORTEST_ROW = 1e-4
@@ -48,10 +50,12 @@ class LimbEquations:
 
 @dataclass(frozen=True, eq=False)
 class LimbwiseEquations:
-    """All limbs at one configuration; `motion` (6, r) maps the twist coordinates to (velocity; size times angular velocity)."""
+    """All limbs at one configuration; `motion` (6, r) maps the twist coordinates to (velocity; size times angular velocity).
+    `spectrum` are the singular values of all rows by all rates, over the largest, one for each rate."""
 
     limbs: tuple[LimbEquations, ...]
     motion: np.ndarray
+    spectrum: np.ndarray
 
     @property
     def twist(self) -> np.ndarray:
@@ -73,15 +77,29 @@ class LimbwiseEquations:
         return sum(limb.idle for limb in self.limbs)
 
 
-def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float) -> LimbwiseEquations:
+def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float, roles: Roles | None = None) -> LimbwiseEquations:
     """The normal form at a closed configuration (a full vector of variables). Singular values below `tolerance` count as
     zero."""
+    roles = Roles(closure.mechanism) if roles is None else roles
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
-    pose, actuated = columns_of(closure, "pose"), columns_of(closure, "actuated")
+    outputs, inputs = roles.output_columns(closure), roles.input_columns(closure)
+    # parts that loops share lose rank together at a configuration that is known to half of its digits only
+    dependent = tolerance if roles.by_name else RANK_TOLERANCE
     limbs = [
-        eliminated(block.limb, jacobian[block.rows], pose, actuated, block.passive, tolerance) for block in limb_blocks(closure)
+        eliminated(block.limb, row_basis(jacobian[block.rows], dependent), outputs, inputs, block.passive, tolerance)
+        for block in limb_blocks(closure, roles)
     ]
-    return LimbwiseEquations(tuple(limbs), motion_basis(closure))
+    nothing = eliminated("", np.zeros((0, jacobian.shape[1])), outputs, inputs, [], tolerance)
+    motion = motion_basis(closure) if roles.has_twist else np.zeros((6, len(outputs)))
+    return LimbwiseEquations(tuple(limbs) or (nothing,), motion, _spectrum(jacobian))
+
+
+def _spectrum(jacobian: np.ndarray) -> np.ndarray:
+    """Singular values over the largest, one for each column."""
+    found = np.zeros(jacobian.shape[1])
+    singular = np.linalg.svd(jacobian, compute_uv=False) if min(jacobian.shape) else np.zeros(0)
+    found[: len(singular)] = singular / max(float(np.max(singular, initial=0.0)), _SHORTEST_ROW)
+    return found
 
 
 def motion_basis(closure: Closure) -> np.ndarray:
@@ -105,19 +123,24 @@ class LimbBlock:
 
 
 @lru_cache(maxsize=128)
-def limb_blocks(closure: Closure) -> tuple[LimbBlock, ...]:
-    """The limbs' blocks, in the order of the mechanism's limbs."""
+def limb_blocks(closure: Closure, roles: Roles | None = None) -> tuple[LimbBlock, ...]:
+    """The limbs' blocks, in the order of their rows; limbs that share passive coordinates are one."""
+    roles = Roles(closure.mechanism) if roles is None else roles
+    inputs = roles.input_columns(closure)
     names = [c.name for c in closure.coordinates for _ in range(c.freedom)]
+    passive = [k for k in range(len(names)) if k not in {*inputs, *roles.output_columns(closure)}]
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
-    blocks = []
-    for limb in closure.mechanism.limbs:
-        rows = [k for k, row in enumerate(closure.row_sources) if row.limb == limb.name]
-        actuated, passive = (
-            [k for k in columns_of(closure, role) if pattern[rows, closure.slices[names[k]]].any()]
-            for role in ("actuated", "passive")
-        )
-        blocks.append(LimbBlock(limb.name, rows, actuated, passive))
-    return tuple(blocks)
+
+    def held(columns: list[int], rows: list[int]) -> list[int]:
+        return [k for k in columns if pattern[rows, closure.slices[names[k]]].any()]
+
+    parts: list[tuple[str, list[int]]] = []
+    for name in dict.fromkeys(row.limb for row in closure.row_sources):
+        own = [k for k, row in enumerate(closure.row_sources) if row.limb == name]
+        shared = [part for part in parts if set(held(passive, part[1])) & set(held(passive, own))]
+        parts = [part for part in parts if part not in shared]
+        parts.append((shared[0][0] if shared else name, sorted([*(k for part in shared for k in part[1]), *own])))
+    return tuple(LimbBlock(name, rows, held(inputs, rows), held(passive, rows)) for name, rows in parts)
 
 
 def columns_of(closure: Closure, role: str) -> list[int]:
@@ -130,17 +153,23 @@ def eliminated(
     name: str, rows: np.ndarray, pose: list[int], actuated: list[int], passive: list[int], tolerance: float
 ) -> LimbEquations:
     """One limb's rows (m, all columns) without its passive joints; columns by number."""
-    rows = _row_basis(rows)
+    rows = row_basis(rows)
     left, singular, _ = np.linalg.svd(rows[:, passive])
     rank = int(np.sum(singular > tolerance))
-    kept = _row_basis(left[:, rank:].T @ rows[:, [*pose, *actuated]])
+    kept = row_basis(left[:, rank:].T @ rows[:, [*pose, *actuated]])
     twist, rates = kept[:, : len(pose)], kept[:, len(pose) :]
     padded = np.zeros(len(passive))
     padded[: len(singular)] = singular
     return LimbEquations(name, twist, rates, null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank)
 
 
-def _row_basis(rows: np.ndarray) -> np.ndarray:
-    """Orthonormal rows of the same span; rows that others imply are dropped."""
+def row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
+    """Orthonormal rows of the same span, singular values below `tolerance` taken as zero."""
+    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    return np.asarray(right[singular > tolerance])
+
+
+def row_basis(rows: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """Orthonormal rows of the same span; rows that others imply are dropped, singular values below `tolerance` of the largest."""
     _, lengths, basis = np.linalg.svd(rows, full_matrices=False)
-    return np.asarray(basis[lengths > RANK_TOLERANCE * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)])
+    return np.asarray(basis[lengths > tolerance * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)])

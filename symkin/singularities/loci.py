@@ -116,16 +116,16 @@ class Loci(Result):
 
     @property
     def held(self) -> str:
-        """What is held, with names and units: the other pose coordinates, or the other actuated joints."""
+        """What is held, with names and units: the other pose coordinates, actuated joints, or given coordinates."""
         plane, mechanism = self.plane, self.plane.mechanism
         held = []
-        for c in plane.closure.role("pose" if plane.of_pose else "actuated"):
+        for c in plane.family:
             name = c.name.removeprefix("pose.")
             if c.kind == "quaternion":
                 quaternion = ", ".join(f"{plain(float(v)):.4g}" for v in self.solution.quaternion)
                 held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
             elif name not in plane.names:
-                value = float(self.solution.values[c.name])
+                value = float(plane.value(c)[0])
                 shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.characteristic_length)
                 more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
                 held.append(f"{name} = {more}{shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")

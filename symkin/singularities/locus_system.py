@@ -8,7 +8,8 @@ and J the part of dF/d(q, x, X) that must not lose rank,
 describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, folds and cusps included. Type 2: all rows,
 columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Where J w = 0 has solutions
 everywhere, w shows a loss of the generic rank in another way (`rank_loss`). Every equation is solved, also where J is not
-square, so that points of the curve are true zeros.
+square, so that points of the curve are true zeros. Where known coordinates are told by name, the plane's are two of them, and type 2
+has all columns but theirs.
 """
 
 from __future__ import annotations
@@ -20,31 +21,38 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure
+from symkin.closure.closure import Closure
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate, Kind
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
-from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.closed_configurations import closed_configurations, whole_system
+from symkin.position.determination import refuse_unless_determined
+from symkin.position.given_by_name import plain_kind, problem_of_names
+from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
+from symkin.position.transfer import variables_at
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
-from symkin.singularities.limb_equations import columns_of, limb_blocks
+from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
+from symkin.singularities.roles import checked_names
 
 LocusKind = Literal["type 1", "type 2"]
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Two coordinates that vary, all others of their family held: pose coordinates, or actuated joints.
+    """Two coordinates that vary, all others of their family held: pose coordinates, actuated joints, or known coordinates by name.
 
-    `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
+    `known` are the names of the family where they are told, `problem` is the one for which they are known; `here` are the closure's
+    variables at the solution. `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
     numbers, and `free` (the rest) as symbols of the closure. Pose coordinates have the meaning of `position.varied_pose`:
     x, y, z, gamma, and the rotation vector rx, ry, rz before the configuration's orientation.
     """
 
-    closure: Closure
+    problem: Problem
     solution: Solution
+    here: np.ndarray
     names: tuple[str, str]
     coordinates: tuple[Coordinate, Coordinate]
     symbols: ca.SX
@@ -53,31 +61,82 @@ class Plane:
     of_pose: bool
 
     @property
+    def closure(self) -> Closure:
+        return self.problem.closure
+
+    @property
     def mechanism(self) -> Mechanism:
         return self.closure.mechanism
 
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The known coordinates, where they are told by name."""
+        return tuple(c.name for c in self.problem.known_coordinates) if self.problem.kind == "given" else ()
+
+    @property
+    def family(self) -> tuple[Coordinate, ...]:
+        """The coordinates of which two vary."""
+        return self.problem.known_coordinates if self.known else self.closure.role("pose" if self.of_pose else "actuated")
+
+    def value(self, coordinate: Coordinate) -> np.ndarray:
+        """A coordinate's numbers at the configuration."""
+        return np.asarray(self.here[self.closure.slices[coordinate.name]])
+
     def given(self, point: Sequence[float]) -> dict[str, Any]:
-        """The pose, or the joint values, at a point (mechanism's units), as arguments of `symkin.solve`."""
+        """The pose, the joint values or the values by name at a point (mechanism's units), as arguments of `symkin.solve`."""
         varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
+        if self.known:
+            out = self.mechanism.angle_out
+            held = {c.name: float(self.value(c)[0]) for c in self.family}
+            held = {c.name: out(held[c.name]) if c.is_angular else held[c.name] for c in self.family}
+            return {"given": held | varied}
         if self.of_pose:
             return {"pose": pose_at(self.mechanism, (*self.solution.position, *self.solution.quaternion), varied)}
-        held = zip((c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True)
-        return {"joints": [varied.get(name, value) for name, value in held]}
+        joints = zip((c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True)
+        return {"joints": [varied.get(name, value) for name, value in joints]}
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the configuration and the names, from which the symbols are built anew."""
-        return plane_of, (self.solution, self.names)
+        return plane_of, (self.solution, self.names, self.known or None)
 
     def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
         return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
 
 
-def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
-    """The plane of two named coordinates through a configuration. Raises InputError for names that do not fit."""
-    closure = build_closure(solution.mechanism)
-    pose_names, joint_names = POSE_AXES[closure.mechanism.motion], [c.name for c in closure.mechanism.actuated]
+def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | None = None) -> Plane:
+    """The plane of two named coordinates through a configuration; `known` are all coordinates that are given, of which they are two.
+    Raises InputError for names that do not fit."""
+    mechanism = solution.mechanism
     if len(names) != 2 or names[0] == names[1]:
         raise InputError(f"plane = {', '.join(names)!r}; two different coordinates are needed")
+    told = tuple(c.name for c in mechanism.actuated) if known is None else checked_names(mechanism, known, "given")
+    if plain_kind(mechanism, told) is None and (known is not None or mechanism.is_graph):
+        return _plane_of_known(solution, names, told)
+    return _plane_of_limbs(solution, names)
+
+
+def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, ...]) -> Plane:
+    """A plane of two coordinates of those that are told by name."""
+    problem = problem_of_names(solution.mechanism, known)
+    if len(known) == 1:
+        raise InputError(
+            f"plane = {', '.join(names)!r}; {known[0]} alone is given, and over one coordinate singular configurations are no curves: "
+            "track stops at each"
+        )
+    if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
+        raise InputError(
+            f"plane = {', '.join(names)!r}; allowed: two of {', '.join(known) or 'none'}, the coordinates that are given"
+        )
+    refuse_unless_determined(problem)
+    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", 2)
+    values, coordinates = _known_values(problem, here, names, u)
+    return Plane(problem, solution, here, (names[0], names[1]), coordinates, u, values, problem.system.unknowns, of_pose=False)
+
+
+def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
+    """A plane of two pose coordinates, or of two actuated joints."""
+    mechanism = solution.mechanism
+    pose_names, joint_names = POSE_AXES[mechanism.motion], [c.name for c in mechanism.actuated]
     of_pose = all(name in pose_names for name in names)
     if not of_pose and not all(name in joint_names for name in names):
         raise InputError(
@@ -86,20 +145,11 @@ def plane_of(solution: Solution, names: Sequence[str]) -> Plane:
         )
     if of_pose and set(names) == {"gamma", "rz"}:
         raise InputError(f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are needed")
-    u = ca.SX.sym("uv", 2)
-    build = _pose_values if of_pose else _joint_values
-    values, coordinates = build(closure, solution, names, u)
-    free = closure.role("actuated", "passive") if of_pose else closure.role("passive", "pose")
-    return Plane(
-        closure=closure,
-        solution=solution,
-        names=(names[0], names[1]),
-        coordinates=coordinates,
-        symbols=u,
-        values=values,
-        free=free,
-        of_pose=of_pose,
-    )
+    problem = build_problem(mechanism, "inverse" if of_pose else "direct")
+    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", 2)
+    values, coordinates = _pose_values(problem.closure, solution, names, u) if of_pose else _known_values(problem, here, names, u)
+    free = problem.closure.role("actuated", "passive") if of_pose else problem.closure.role("passive", "pose")
+    return Plane(problem, solution, here, (names[0], names[1]), coordinates, u, values, free, of_pose)
 
 
 def _pose_values(
@@ -124,12 +174,13 @@ def _pose_kind(name: str, names: Sequence[str]) -> Kind:
     return "angle" if name == "gamma" else "length"
 
 
-def _joint_values(
-    closure: Closure, solution: Solution, names: Sequence[str], u: ca.SX
+def _known_values(
+    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
 ) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
-    values, made = ca.SX(closure.variables), {}
-    for c in closure.role("actuated"):
-        now = float(solution.values[c.name])
+    closure, made = problem.closure, {}
+    values = ca.SX(closure.variables)
+    for c in problem.known_coordinates:
+        now = float(here[closure.slices[c.name].start])
         values[closure.slices[c.name]] = u[names.index(c.name)] if c.name in names else now
         made[c.name] = Coordinate(f"plane.{c.name}", c.kind, "actuated", (now,), least=c.least)
     return values, (made[names[0]], made[names[1]])
@@ -167,8 +218,7 @@ class LocusSystem:
     @property
     def centre(self) -> np.ndarray:
         """Free coordinates, u and v of the plane's configuration."""
-        values = self.plane.solution.values
-        parts = [np.atleast_1d(np.asarray(values[c.name], dtype=float)) for c in self.free]
+        parts = [self.plane.value(c) for c in self.free]
         return np.concatenate([*parts, [c.reference[0] for c in self.plane.coordinates]])
 
     def lift(self, closed: np.ndarray) -> tuple[np.ndarray, float]:
@@ -194,14 +244,17 @@ class LocusSystem:
 
 
 def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]:
-    """Type 2 once, type 1 for each limb with an actuated joint. A kind that cannot occur has no system."""
+    """Type 2 once, type 1 for each limb with an actuated joint, unless known coordinates are told by name: these have no output that
+    could stand. A kind that cannot occur has no system."""
     closure, systems = plane.closure, []
     whole = whole_system(closure)
     generic = [whole.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
     if "type 2" in kinds and not closure.mechanism.serial:
-        kept = sorted(columns_of(closure, "pose") + columns_of(closure, "passive"))
+        family = {c.name for c in plane.family} if plane.known else {c.name for c in closure.role("actuated")}
+        owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
+        kept = [k for k, name in enumerate(owners) if name not in family]
         systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic))
-    if "type 1" in kinds:
+    if "type 1" in kinds and not plane.known:
         for block in limb_blocks(closure):
             if block.actuated:
                 systems.append(_system(plane, whole, "type 1", block.limb, block.rows, block.joints, generic))
@@ -224,7 +277,7 @@ def _system(
     role = "pose" if kind == "type 2" else "actuated"
     loss = RankLoss(
         ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}), generic_matrix(generic, rows, columns),
-        [k for k, column in enumerate(columns) if per_freedom[column].role == role],
+        [k for k, column in enumerate(columns) if plane.known or per_freedom[column].role == role],
     )  # fmt: skip
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
     return LocusSystem(

@@ -16,9 +16,10 @@ from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.output import Output, output_equations
+from symkin.singularities.roles import Roles
 
 
 @dataclass(frozen=True)
@@ -73,12 +74,12 @@ class Ranks:
 
 
 @lru_cache(maxsize=128)
-def generic_ranks(mechanism: Mechanism, output: Output | None = None) -> Ranks:
+def generic_ranks(mechanism: Mechanism, output: Output | None = None, roles: Roles | None = None) -> Ranks:
     """Ranks at a random closed configuration near the reference, the one with the fewest motions (seed 0); with an output,
     those of the equations that are reduced to it."""
-    closure, found = build_closure(mechanism), []
+    closure, found = build_closure(mechanism) if roles is None else roles.closure, []
     for values in closed_configurations(closure, 0):
-        equations = limbwise_equations(closure, values, RANK_TOLERANCE)
+        equations = limbwise_equations(closure, values, RANK_TOLERANCE, roles)
         if output is not None:
             equations = output_equations(closure, values, equations, output, RANK_TOLERANCE).equations
         found.append(Ranks.of(equations, RANK_TOLERANCE))
@@ -95,16 +96,20 @@ def rank_of(matrix: np.ndarray, tolerance: float) -> int:
     return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0
 
 
-def distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks) -> dict[str, float]:
+def distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks, roles: Roles | None = None) -> dict[str, float]:
     """For each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere) of its
     matrix."""
-    found = {"type 1": _singular_value(equations.rates, generic.rates)}
+    roles = Roles(closure.mechanism) if roles is None else roles
+    found = {"type 1": _singular_value(equations.rates, generic.rates)} if roles.names_output else {}
     if not closure.mechanism.serial:
         found["type 2"] = _singular_value(equations.twist, generic.twist)
-    if generic.constraints and closure.mechanism.motion == "spatial":
+    if roles.by_name:
+        rank = len(equations.spectrum) - generic.freedoms
+        found["increased"] = float(equations.spectrum[rank - 1]) if rank > 0 else 1.0
+    elif generic.constraints and closure.mechanism.motion == "spatial":
         found["constraint"] = _singular_value(equations.constraints, generic.constraints)
     passive = [float(ratio) for limb in equations.limbs for ratio in limb.passive]
-    if passive:
+    if passive and roles.names_output:
         found["passive"] = sorted(passive)[min(generic.idle, len(passive) - 1)]
     return found
 

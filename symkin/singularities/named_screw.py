@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.solution import Solution
 
@@ -103,14 +106,13 @@ def named_wrench(solution: Solution, covector: np.ndarray) -> NamedScrew:
     return NamedScrew.of("wrench", vector, mechanism.length_unit, mechanism.characteristic_length)
 
 
-def joint_rates(solution: Solution, rates: np.ndarray) -> dict[str, float]:
+def joint_rates(mechanism: Mechanism, joints: Sequence[Coordinate], rates: np.ndarray) -> dict[str, float]:
     """Rates by joint name in the mechanism's units, the largest 1, from lengths and angles times the size."""
-    mechanism = solution.mechanism
-    scales = [mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0 for c in mechanism.actuated]
+    scales = [mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0 for c in joints]
     values = rates * np.array(scales)
     largest = np.flatnonzero(np.abs(values) > (1 - SINGULAR_VALUE) * np.abs(values).max())[0]
     values = values / values[largest]
-    return {c.name: float(v) for c, v in zip(mechanism.actuated, values, strict=True) if abs(v) > SINGULAR_VALUE}
+    return {c.name: float(v) for c, v in zip(joints, values, strict=True) if abs(v) > SINGULAR_VALUE}
 
 
 def _triple(vector: np.ndarray, scale: float) -> str:

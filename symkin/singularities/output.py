@@ -12,14 +12,16 @@ output stands, is told whichever limb the platform belongs to. O^+ and K are tak
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import pose_of
 from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated
 
@@ -60,6 +62,13 @@ class OutputEquations:
         return np.asarray(left.T[: int(np.sum(singular > RANK_TOLERANCE))] @ twists)
 
 
+def coordinate_names(mechanism: Mechanism, names: Sequence[str] | None) -> list[str] | None:
+    """The names of an output that is told by coordinates of the mechanism, and not by velocity components of the platform."""
+    if names is None or not names or set(names) <= {*OUTPUT_NAMES, "gamma"}:
+        return None
+    return list(names) if set(names) <= set(given_coordinates(mechanism)) else None
+
+
 def make_output(names: Sequence[str] | None, point: Sequence[float] | None) -> Output | None:
     """A checked output; None where nothing is named. `gamma` is rz; a point alone stands for x, y, z of it."""
     if names is None and point is None:
@@ -67,7 +76,9 @@ def make_output(names: Sequence[str] | None, point: Sequence[float] | None) -> O
     chosen = tuple("rz" if name == "gamma" else name for name in (("x", "y", "z") if names is None else names))
     unknown = [name for name in chosen if name not in OUTPUT_NAMES]
     if unknown or not chosen or len(set(chosen)) < len(chosen):
-        raise InputError(f"output = {', '.join(chosen)!r}; allowed: one or more of {', '.join(OUTPUT_NAMES)}, each once")
+        raise InputError(
+            f"output = {', '.join(chosen)!r}; allowed: one or more of {', '.join(OUTPUT_NAMES)}, each once; or joints by name"
+        )
     place = (0.0, 0.0, 0.0) if point is None else tuple(float(v) for v in point)
     if len(place) != 3 or not np.isfinite(place).all():
         raise InputError(f"point = {list(place)}; three finite numbers are needed, in the platform's frame")
@@ -94,7 +105,7 @@ def output_equations(
     limb = eliminated("output", rows, list(range(p)), list(range(p, p + n)), list(range(p + n, rows.shape[1])), tolerance)
     passive = np.concatenate([*(each.passive for each in equations.limbs), limb.passive])
     one = LimbEquations(limb.limb, limb.twist, limb.rates, equations.constraints, passive, equations.idle + limb.idle)
-    return OutputEquations(LimbwiseEquations((one,), equations.motion), left[:, :rank].T @ at_point[chosen])
+    return OutputEquations(replace(equations, limbs=(one,)), left[:, :rank].T @ at_point[chosen])
 
 
 def output_twists(equations: LimbwiseEquations, reduced: OutputEquations, tolerance: float) -> np.ndarray:

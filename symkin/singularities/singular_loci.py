@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.model.mechanism import require_limbs
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
 from symkin.quiet import without_float_warnings
@@ -35,6 +34,7 @@ def singular_loci(
     solution: Solution,
     plane: Sequence[str],
     *,
+    given: Sequence[str] | None = None,
     ranges: Sequence[Sequence[float]] | None = None,
     kinds: Sequence[LocusKind] = ("type 1", "type 2"),
     starts: int = DEFAULT_STARTS,
@@ -52,6 +52,9 @@ def singular_loci(
     pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought;
     `starts` (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
 
+    `given` names all coordinates that are known, as many as the mobility; the plane's are then two of them, and the curves (type 2) are
+    where they do not decide the others. For a graph of links these are the actuated joints, if none are named.
+
         >>> import symkin
         >>> platform = symkin.load("zhang2009")
         >>> home = symkin.solve(platform).solution
@@ -62,10 +65,7 @@ def singular_loci(
         >>> symkin.singularity(platform, **corner).kinds
         ('type 2',)
     """
-    require_limbs(
-        solution.mechanism, "singular_loci", "the condition of a solution of solve or modes tells how near it is to one"
-    )
-    chosen = plane_of(solution, plane)
+    chosen = plane_of(solution, plane, given)
     _check(chosen, kinds, starts, seed)
     window = _window(chosen, ranges)
     curves: list[Locus] = []
@@ -93,6 +93,8 @@ def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
         raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
+    if plane.known and "type 2" not in kinds:
+        raise InputError("kinds = 'type 1': over given coordinates curves are type 2, where these do not decide the others")
     if plane.of_pose:
         _check_pose(plane)
 

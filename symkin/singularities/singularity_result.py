@@ -15,6 +15,8 @@ from symkin.singularities.limb_equations import LimbwiseEquations
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
+from symkin.singularities.roles import Roles
+from symkin.singularities.singular_groups import SingularGroup
 
 KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the platform stands",
@@ -30,6 +32,13 @@ OUTPUT_KINDS = {
     "passive": "platform or passive joints move, output and actuated joints stand",
 }
 """What the kinds mean where an output is named."""
+GIVEN_KINDS = {
+    "type 1": "the given coordinates move, {output} stands",
+    "type 2": "{output} may move, the given coordinates stand",
+    "increased": "the loops' constraints lose rank: the mechanism has more freedoms than elsewhere",
+    "passive": "further joints may move alone, the given coordinates and {output} stand",
+}
+"""What the kinds mean where coordinates drive that are told by name."""
 CONDITIONS = {
     "RI": "redundant input",
     "RO": "redundant output",
@@ -60,6 +69,10 @@ class Singularity(Result):
     rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do. Where an `output` is
     named, it stands for the twist in all of this: `equations` and `ranks` (here and `generic`) are those reduced to it.
 
+    Where coordinates that are told by name drive (`given`), `motions` are independent motions while they stand, as rates of joints in
+    the mechanism's units, the largest 1, `groups` the structure groups that are singular, and `rank_loss` counts the motions that
+    other configurations do not have.
+
     >>> import symkin
     >>> found = symkin.singularity(symkin.load("zhang2009"), pose=[0, 0, 300, 0.5**0.5, 0, 0, 0.5**0.5])
     >>> found.kinds, found.conditions
@@ -80,6 +93,20 @@ class Singularity(Result):
     feasible_twists: tuple[NamedScrew, ...]
     notes: tuple[str, ...] = ()
     output: Output | None = None
+    roles: Roles | None = None
+    motions: tuple[dict[str, float], ...] = ()
+    groups: tuple[SingularGroup, ...] = ()
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The coordinates that drive, where they are told by name."""
+        return () if self.roles is None else self.roles.inputs or ()
+
+    @property
+    def rank_loss(self) -> int:
+        """Motions with the inputs held, beyond those that every configuration has."""
+        here, elsewhere = (r.idle - r.twist for r in (self.ranks, self.generic))
+        return here - elsewhere
 
     @property
     def permanent_freedoms(self) -> dict[str, int]:
@@ -126,7 +153,7 @@ class Singularity(Result):
             "length_unit": mechanism.length_unit,
             "angle_unit": mechanism.angle_unit,
             "size": mechanism.characteristic_length,
-            "output": None if self.output is None else self.output.to_dict(),
+            "output": self._output_dict(),
             "configuration": self.solution.to_dict(),
             "kinds": list(self.kinds),
             "conditions": list(self.conditions),
@@ -139,26 +166,51 @@ class Singularity(Result):
             "twists": [screw.to_dict() for screw in self.twists],
             "wrenches": [screw.to_dict() for screw in self.wrenches],
             "inputs": list(self.inputs),
+            **(self._named_dict() if self.given else {}),
             "notes": list(self.notes),
         }
+
+    def _named_dict(self) -> dict[str, Any]:
+        return {
+            "given": list(self.given),
+            "rank_loss": self.rank_loss,
+            "motions": list(self.motions),
+            "blocks": [group.to_dict() for group in self.groups],
+        }
+
+    def _output_dict(self) -> dict[str, Any] | None:
+        if self.output is None and self.roles is not None and self.roles.outputs and not self.roles.has_twist:
+            return {"coordinates": list(self.roles.outputs), "point": None}
+        return None if self.output is None else self.output.to_dict()
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
         free = "constraint" in self.kinds and "type 2" not in self.kinds
-        held = "with the actuated joints free" if free else "with the actuated joints held"
-        lines = [_solution_line(self.solution), *self._head_lines(), self._distance_line(), self._map_line()]
+        driven = "given coordinates" if self.given else "actuated joints"
+        held = f"with the {driven} free" if free else f"with the {driven} held"
+        lines = [
+            str(self.solution) if self.given else _solution_line(self.solution),
+            *self._head_lines(),
+            self._distance_line(),
+            self._map_line(),
+        ]
         lines += [f"platform motion {held}: {screw}" for screw in self.twists]
-        lines += [f"borne without the actuated joints: {screw}" for screw in self.wrenches]
+        lines += [f"borne without the {driven}: {screw}" for screw in self.wrenches]
+        lines += [f"joint rates with the {driven} held: {_rates(rates)}" for rates in self.motions if self.rank_loss]
+        lines += [f"singular: {group}" for group in self.groups]
         lines += [f"joint rates with the {self._moving} at rest: {_rates(rates)}" for rates in self.inputs]
         return Summary([*lines, *(f"note: {note}" for note in (*self.solution.notes, *self.notes))])
 
     @property
     def _moving(self) -> str:
-        return "platform" if self.output is None else "output"
+        named = self.roles is not None and self.roles.outputs is not None and not self.roles.has_twist
+        return "output" if self.output is not None or named else "platform"
 
     def _head_lines(self) -> list[str]:
         """The output, what the actuated joints never decide, and the kinds with their meanings."""
         lines = [] if self.output is None else [f"output: velocity {self.output}"]
+        if self.roles is not None and self.given:
+            return [*lines, *self._named_head(self.roles.output_text if self.output is None else "the output")]
         if count := self.uncontrolled_freedoms:
             freedoms = f"{count} freedom{'' if count == 1 else 's'}"
             lines.append(
@@ -170,6 +222,15 @@ class Singularity(Result):
         meanings = KINDS if self.output is None else OUTPUT_KINDS
         return [*lines, f"{head}{names}", *(f"  {kind}: {meanings[kind]}" for kind in self.kinds)]
 
+    def _named_head(self, output: str) -> list[str]:
+        """What drives, and the kinds with their meanings."""
+        head = ", ".join(self.kinds) + " singularity" if self.kinds else "regular"
+        if self.rank_loss:
+            head += f", {self.rank_loss} further motion{'s' * (self.rank_loss > 1)} with the given coordinates held"
+        names = f" ({', '.join(CONDITIONS[name] for name in self.conditions)})" if self.conditions else ""
+        meanings = [f"  {kind}: {GIVEN_KINDS[kind].format(output=output)}" for kind in self.kinds]
+        return [f"driven by: {', '.join(self.given)}; wanted: {output}", f"{head}{names}", *meanings]
+
     def _distance_line(self) -> str:
         counts = self.permanent_freedoms
         beyond = {kind: f" (from more than the {count} everywhere)" for kind, count in counts.items()}
@@ -178,8 +239,9 @@ class Singularity(Result):
         return f"distance (0 singular; rows of unit length, angles times the size {size:.6g}): {distances}"
 
     def _map_line(self) -> str:
+        wanted = "output" if self.output is not None or (self.roles is not None and not self.roles.has_twist) else "twist"
         return (
-            f"direct map, joint rates to {'twist' if self.output is None else 'output'}: condition {self.condition:.4g}, "
+            f"direct map, {'given' if self.given else 'joint'} rates to {wanted}: condition {self.condition:.4g}, "
             f"manipulability {self.manipulability:.4g}; inverse map {self.inverse_manipulability:.4g}"
         )
 

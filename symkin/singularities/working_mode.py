@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.position.mobility import whole_system
+from symkin.position.closed_configurations import whole_system
 from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.locus_system import LocusSystem
 
@@ -34,7 +34,7 @@ def _signs(blocks: Sequence[ca.Function], z: np.ndarray) -> np.ndarray:
 
 def _blocks(system: LocusSystem) -> list[ca.Function]:
     """dF_i/d(q_i, x_i) of the limbs where it is square, as functions of (free, u, v)."""
-    if system.kind == "type 1" and system.plane.of_pose:
+    if system.plane.known or (system.kind == "type 1" and system.plane.of_pose):
         return []
     plane = system.plane
     closure, whole = plane.closure, whole_system(plane.closure)

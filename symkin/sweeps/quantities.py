@@ -1,8 +1,8 @@
 """What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
 
-`modes`: all of them; `conditioning`: their distances from singularities of type 1 and type 2 (see
-`symkin.singularities.singularity_result`), their condition numbers, and the least and largest of these at each point; `reach`: how
-many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
+`modes`: all of them, with the named points of links; `conditioning`: their distances from singularities of type 1 and type 2 (see
+`symkin.singularities.singularity_result`) where the inputs or the pose are what is given, their condition numbers, and the least
+and largest of these at each point; `reach`: how many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
 modes of any point, and filled up with its `fill`.
 """
 
@@ -18,6 +18,7 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE
+from symkin.position.problem import Problem
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
 
@@ -39,18 +40,26 @@ class Variable:
         return "mode" in self.dimensions
 
 
-def variables(quantity: str, certify: bool, length_unit: str) -> tuple[Variable, ...]:
+def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable, ...]:
     """The arrays of a quantity. Raises InputError for one that is unknown."""
     if quantity not in QUANTITIES:
         raise InputError(f"quantity = {quantity!r} is unknown; allowed: {', '.join(QUANTITIES)}")
-    found = list(_COMMON)
+    mechanism, found = problem.mechanism, list(_COMMON)
     if quantity == "modes":
-        found += _modes(length_unit) + (_certificates(length_unit) if certify else [])
+        found += _platform(mechanism.length_unit) if mechanism.platform_link is not None else []
+        found += _points(mechanism.length_unit) if mechanism.link_points else []
+        found += _modes(mechanism.length_unit) + (_certificates(mechanism.length_unit) if certify else [])
     elif quantity == "conditioning":
-        found += _CONDITIONING
+        found += (_DISTANCES if problem.kind != "given" else []) + _CONDITIONING
     else:
         found += _REACH
     return tuple(found)
+
+
+def all_names() -> frozenset[str]:
+    """Names of the arrays of all quantities."""
+    found = (*_COMMON, *_platform(""), *_points(""), *_modes(""), *_certificates(""), *_DISTANCES, *_CONDITIONING, *_REACH)
+    return frozenset(v.name for v in found)
 
 
 def _variable(name: str, dtype: str, fill: float, dimensions: str = "", **attributes: Any) -> Variable:
@@ -71,18 +80,18 @@ _COMMON = (
 )
 _CONDITION = _variable("condition", "float64", np.nan, "mode", long_name="condition of the unknowns' Jacobian", units="1")
 _WITHIN = _variable("within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits")
+_DISTANCES = [
+    _variable(
+        f"distance_type_{k}",
+        "float64",
+        np.nan,
+        "mode",
+        units="1",
+        long_name=f"distance from a singularity of type {k} (0: singular; rows of unit length, angles times the size)",
+    )
+    for k in (1, 2)
+]
 _CONDITIONING = [
-    *(
-        _variable(
-            f"distance_type_{k}",
-            "float64",
-            np.nan,
-            "mode",
-            units="1",
-            long_name=f"distance from a singularity of type {k} (0: singular; rows of unit length, angles times the size)",
-        )
-        for k in (1, 2)
-    ),
     _CONDITION,
     _WITHIN,
     _variable("least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"),
@@ -94,10 +103,20 @@ _REACH = [
 ]
 
 
-def _modes(length_unit: str) -> list[Variable]:
+def _platform(length_unit: str) -> list[Variable]:
     return [
         _variable("position", "float64", np.nan, "mode axis", units=length_unit),
         _variable("quaternion", "float64", np.nan, "mode component", units="1"),
+    ]
+
+
+def _points(length_unit: str) -> list[Variable]:
+    long_name = "named points of links in the base frame"
+    return [_variable("points", "float64", np.nan, "mode named_point axis", long_name=long_name, units=length_unit)]
+
+
+def _modes(length_unit: str) -> list[Variable]:
+    return [
         _variable("joints", "float64", np.nan, "mode joint", long_name="joint coordinates, units in joint_units"),
         _variable("residual", "float64", np.nan, "mode", long_name="largest closure error", units=length_unit),
         _CONDITION,
@@ -112,10 +131,11 @@ def _certificates(length_unit: str) -> list[Variable]:
     ]
 
 
-def arrays_of(found: ModeTable, quantity: str, certify: bool, mechanism: Mechanism) -> dict[str, np.ndarray]:
+def arrays_of(found: ModeTable, quantity: str, certify: bool, problem: Problem) -> dict[str, np.ndarray]:
     """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
-    chosen = variables(quantity, certify, mechanism.length_unit)
-    derived = _derived(found) | (_distances(found, mechanism) if quantity == "conditioning" else {})
+    chosen = variables(quantity, certify, problem)
+    measured = _DISTANCES[0] in chosen
+    derived = _derived(found) | (_distances(found, problem.mechanism) if measured else {})
     arrays = {}
     for v in chosen:
         values = derived.get(v.name, getattr(found, v.name, None))

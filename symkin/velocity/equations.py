@@ -19,7 +19,7 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.solution import Solution
 from symkin.velocity.differential import Differential, differentiate, motion_columns
 from symkin.velocity.limb_ranks import LimbRanks, LimbStructure, Matrices, ranks_at

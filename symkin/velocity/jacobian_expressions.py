@@ -20,7 +20,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
-from symkin.position.mobility import closed_configurations
+from symkin.position.closed_configurations import closed_configurations
 from symkin.velocity.differential import Differential, pose_rates
 from symkin.velocity.elimination import back_substituted, cofactors, factored, nonzero_rows, shortest, without_span
 from symkin.velocity.equations import VelocityEquations

@@ -19,10 +19,10 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given_by_name import given_coordinates, unknown_name
 from symkin.position.groups import structure_groups
-from symkin.position.mobility import closed_configurations
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError

@@ -13,7 +13,7 @@ from helpers import joint_types, samples
 from helpers.shipped import LIMBS
 from symkin import Mechanism
 from symkin.closure.closure import Closure, build_closure
-from symkin.position.mobility import closed_configurations, whole_system
+from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.problem import build_problem
 from symkin.position.solution import pose_of
 from symkin.spatial.rotation import conjugate, multiply

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.assembly.modes import modes, modes_at_need
+from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
@@ -31,7 +31,6 @@ from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
-from symkin.position.given_by_name import plain_case
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler, wrapped
 
@@ -251,8 +250,7 @@ def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarra
         for v, c in zip(joints, mechanism.actuated, strict=True)
     }
     try:
-        plain = plain_case(mechanism, given) is not None
-        found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS) if plain else modes(mechanism, given=given)
+        found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS)
     except SymkinError:
         return np.zeros((0, model.system.width))
     closure = build_closure(mechanism, model.closure.partition)

@@ -30,10 +30,11 @@ from symkin.calibration.estimate.configurations import (
     is_carried,
     with_pose,
 )
-from symkin.closure.branches import Bar, edges_of
+from symkin.closure.branches import edges_of
 from symkin.closure.closure import build_closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.bar import Bar
 from symkin.model.joint import Coordinate
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism, require_mechanism

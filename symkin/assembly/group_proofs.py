@@ -1,0 +1,120 @@
+"""Certificates of modes group by group: the known values of a group are the boxes in which those before it are proved to be.
+
+A group is proved once for each of its own solutions, however many modes these combine to. Where a group's rows are redundant, as many
+independent ones as its unknowns are proved to vanish at one exact point, and the others to be small there (`PartialProof`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from flint import arb
+
+from symkin.certificate.certificate import certify_batch
+from symkin.certificate.discs import Discs
+from symkin.certificate.exact import knowns_of
+from symkin.certificate.independent_rows import prove_independent_rows
+from symkin.certificate.knowns import Knowns
+from symkin.homotopy.systems import system_of, unsuitable
+from symkin.homotopy.values import algebraic_points
+from symkin.numeric.balls import UP, Number, precision
+from symkin.position.groups import is_linear
+from symkin.position.problem import Problem
+from symkin.position.solution import PartialProof
+from symkin.position.solution_list import SolutionList
+
+_BITS = 128
+
+
+@dataclass(frozen=True, eq=False)
+class _Proved:
+    """Of n solutions of a group: which are certified, how far the exact ones are (length unit; infinite: nothing is proved), and
+    what is proved of those whose rows are redundant."""
+
+    certified: np.ndarray
+    radius: np.ndarray
+    partial: np.ndarray
+
+
+def with_certificates(groups: Sequence[Problem], found: SolutionList) -> SolutionList:
+    """The solutions with what is proved of them; as they are where no group can be certified."""
+    if not len(found):
+        return found
+    values = found.values
+    reach = np.zeros(values.shape)
+    certified, radius = np.ones(len(values), dtype=bool), np.zeros(len(values))
+    parts: list[np.ndarray] = []
+    for group in groups:
+        columns = np.concatenate([group.known_places, group.unknown_places])
+        _, first, which = np.unique(values[:, columns], axis=0, return_index=True, return_inverse=True)
+        which = which.ravel()
+        far = np.zeros((len(first), len(group.known_places)))
+        np.maximum.at(far, which, reach[:, group.known_places])
+        proved = _of_group(group, values[first], far)
+        certified &= proved.certified[which]
+        radius = np.maximum(radius, proved.radius[which])
+        parts.append(proved.partial[which])
+        reach[:, group.unknown_places] = proved.radius[which][:, None]
+    if not np.isfinite(radius).any():
+        return found
+    ground = np.array([None if sure else _joined([part[i] for part in parts]) for i, sure in enumerate(certified)], dtype=object)
+    return replace(
+        found, certified=certified.astype(int), radius=np.where(certified, radius, np.nan), ground=ground, _made={}
+    )  # fmt: skip
+
+
+def _joined(parts: list[PartialProof | None]) -> PartialProof | None:
+    """What is proved of a mode; None where nothing is of one of its parts."""
+    kept = [part for part in parts if part is not None]
+    return PartialProof.joined(kept) if len(kept) == len(parts) else None
+
+
+def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
+    """Of solutions (n, variables) whose known values are within `far` (n, known) of what is given (length unit)."""
+    n = len(values)
+    nothing = _Proved(np.zeros(n, dtype=bool), np.full(n, np.inf), np.full(n, None, dtype=object))
+    if _reason(group) is not None:
+        return nothing
+    (block,) = group.blocks
+    system, size = system_of(group, block), group.closure.characteristic_length
+    named = {c.name: values[:, group.closure.slices[c.name]] for c in block.unknowns}
+    z = algebraic_points(group, system, named)
+    near = np.flatnonzero(np.isfinite(far).all(axis=1))
+    if not near.size:
+        return nothing
+    knowns = _widened(knowns_of(group, values[near][:, group.known_places]), far[near] / size)
+    rows = int(system.count)
+    if rows > system.width - bool(system.projective):
+        for place, i in enumerate(near.tolist()):
+            proof = prove_independent_rows(system, z[:, i].real, knowns.numbers(place), size)
+            if proof is not None:
+                nothing.partial[i], nothing.radius[i] = proof, proof.radius
+        return nothing
+    batch = certify_batch(system, z[:, near], knowns, np.arange(near.size), size)
+    index, radius = batch.find(z[:, near], np.arange(near.size), None)
+    sure = near[index >= 0]
+    nothing.certified[sure], nothing.radius[sure] = True, radius[index >= 0]
+    for i in sure.tolist():
+        nothing.partial[i] = PartialProof(rows, rows, float(nothing.radius[i]), 0.0)
+    return nothing
+
+
+def _reason(group: Problem) -> str | None:
+    """Why a group has no certificates; rows that are linear need no algebraic coordinates."""
+    return None if is_linear(group) else unsuitable(group)
+
+
+def _widened(knowns: Knowns, radius: np.ndarray) -> Knowns:
+    """Known values that are only known to within a radius (m, known)."""
+    discs = Discs(knowns.discs.middle, (knowns.discs.radius + radius) * UP)
+
+    def numbers(j: int) -> tuple[Number, ...]:
+        with precision(_BITS):
+            return tuple(
+                arb(float(m), float(r)) if r > 0.0 else v
+                for v, m, r in zip(knowns.numbers(j), discs.middle[j].real, discs.radius[j], strict=True)
+            )
+
+    return Knowns(discs, numbers)

@@ -1,0 +1,186 @@
+"""Real solutions of one structure group at many values of what it reads.
+
+A group whose rows are linear is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
+that leave something in doubt, and groups without a start, are searched one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.continuation import by_continuation
+from symkin.assembly.modes_result import Completeness
+from symkin.assembly.search import Search
+from symkin.computed_once import lru_cache
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.structure import start_of_structure, structure_of
+from symkin.homotopy.systems import system_of, unsuitable
+from symkin.numeric.levenberg import Progress
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.given import Given
+from symkin.position.groups import is_linear
+from symkin.position.multistart import batched
+from symkin.position.problem import Problem
+from symkin.position.roots import Roots
+
+STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
+"""What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
+NOT_KNOWN = -1
+"""A count that is not known."""
+_DIGITS = 6
+"""Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroupRoots:
+    """Solutions `points` (m, width) of a group at n rows of known values, and the row `owner` (m,) of each, rising. Of each row
+    (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved paths (`NOT_KNOWN`), the least closure
+    error that a search without success has reached (else infinite), whether a set that is not isolated was met; `notes` of single
+    rows; `engine` and `orbits` (notes) of all."""
+
+    points: np.ndarray
+    owner: np.ndarray
+    statement: np.ndarray
+    complex_count: np.ndarray
+    unresolved: np.ndarray
+    smallest: np.ndarray
+    continuum: np.ndarray
+    notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    engine: str | None = None
+    orbits: tuple[str, ...] = ()
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Solutions of each row (n,)."""
+        return np.bincount(self.owner, minlength=len(self.statement))
+
+    def with_rows(self, rows: np.ndarray, other: GroupRoots) -> GroupRoots:
+        """The same with some rows, rising, as another search has them."""
+        kept = ~np.isin(self.owner, rows)
+        points = np.concatenate([self.points[kept], other.points])
+        owner = np.concatenate([self.owner[kept], rows[other.owner]])
+        order = np.argsort(owner, kind="stable")
+        arrays = {}
+        for name in ("statement", "complex_count", "unresolved", "smallest", "continuum"):
+            arrays[name] = getattr(self, name).copy()
+            arrays[name][rows] = getattr(other, name)
+        notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
+        engines = dict.fromkeys(e for e in (self.engine, other.engine) if e is not None)
+        return GroupRoots(
+            points[order], owner[order], **arrays, notes=notes, engine=", ".join(engines) or None, orbits=self.orbits
+        )
+
+    def in_order(self) -> GroupRoots:
+        """The same with the solutions of each row in an order that rounding errors do not decide."""
+        order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
+        return GroupRoots(
+            self.points[order], self.owner[order], self.statement, self.complex_count, self.unresolved, self.smallest,
+            self.continuum, self.notes, self.engine, self.orbits,
+        )  # fmt: skip
+
+
+def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
+    """The solutions of a group at known values (n, known)."""
+    if is_linear(group):
+        return _linear(group, known)
+    paths = group_paths(group) if search.method == "continuation" else None
+    if paths is None:
+        return one_by_one(group, known, search, progress)
+    found = paths.roots(known, certify=False)
+    tracked = GroupRoots(
+        found.points,
+        found.owner,
+        statement=np.full(len(known), STATEMENTS.index("probability one")),
+        complex_count=found.complex_count,
+        unresolved=np.zeros(len(known), dtype=int),
+        smallest=np.full(len(known), np.inf),
+        continuum=np.zeros(len(known), dtype=bool),
+        engine=paths.engine,
+        orbits=paths.notes,
+    )
+    doubtful = np.flatnonzero(~found.plain)
+    if not doubtful.size:
+        return tracked
+    return tracked.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+
+
+def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
+    """The solutions of a group at known values (n, known), each searched alone, with random numbers that do not depend on the
+    others."""
+    searched = [_searched(group, Given("given", numbers, {}), search, progress) for numbers in known]
+    roots = [found for found, _ in searched]
+    counts = [NOT_KNOWN if r.complex_count is None else r.complex_count for r in roots]
+    engines = dict.fromkeys(r.engine for r in roots if r.engine is not None)
+    return GroupRoots(
+        points=np.concatenate([np.zeros((0, group.system.width)), *(r.points for r in roots)]),
+        owner=np.repeat(np.arange(len(roots)), [len(r.points) for r in roots]),
+        statement=np.array([STATEMENTS.index(_statement(r)) for r in roots], dtype=int),
+        complex_count=np.array(counts, dtype=int),
+        unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=int),
+        smallest=np.array([r.smallest_residual for r in roots]),
+        continuum=np.array([r.continuum is not None for r in roots], dtype=bool),
+        notes={i: notes for i, (_, notes) in enumerate(searched) if notes},
+        engine=", ".join(engines) or None,
+    )
+
+
+def _searched(group: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Roots, tuple[str, ...]]:
+    rng = np.random.default_rng(search.seed)
+    if search.method != "continuation":
+        return batched(group, group.blocks[0], given, search.starts, rng, progress), ()
+    (roots,), notes, _ = by_continuation(group, given, search.starts, rng, progress)
+    missing = () if roots.missing is None else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
+    return roots, (*notes, *missing)
+
+
+def _statement(roots: Roots) -> Completeness:
+    if roots.sampled:
+        return "sampled"
+    return "incomplete" if roots.unresolved or roots.complex_sets or roots.continuum is not None else "probability one"
+
+
+@lru_cache(maxsize=256)
+def group_paths(group: Problem) -> BlockPaths | None:
+    """What tracks the paths of a group; None where it has no start."""
+    if unsuitable(group) is not None:
+        return None
+    (block,) = group.blocks
+    system = system_of(group, block)
+    structure = structure_of(group, system)
+    if structure is not None:
+        shared = start_of_structure(group, structure)
+        if shared is not None:
+            return BlockPaths(group, block, structure.system, shared, structure)
+    start, _ = start_of(group, system, block)
+    return None if start is None else BlockPaths(group, block, system, start)
+
+
+def most_roots(group: Problem) -> int | None:
+    """The most isolated solutions of a group at one row of values; None where no paths tell."""
+    if is_linear(group):
+        return 1
+    paths = group_paths(group)
+    return None if paths is None else paths.most_roots
+
+
+# --- groups that are linear ----------------------------------------------------------------------------------------
+
+
+def _linear(group: Problem, known: np.ndarray) -> GroupRoots:
+    system, n = group.system, len(known)
+    points = system.polish_many(np.zeros((n, system.width)), known).points
+    residual = system.residuals(points, known)
+    closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * system.characteristic_length)
+    return GroupRoots(
+        points[closed],
+        closed,
+        statement=np.zeros(n, dtype=int),
+        complex_count=np.ones(n, dtype=int),
+        unresolved=np.zeros(n, dtype=int),
+        smallest=residual,
+        continuum=np.zeros(n, dtype=bool),
+    )

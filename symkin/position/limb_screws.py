@@ -1,0 +1,145 @@
+"""Reciprocal screws of limbs and platform at one configuration.
+
+With the closure's rows F(q, x, X) = 0 differentiated, A twist + B rates = 0 for each limb. A wrench of the limb's
+constraint system is A^T y for y^T B = 0: it does no work on any twist that the limb's joints, cut ones included, allow.
+With the actuated joints locked, only the passive columns of B count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.model.joint import Coordinate
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.closed_configurations import whole_system
+from symkin.position.solution import pose_of
+from symkin.spatial.rotation import conjugate, multiply
+from symkin.spatial.screw import tidy_rows
+
+
+@dataclass(frozen=True, eq=False)
+class LimbScrews:
+    """Wrenches (force; moment about the base origin), as rows: those that a limb always exerts on the platform, and
+    those with its actuated joints locked."""
+
+    limb: str
+    constraints: np.ndarray
+    locked: np.ndarray
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        return len(self.constraints), len(self.locked)
+
+
+def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
+    """Constraint wrenches of each limb against a free platform, whatever motion is declared; none where joints or rods other than
+    limbs hold the platform."""
+    if closure.mechanism.is_graph:
+        return ()
+    spatial = build_closure(replace(closure.mechanism, motion="spatial"))
+    system = whole_system(spatial)
+    z = _with_free_platform(closure, spatial, values)
+    _, jacobian = system.linearise_one(z, np.zeros(0))
+    columns = per_freedom(spatial.coordinates)
+    joints = [k for k, c in enumerate(columns) if c.role != "pose"]
+    passive = [k for k, c in enumerate(columns) if c.role == "passive"]
+    position = z[spatial.slices["pose.x"].start :][:3]
+    screws = []
+    for limb in closure.mechanism.limbs:
+        rows = [k for k, row in enumerate(spatial.row_sources) if row.limb == limb.name]
+        twist_rows = jacobian[rows][:, [k for k, c in enumerate(columns) if c.role == "pose"]]
+        systems = []
+        for kept in (joints, passive):
+            wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE, relative=True) @ twist_rows
+            systems.append(
+                row_space(_at_base_origin(wrenches, position, closure.characteristic_length), closure.characteristic_length)
+            )
+        screws.append(LimbScrews(limb.name, systems[0], systems[1]))
+    return tuple(screws)
+
+
+def _with_free_platform(closure: Closure, spatial: Closure, values: np.ndarray) -> np.ndarray:
+    pose = pose_of(closure, values)
+    z = spatial.reference.copy()
+    for c in spatial.coordinates:
+        if c.role != "pose":
+            z[spatial.slices[c.name]] = values[closure.slices[c.name]]
+    z[spatial.slices["pose.x"].start :][:7] = np.concatenate([pose.position, pose.quaternion])
+    return z
+
+
+def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
+    """From (force, moment / size about the platform origin) to (force; moment about the base origin)."""
+    force, moment = wrenches[:, :3], size * wrenches[:, 3:]
+    return np.hstack([force, moment + np.cross(position, force)])
+
+
+def platform_screws(
+    closure: Closure, system: System, values: np.ndarray, limbs: Sequence[LimbScrews]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Wrenches that the platform takes and the twists that it has left, as rows: from those of its limbs, else from what the closed
+    loops leave; none without a platform."""
+    size = closure.characteristic_length
+    if limbs:
+        wrenches = row_space(np.vstack([limb.constraints for limb in limbs]), size)
+        return wrenches, _reciprocal(wrenches, size)
+    if closure.mechanism.platform_link is None:
+        return np.zeros((0, 6)), np.zeros((0, 6))
+    twists = _platform_twists(closure, system, values)
+    return _reciprocal(twists, size), twists
+
+
+def _reciprocal(screws: np.ndarray, size: float) -> np.ndarray:
+    """A readable basis of the screws reciprocal to all of some."""
+    return row_space(reciprocal_system(screws, size), size) if len(screws) else np.eye(6)
+
+
+def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
+    """Twists (angular velocity; velocity at the base origin) of the platform link that the closed loops leave, as rows."""
+    free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
+    pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+    rates = ca.mtimes(ca.jacobian(closure.bound(pose), closure.variables), system.tangent)
+    evaluate = ca.Function("platform", [closure.variables], [closure.bound(pose), rates])
+    at, moved = (np.asarray(part) for part in evaluate(values))
+    moved = moved @ free.T
+    position, quaternion = at[:3, 0], at[3:, 0]
+    twists = []
+    for rate in moved.T:
+        angular = 2.0 * np.asarray(multiply(rate[3:], conjugate(quaternion)))[1:]
+        twists.append(np.concatenate([angular, rate[:3] - np.cross(angular, position)]))
+    size = closure.characteristic_length
+    return row_space(np.array(twists), size) if twists else np.zeros((0, 6))
+
+
+def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
+    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the length `size`."""
+    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    scaled = np.atleast_2d(screws) * weights
+    swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
+    return np.asarray(tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights)
+
+
+def row_space(wrenches: np.ndarray, size: float) -> np.ndarray:
+    """A readable basis of the span of wrenches: unit forces, and unit couples where there is no force. Moments are
+    weighed by the size in judging rank."""
+    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    scaled = wrenches * weights
+    rank = Rank.of(scaled).value
+    if rank == 0:
+        return np.zeros((0, 6))
+    _, _, right = np.linalg.svd(scaled)
+    rows = tidy_rows(right[:rank]) / weights
+    forces, moments = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
+    return np.asarray(rows / np.where(forces > 1e-9, forces, moments)[:, None])
+
+
+def per_freedom(coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
+    return [c for c in coordinates for _ in range(c.freedom)]

@@ -1,0 +1,190 @@
+"""What is said of a mechanism's mobility: the result of `mobility`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.closure.closure import Closure
+from symkin.computed_once import cached_property
+from symkin.numeric.rank import Rank
+from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
+from symkin.position.gruebler import counts
+from symkin.position.limb_screws import LimbScrews
+from symkin.position.loops import Loop, loops_at
+from symkin.result import Result, Summary
+
+FILE_DIGITS = 1e-5
+"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a file; and the share of the
+largest singular value below which others are zero to these digits. Files are written with five digits and more."""
+
+
+@dataclass(frozen=True)
+class ToDigits:
+    """What holds to the digits of a file: the largest closure error (length unit) of least-squares configurations, and the rank
+    there."""
+
+    misfit: float
+    rank: int
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How far loops stay open: the largest closure error at the best configuration found, and the loop that has it."""
+
+    length: float
+    loop: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mobility(Result):
+    """What the closure's differential says at one closed configuration.
+
+    mobility = freedoms of all coordinates - rank; redundant = rows - rank; rows that vanish at every configuration count as well,
+    unless a declared motion is why they do. `values` are the closure's variables there;
+    `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
+    `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
+    reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
+    file, `misfit` where they do not close at all. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
+    counts idle freedoms.
+
+    >>> import symkin
+    >>> found = symkin.mobility(symkin.load("zhao2000_links"))
+    >>> [limb.counts for limb in found.limbs], len(found.platform_constraints)
+    ([(1, 2), (1, 2), (1, 2), (0, 1)], 2)
+    """
+
+    closure: Closure
+    values: np.ndarray
+    at_reference: bool
+    closed: bool
+    freedoms: int
+    rows: int
+    rank: Rank
+    direct_rank: Rank
+    limbs: tuple[LimbScrews, ...]
+    platform_constraints: np.ndarray
+    platform_twists: np.ndarray
+    gruebler: int
+    reference_rank: Rank | None = None
+    digits: ToDigits | None = None
+    misfit: Misfit | None = None
+
+    @cached_property
+    def loops(self) -> tuple[Loop, ...]:
+        """The independent loops, each with its own rank."""
+        return loops_at(self.closure, self.values, RANK_TOLERANCE if self.digits is None else FILE_DIGITS)
+
+    @property
+    def mobility(self) -> int:
+        """Freedoms that the loops leave."""
+        return self.freedoms - self.rank.value
+
+    @property
+    def redundant(self) -> int:
+        """Rows of the closure that the others imply."""
+        return self.rows - self.rank.value
+
+    @property
+    def actuated(self) -> int:
+        """Count of actuated joints."""
+        return len(self.closure.mechanism.actuated)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful: an unclear rank, actuated joints that are not as many as the mobility or do not decide it."""
+        found = [*self._closing]
+        if self.rank.gap < CLEAR_GAP:
+            found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
+        if self.misfit is not None:
+            return tuple(found)
+        mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
+        if self.actuated != mobility:
+            more = "some motion stays free" if self.actuated < mobility else "the inputs cannot be chosen freely"
+            found.append(
+                f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility of {mobility}: {more}"
+            )
+        elif self.digits is None and self.direct_rank.value < self.freedoms - self.actuated:
+            found.append("the actuated joints do not determine the configuration, although their number is the mobility")
+        return tuple(found)
+
+    @property
+    def _closing(self) -> tuple[str, ...]:
+        """What is said of loops that do not close, or not exactly."""
+        unit = self.closure.mechanism.length_unit
+        if self.misfit is not None:
+            return (
+                f"no configuration closes the loops: the best one found leaves {self.misfit.length:.3g} {unit}, most of it in the loop "
+                f"of {self.misfit.loop}; what is said here holds at the open reference",
+            )
+        if self.digits is None:
+            return ()
+        rank = self.digits.rank
+        where, exactly = ("away from the reference ", f"; exactly, it is {self.mobility}") if self.closed else ("", "")
+        return (
+            f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
+            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.rows - rank} redundant constraints{exactly}",
+        )
+
+    def summary(self, most_rows: int | None = None) -> Summary:
+        """Mobility and redundant constraints, then the count of constraint wrenches that each limb exerts."""
+        name, where = self.closure.mechanism.name, "" if self.closed else " (no closed configuration was found)"
+        above = [
+            f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
+            f"{self.rows} rows; redundant constraints: {self.redundant}{where}"
+        ]
+        below = [f"warning: {warning}" for warning in self.warnings]
+        if not self.limbs:
+            cells = [[loop.name, str(loop.rows), str(loop.rank), str(loop.redundant)] for loop in self.loops]
+            return Summary(above, ["loop", "rows", "rank", "redundant"], cells[:most_rows], below)
+        rows = [[limb.limb, *map(str, limb.counts)] for limb in self.limbs]
+        rows.append(["platform", str(len(self.platform_constraints)), ""])
+        header = ["limb", "constraint wrenches", "with actuated joints locked"]
+        return Summary(above, header, rows[:most_rows], below)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON object of `symkin show --json`; wrenches are (force; moment), twists (angular velocity; velocity), about the
+        base origin."""
+        closure, reference = self.closure, self.reference_rank
+        mechanism = closure.mechanism
+        links, joints, _ = counts(mechanism)
+        return {
+            "mechanism": mechanism.name,
+            "length_unit": mechanism.length_unit,
+            "angle_unit": mechanism.angle_unit,
+            "links": links,
+            "joints": joints,
+            "loops": joints - links + 1,
+            "rows": self.rows,
+            "rank": None if reference is None else reference.value,
+            "mobility": None if reference is None else self.freedoms - reference.value,
+            "redundant": None if reference is None else self.rows - reference.value,
+            "generic": {"rank": self.rank.value, "mobility": self.mobility, "redundant": self.redundant, "closed": self.closed},
+            "gruebler": self.gruebler,
+            "actuated": [c.name for c in mechanism.actuated],
+            "limbs": [
+                {"name": limb.limb, "constraints": limb.constraints.tolist(), "locked": limb.locked.tolist()}
+                for limb in self.limbs
+            ],
+            "platform_constraints": self.platform_constraints.tolist(),
+            "platform_twists": self.platform_twists.tolist(),
+            "screws_at_reference": self.at_reference,
+            "notes": list(self.warnings),
+            "rods": len(mechanism.link_rods),
+            "couplings": len(mechanism.couplings),
+            "each_loop": [
+                {
+                    "joints": list(loop.joints), "links": list(loop.links), "rows": loop.rows, "rank": loop.rank,
+                    "redundant": loop.redundant,
+                }
+                for loop in self.loops
+            ],
+            "unknowns": [c.name for c in closure.coordinates if c.role != "actuated"],
+            "idle": list(closure.idle),
+            "misfit": None if self.misfit is None else self.misfit.length,
+            "to_digits": None
+            if self.digits is None
+            else {"misfit": self.digits.misfit, "rank": self.digits.rank, "mobility": self.freedoms - self.digits.rank},
+        }  # fmt: skip

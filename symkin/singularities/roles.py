@@ -1,0 +1,119 @@
+"""What drives a mechanism and what is wanted of it: the inputs q' and the outputs t of its velocity equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.errors import InputError
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.given_by_name import given_coordinates, plain_kind, pose_names, unknown_name
+from symkin.position.problem import build_problem
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The coordinates that are driven (`inputs`) and those that are wanted (`outputs`), by name. Without names, they are the actuated
+    joints and the platform's pose of limbs. `outputs` of None are all other joints."""
+
+    mechanism: Mechanism
+    inputs: tuple[str, ...] | None = None
+    outputs: tuple[str, ...] | None = None
+
+    @property
+    def by_name(self) -> bool:
+        return self.inputs is not None
+
+    @property
+    def has_twist(self) -> bool:
+        """Whether the output is the platform's twist."""
+        return not self.by_name or self.outputs == pose_names(self.mechanism)
+
+    @property
+    def closure(self) -> Closure:
+        """The closure of what is asked; that of names holds every joint whose coordinates are numbers, so that where loops would be cut
+        does not matter."""
+        if self.inputs is None:
+            return build_closure(self.mechanism)
+        numbers = [c.name for c in self.mechanism.coordinates if c.kind != "quaternion"]
+        held = dict.fromkeys([*numbers, *(self.outputs or ())])
+        names = tuple(name for name in held if name not in self.inputs)
+        return build_problem(self.mechanism, "given", self.inputs, names).closure
+
+    @property
+    def names_output(self) -> bool:
+        """Whether the output is less than all that is not driven."""
+        return not self.by_name or self.outputs is not None
+
+    def input_columns(self, closure: Closure) -> list[int]:
+        """Columns of the closure's Jacobian by rates of what is driven."""
+        if self.inputs is None:
+            return columns_by_name(closure, [c.name for c in closure.role("actuated")])
+        return columns_by_name(closure, self.inputs)
+
+    def driven(self, closure: Closure) -> list[Coordinate]:
+        """The coordinates that drive, one for each input column."""
+        owners = [c for c in closure.coordinates for _ in range(c.freedom)]
+        return [owners[k] for k in self.input_columns(closure)]
+
+    def output_columns(self, closure: Closure) -> list[int]:
+        """Columns of the closure's Jacobian by rates of what is wanted."""
+        if self.inputs is None:
+            return columns_by_name(closure, [c.name for c in closure.role("pose")])
+        return columns_by_name(closure, other_joints(closure, self.inputs) if self.outputs is None else self.outputs)
+
+    @property
+    def output_text(self) -> str:
+        """What the output is, in words."""
+        return "the platform" if self.has_twist else "the other joints" if self.outputs is None else ", ".join(self.outputs)
+
+
+def roles_of(mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> Roles:
+    """The roles for coordinates that are told by name; without `inputs` the actuated joints, without `outputs` the platform, or all
+    other joints where there is none or its own coordinates drive. Raises InputError for names that nothing has."""
+    driven = tuple(c.name for c in mechanism.actuated) if inputs is None else checked_names(mechanism, inputs, "given")
+    if outputs is None and plain_kind(mechanism, driven) is not None:
+        return Roles(mechanism)
+    if not driven:
+        raise InputError(f"{mechanism.name}: no joint is actuated; name what drives it, by given")
+    if outputs is not None:
+        wanted = checked_names(mechanism, outputs, "output")
+        both = [name for name in wanted if name in driven]
+        if both:
+            raise InputError(f"output = {', '.join(wanted)}: {', '.join(both)} is given, and drives the mechanism")
+        return Roles(mechanism, driven, wanted)
+    pose_drives = any(name in POSE_CONDITIONS and name not in _joint_names(mechanism) for name in driven)
+    platform = mechanism.platform_link is not None and not pose_drives and not any(n.startswith("pose.") for n in driven)
+    return Roles(mechanism, driven, pose_names(mechanism) if platform else None)
+
+
+def other_joints(closure: Closure, inputs: Sequence[str]) -> list[str]:
+    """The joints whose coordinates are numbers and that do not drive."""
+    found = (c for c in closure.role("actuated", "passive") if c.kind != "quaternion")
+    return [c.name for c in found if c.name not in inputs]
+
+
+def checked_names(mechanism: Mechanism, names: Sequence[str], what: str) -> tuple[str, ...]:
+    """Names of coordinates, those of the whole pose for "pose". Raises InputError for what no coordinate is named, or twice."""
+    known = given_coordinates(mechanism)
+    found: list[str] = []
+    for name in names:
+        whole = name == "pose" and name not in known and mechanism.platform_link is not None
+        if not whole and name not in known:
+            raise InputError(unknown_name(mechanism, name, list(known), what))
+        found += pose_names(mechanism) if whole else [name]
+    if len(set(found)) < len(found) or not found:
+        raise InputError(f"{what} = {', '.join(names)}: names of coordinates are needed, each once")
+    return tuple(found)
+
+
+def _joint_names(mechanism: Mechanism) -> set[str]:
+    return {c.name for c in mechanism.coordinates}
+
+
+def columns_by_name(closure: Closure, names: Sequence[str]) -> list[int]:
+    """Columns of the closure's Jacobian by rates of some coordinates, in the order of the names."""
+    owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
+    return [k for name in names for k, owner in enumerate(owners) if owner == name]

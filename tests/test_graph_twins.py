@@ -1,0 +1,93 @@
+"""Limbs, arms and rods said as graphs of links are the same machines: the same modes, poses and inverse solutions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import samples
+from helpers.graph_twin import graph_twin
+
+MACHINES = {
+    "planar 3-RRR": lambda: samples.three_rrr("planar"),
+    "planar 3-RRR in space": samples.three_rrr,
+    "five-bar": lambda: samples.readme_five_bar("planar"),
+    "four-bar": lambda: samples.bars(100.0, 40.0, 120.0, 90.0),
+    "delta": samples.delta,
+    "3-RPS": samples.three_rps,
+    "hexapod": samples.hexagons,
+    "arm": samples.pieper,
+    "zhao2000": lambda: symkin.load("zhao2000"),
+    "zhao2000_links": lambda: symkin.load("zhao2000_links"),
+    "yao2020": lambda: symkin.load("yao2020"),
+}
+SAMPLED = {"zhao2000_links"}
+"""As a graph its platform and sliding joints have more generic solutions than a search takes on."""
+
+
+def same(a: symkin.Modes, b: symkin.Modes) -> None:
+    """The same configurations, in any order, of actuated joints and poses."""
+    size = a.problem.mechanism.characteristic_length
+    names = [c.name for c in a.problem.mechanism.actuated]
+    rows = []
+    for found in (a, b):
+        table = []
+        for mode in found:
+            turns = [np.radians(mode.joints[n]) if found.problem.mechanism.angle_unit == "deg" else mode.joints[n] for n in names]
+            kinds = {c.name: c.kind for c in found.problem.mechanism.actuated}
+            values = [mode.joints[n] / size if kinds[n] == "length" else v for n, v in zip(names, turns, strict=True)]
+            angular = [np.exp(1j * v) if kinds[n] != "length" else v for n, v in zip(names, values, strict=True)]
+            table.append(np.concatenate([mode.position / size, np.asarray(mode.pose.rotation).ravel(), angular]))
+        rows.append(np.array(table))
+    first, second = rows
+    assert len(first) == len(second)
+    for row in first:
+        assert np.min(np.max(np.abs(second - row), axis=1)) < 1e-6
+
+
+@pytest.mark.parametrize("name", sorted(MACHINES))
+def test_a_graph_has_the_modes_of_its_limbs(name):
+    """Direct problem beside the reference."""
+    limbs = MACHINES[name]()
+    twin = graph_twin(limbs)
+    assert twin.is_graph
+    values = [c.reference[0] for c in limbs.actuated]
+    joints = [
+        limbs.angle_out(v + 0.02) if c.is_angular else v + 0.01 * limbs.characteristic_length
+        for v, c in zip(values, limbs.actuated, strict=True)
+    ]
+    a, b = symkin.modes(limbs, joints=joints), symkin.modes(twin, joints=joints)
+    same(a, b)
+    assert b.completeness == "sampled" if name in SAMPLED else b.completeness in ("proved", "probability one")
+
+
+@pytest.mark.parametrize("name", sorted(MACHINES))
+def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
+    """Inverse problem at the pose of a direct one."""
+    limbs = MACHINES[name]()
+    twin = graph_twin(limbs)
+    pose = symkin.solve(
+        limbs, joints=[limbs.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in limbs.actuated]
+    )
+    where = pose.solution.pose
+    same(symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where))
+
+
+@pytest.mark.parametrize("name", sorted(MACHINES))
+def test_a_graph_has_the_mobility_of_its_limbs(name):
+    limbs = MACHINES[name]()
+    assert symkin.mobility(limbs).mobility == symkin.mobility(graph_twin(limbs)).mobility
+
+
+def test_a_spherical_motion_may_be_declared():
+    """Of a wrist whose axes meet: the same modes from motors, and from a whole pose all that each limb allows, two each."""
+    declared = symkin.load("spherical_wrist")
+    assert declared.motion == "spherical"
+    free = replace(declared, motion="spatial")
+    motors = {"motor1": 10.0, "motor2": -5.0, "motor3": 15.0}
+    same(symkin.modes(declared, given=motors), symkin.modes(free, given=motors))
+    found = symkin.modes(declared, pose=[0, 0, 0, 0.99, 0.05, -0.1, 0.07])
+    assert (len(found), found.completeness) == (8, "probability one")

@@ -1,0 +1,183 @@
+"""Generic roots that all blocks of one structure share: found once, and the same solutions as from a block's own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin.assembly import group_roots
+from symkin.closure.link_poses import link_poses
+from symkin.closure.numpy_code import vectorise
+from symkin.homotopy import structure
+from symkin.homotopy.algebraic import complex_normal
+from symkin.homotopy.seeds import random_known
+from symkin.homotopy.structure import structure_of
+from symkin.homotopy.systems import system_of
+from symkin.homotopy.values import known_values
+from symkin.model.file import parse
+from symkin.position.closed_configurations import closed_configurations
+from symkin.position.groups import structure_groups
+from symkin.position.problem import build_problem
+from symkin.position.solution_list import make_solution
+
+group_paths = group_roots.group_paths.__wrapped__
+HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
+
+
+def joint(
+    name: str, links: tuple[str, str], point: np.ndarray, *, actuated: bool = False, kind: str = "R", axis: str = "0, 0, 1"
+) -> str:
+    text = f'[[joint]]\nname = "{name}"\ntype = "{kind}"\nlinks = ["{links[0]}", "{links[1]}"]\npoint = {point.tolist()}\naxis = [{axis}]\n'
+    return text + ("actuated = true\n" if actuated else "")
+
+
+def four_bar(points: np.ndarray) -> symkin.Mechanism:
+    """A crank and a dyad whose joints lie anywhere in the plane."""
+    p = np.column_stack([points, np.zeros(4)])
+    links = (("base", "crank"), ("crank", "coupler"), ("coupler", "follower"), ("follower", "base"))
+    return parse(HEAD + "".join(joint(f"j{k}", pair, p[k], actuated=k == 0) for k, pair in enumerate(links)))
+
+
+def groups(mechanism: symkin.Mechanism) -> list:
+    return list(structure_groups(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))))
+
+
+def drawn(seed: int) -> symkin.Mechanism:
+    return four_bar(np.random.default_rng(seed).uniform(-100, 100, (4, 2)))
+
+
+@pytest.fixture
+def _empty_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
+    # as in a process that has not met these blocks
+    monkeypatch.setattr(group_roots, "group_paths", group_paths)
+
+
+# --- the polynomials -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["jansen_leg", "stephenson_six_bar", "ankle", "parallel_gripper", "klann_leg"])
+def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
+    """F(z, k) of the block is F(z, C(k)) of its structure, at random complex unknowns and known values."""
+    rng = np.random.default_rng(5)
+    looked = 0
+    for group in groups(symkin.load(name)):
+        system = system_of(group, group.blocks[0])
+        found = structure_of(group, system)
+        if found is None:
+            continue
+        z = complex_normal(4 * system.width, rng).reshape(system.width, 4)
+        k = np.array([known_values(group, random_known(group, rng, near=False)) for _ in range(4)]).T
+        own, shared = system.linearise(z, k)[0], found.system.linearise(z, found.known(k))[0]
+        assert np.max(np.abs(own - shared)) < 1e-9 * np.max(np.abs(own))
+        looked += 1
+    assert looked
+
+
+def test_blocks_that_are_no_such_polynomials_have_no_structure():
+    """A body in Study coordinates beside a joint, and loops with more rows than unknowns."""
+    for name in ("double_wishbone", "bennett"):
+        (first, *_) = groups(symkin.load(name))
+        assert structure_of(first, system_of(first, first.blocks[0])) is None
+
+
+# --- one search ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_a_dyad_is_never_searched_twice(monkeypatch):
+    """The second four-bar, of other lengths at other places, finds its roots without a search, also in a new process's memory."""
+    searched = []
+    search = structure._searched
+    monkeypatch.setattr(structure, "_searched", lambda system: searched.append(system) or search(system))
+    monkeypatch.setattr(group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
+    for seed in (1, 2, 3):
+        (group,) = groups(drawn(seed))
+        paths = group_paths(group)
+        assert paths is not None
+        assert paths.most_roots == 2
+    assert len(searched) == 1
+
+
+@pytest.mark.usefixtures("_empty_cache")
+@pytest.mark.parametrize("seed", range(4))
+def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
+    """Modes of random four-bars, from the structure's roots and from the mechanism's own."""
+    mechanism = drawn(10 + seed)
+    shared = symkin.modes(mechanism, joints=[7.0 * seed])
+    monkeypatch.setattr(group_roots, "structure_of", lambda *_: None)
+    own = symkin.modes(mechanism, joints=[7.0 * seed])
+    assert (len(shared), shared.complex_count, shared.completeness) == (len(own), own.complex_count, own.completeness)
+    for a, b in zip(shared, own, strict=True):
+        assert [float(v) for v in a.joints.values()] == pytest.approx([float(v) for v in b.joints.values()], abs=1e-8)
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_a_part_that_nothing_moves_is_complete_too():
+    """A frame of three bars carries a four-bar: the frame's two forms do not depend on the crank, and both are found."""
+    a, b, c = np.array([0.0, 0, 0]), np.array([100.0, 0, 0]), np.array([30.0, 80, 0])
+    frame = joint("f1", ("base", "bar1"), a) + joint("f2", ("bar1", "bar2"), c) + joint("f3", ("bar2", "base"), b)
+    loop = joint("crank", ("base", "arm"), a - [40, 0, 0], actuated=True) + joint("g1", ("arm", "coupler"), a + [-40, 30, 0])
+    text = HEAD + frame + loop + joint("g2", ("coupler", "follower"), c + [0, 60, 0]) + joint("g3", ("follower", "bar1"), c / 4)
+    found = symkin.modes(parse(text), joints=[0.0])
+    assert found.completeness == "probability one"
+    turns = {round(abs(mode.joints["f1"]), 6) for mode in found}
+    # the triangle as drawn, and turned over about the line of its feet
+    assert turns == {0.0, round(2 * np.degrees(np.arctan2(80, 30)), 6)}
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_a_block_with_fewer_roots_than_its_structure_is_searched_for_itself(monkeypatch):
+    """Where a path of the structure's roots does not arrive at a generic instance, the block's own roots are sought."""
+    (group,) = groups(drawn(1))
+    monkeypatch.setattr(structure, "plain_instances", lambda *_: (np.zeros((1, 2, 2)), np.array([False])))
+    paths = group_paths(group)
+    assert paths is not None
+    assert paths.shared is None
+    assert paths.most_roots == 2
+
+
+def test_coefficients_are_those_of_the_rows_for_a_circle():
+    """Of a dyad's rows each product has the coefficient that the rows have there: two of each angle, one constant a row."""
+    (group,) = groups(drawn(4))
+    found = structure_of(group, system_of(group, group.blocks[0]))
+    assert found is not None
+    assert (found.system.count, found.system.width) == (2, 2)
+    code, numbers = vectorise(found.data), np.zeros((1, int(found.system.k.shape[0]), 1), dtype=complex)
+    code(np.ones((1, 1), dtype=complex), numbers)
+    assert np.isfinite(numbers).all()
+
+
+# --- bodies on six distances ---------------------------------------------------------------------------------------
+
+
+def test_a_platform_on_a_platform_is_held_by_six_distances():
+    """Each of the two has 40 complex solutions, the most that there are (Ronga and Vust 1992), on a base that moves too."""
+    for group in groups(symkin.load("hexapod_stack")):
+        system = system_of(group, group.blocks[0])
+        found = structure_of(group, system)
+        assert found is not None
+        paths = group_roots.group_paths(group)
+        assert paths is not None
+        assert paths.most_roots == 40
+
+
+def test_distances_of_a_moving_base_are_those_between_the_points():
+    """L, b and m that are read from the rows at a real pose of the lower platform: b is where the rod stands on it."""
+    mechanism = symkin.load("hexapod_stack")
+    group = groups(mechanism)[1]
+    found = structure_of(group, system_of(group, group.blocks[0]))
+    assert found is not None
+    size = mechanism.characteristic_length
+    for values in closed_configurations(group.closure, 0)[:3]:
+        known = group.select_values(values, group.known_coordinates)
+        k = found.known(known_values(group, known)[:, None])[:, 0].real.reshape(6, 7)
+        solution = make_solution(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated)), values)
+        rods = [rod for rod in mechanism.link_rods if rod.name.startswith("upper")]
+        poses = link_poses(group.closure, values[None]).at(0)
+        for row, rod in zip(k, rods, strict=True):
+            start = poses[rod.links[0]].apply(np.array(rod.start))
+            assert size * row[1:4] == pytest.approx(start, abs=1e-9 * size)
+            length = solution.joints[rod.name] + rod.offset
+            assert size * row[0] == pytest.approx(length, abs=1e-9 * size)
