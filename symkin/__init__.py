@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
+from symkin.formats.load import load
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.file import load, shipped_names
+from symkin.model.file import shipped_names
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
