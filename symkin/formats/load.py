@@ -58,4 +58,10 @@ def _mjcf(path: Path) -> Robot:
     return read_mjcf(path)
 
 
-_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf}
+def _urdf(path: Path) -> Robot:
+    from symkin.formats.urdf import read_urdf
+
+    return read_urdf(path)
+
+
+_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf, ".urdf": _urdf}
