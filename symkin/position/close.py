@@ -79,10 +79,17 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         open_by=found.open_by,
         residual=found.residual,
         closed=found.to_digits,
-        joints={name: value[0] if len(value) == 1 else list(value) for name, value in found.values.items()},
+        joints=_tree_values(robot, found),
         link_poses=poses,
         notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
     )
+
+
+def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
+    """The values of the tree's joints, in the file's order."""
+    names = [c.name for entry in robot.joints for c in entry.joint.coordinates]
+    values = {name: found.values[name] for name in names}
+    return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
 
 
 def _closing_notes(found: Closed, rank: int, generic: int) -> list[str]:
