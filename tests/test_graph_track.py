@@ -141,6 +141,23 @@ def test_a_bifurcation_of_a_redundant_loop_is_found() -> None:
     assert "increased" in found.stop.kinds
 
 
+@pytest.mark.parametrize(("step", "count"), [((100.0, 30.0, -300.0), 1), ((0.0, 0.0, -300.0), 3)])
+def test_a_path_of_poses_stops_where_motors_are_at_dead_points(step: tuple[float, ...], count: int) -> None:
+    """A delta lowered as far as an arm reaches, or straight down, as far as all three do: type 1, and each motor's own block and loops."""
+    mechanism = symkin.load("delta_parallelograms")
+    here = symkin.solve(mechanism).solution
+    assert here is not None
+    found = symkin.track(mechanism, poses=[here.pose, [*(here.position + np.array(step)), *here.quaternion]], start=here)
+    assert found.stop is not None
+    assert (found.stop.kind, found.stop.type) == ("turning point", "type 1")
+    assert "type 1" in found.stop.kinds
+    assert [len(group.unknowns) for group in found.stop.groups] == [1] * count
+    assert found.stop.meeting is not None
+    assert len(found.stop.meeting.others) == 2**count - 1
+    for group in found.stop.groups:
+        assert any(group.unknowns[0] in loop.split(", ") for loop in group.loops)
+
+
 def limited(tmp_path: Path, joint: str, low: float, high: float) -> symkin.Mechanism:
     """The four-bar with limits of one joint."""
     text = (MECHANISMS / "four_bar.toml").read_text()
