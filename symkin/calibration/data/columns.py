@@ -133,7 +133,7 @@ class ColumnReader:
         """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
         name = header.partition("[")[0].strip()
         bare = name.removeprefix("sigma_")
-        columns = [column for o in self.observables.values() for column in (*o.columns, *o.sigmas)]
+        columns = list(dict.fromkeys(column for o in self.observables.values() for column in (*o.columns, *o.sigmas)))
         near = get_close_matches(bare, columns, 1, _MISSPELT)
         links = tuple(f"{link}." for link in links_of(self.mechanism))
         if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
