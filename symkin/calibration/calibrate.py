@@ -16,9 +16,11 @@ from symkin.calibration.estimate.configurations import (
     SolvedConfigurations,
     determinant_signs,
     first_points,
+    is_determined,
     newton_configurations,
     refuse_undetermined,
     solve_configurations,
+    start_points,
 )
 from symkin.calibration.estimate.descent import is_rounding
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
@@ -146,7 +148,13 @@ def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpac
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
-    return _calibrate(mechanism, measurements, _Options(**options))
+    try:
+        return _calibrate(mechanism, measurements, _Options(**options))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops that are redundant close at no geometry near "
+            "the file's for these readings; identify fewer parameters, or check units and signs"
+        ) from None
 
 
 def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Options) -> Calibration:
@@ -211,8 +219,9 @@ class _Fitting:
                 "and the order of joints, or give starts"
             )
         p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
-        m = self.problem.measurements.subset(solved.solved)
-        refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
+        if near is None:
+            m = self.problem.measurements.subset(solved.solved)
+            refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
         part = self._solved_part(solved)
         result = self._estimate(part, solved, p)
         if not solved.solved.all():
@@ -262,6 +271,9 @@ class _Fitting:
         model, m = self.problem.model, self.problem.measurements
         start = parameters_from_poses(model, m)
         if start is None:
+            return model.nominal
+        # the rows close at poses, too, where a geometry has shrunk to what does not move
+        if not is_determined(model, start_points(model, m), m.joints, start):
             return model.nominal
         with np.errstate(all="ignore"):
             z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)

@@ -117,13 +117,20 @@ def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
     return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
 
 
-def refuse_undetermined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> None:
-    """Joint readings must fix the configuration: the closure has full column rank in its unknown coordinates. Raises InputError."""
+def is_determined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> bool:
+    """Tell whether joint readings fix the configuration: the closure has full column rank in its unknown coordinates anywhere."""
     rows_z = model.rows(z, joints, p)[1]
     if rows_z.shape[2] == 0:
-        return
-    singular = np.linalg.svd(rows_z, compute_uv=False)
-    if rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0])):
+        return True
+    if rows_z.shape[1] < rows_z.shape[2]:
+        return False
+    singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
+    return bool(np.any(singular[:, -1] >= 1e-10 * singular[:, 0]))
+
+
+def refuse_undetermined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> None:
+    """Raises InputError where joint readings do not fix the configuration."""
+    if not is_determined(model, z, joints, p):
         m = model.mechanism
         raise InputError(
             f"{m.name}: the actuated joints ({', '.join(c.name for c in m.actuated) or 'none'}) do not determine the pose; calibration "
@@ -153,13 +160,18 @@ def start_points(model: ConfigurationModel, measurements: Measurements, *, measu
 
 
 def first_points(model: ConfigurationModel, measurements: Measurements, p: np.ndarray) -> np.ndarray:
-    """Return the unknowns (n, width) from which direct problems begin: `start_points`; where no pose is among the unknowns, what the
-    reference leads to when the joints move straight from it to their readings."""
-    start = start_points(model, measurements)
-    if model.closure.role("pose"):
-        return start
+    """Return the unknowns (n, width) from which direct problems begin: `start_points`; where a pose is not all that is unknown beside
+    joints, what the reference leads to when the joints move straight from it to their readings."""
+    if not is_carried(model.closure):
+        return start_points(model, measurements)
+    start = start_points(model, without_starts(measurements))
     reference = np.concatenate([np.zeros(0), *(np.array(c.reference) for c in model.closure.role("actuated"))])
     return follow_joints(model, start, np.tile(reference, (len(start), 1)), measurements.joints, p)
+
+
+def is_carried(closure: Closure) -> bool:
+    """Tell whether the pose of the platform, or of the link judged in its place, follows from the joints or other bodies."""
+    return not closure.role("pose") or bool(closure.role("body"))
 
 
 def follow_joints(
@@ -193,6 +205,11 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> list[n
 def without_poses(measurements: Measurements) -> Measurements:
     """Leave out positions and orientations."""
     return replace(measurements, position=None, orientation=None)
+
+
+def without_starts(measurements: Measurements) -> Measurements:
+    """Leave out positions, orientations and starts."""
+    return replace(without_poses(measurements), starts=None)
 
 
 def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, count: int = 5) -> np.ndarray:

@@ -21,7 +21,7 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.estimate.configurations import known_poses, start_points
+from symkin.calibration.estimate.configurations import is_carried, known_poses, start_points
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings, linearise
 from symkin.spatial.rotation import (
@@ -53,7 +53,7 @@ def parameters_from_poses(model: ConfigurationModel, measurements: Measurements)
     """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, where
     frames between mechanism and measurement are unknown, and where the joints carry the platform."""
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
-    if not model.closure.role("pose"):
+    if is_carried(model.closure):
         return None
     if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
         return None

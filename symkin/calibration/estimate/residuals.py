@@ -239,12 +239,15 @@ def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linear
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
-    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero."""
+    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where the covariance is not."""
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
     spread = np.where(taken, readings.sigma, 1.0) ** 2
     s = np.where(both, covariance, 0.0) + spread[:, :, None] * np.eye(taken.shape[1])
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(s)) * taken[:, :, None])
+    try:
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(s)) * taken[:, :, None])
+    except np.linalg.LinAlgError:
+        return np.full(s.shape, np.nan)
 
 
 def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray) -> Linearised:

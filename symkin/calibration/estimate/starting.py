@@ -20,6 +20,7 @@ from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
+    is_carried,
     known_poses,
     newton_configurations,
     solve_configurations,
@@ -62,7 +63,7 @@ def with_starts(mechanism: Mechanism, measurements: Measurements, *, posed: bool
     the rest from the nearest configuration (in the joints) whose pose is whole, else from home. Readings are no starts where
     they are seen through unknown frames (not `posed`), nor parts of a pose where readings are judged (not `completed`): begun
     at a wrong one, a configuration would end in the mode that fits it best."""
-    if not build_closure(mechanism).role("pose"):
+    if is_carried(build_closure(mechanism)):
         return measurements
     home = home_pose(mechanism)
     bare = np.array([pose is None or not posed for pose in known_poses(measurements)])
@@ -127,8 +128,9 @@ def start_configurations(problem: CalibrationProblem, p: np.ndarray, *, seed: in
             return configurations
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
-            whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
-            return _choose_modes(problem, p, configurations, judged & ~(whole & configurations.solved))
+            # a whole measured pose is where the direct problem began, and so tells the mode
+            begun = np.array([pose is not None and not is_carried(model.closure) for pose in known_poses(m, measured=True)])
+            return _choose_modes(problem, p, configurations, judged & ~(begun & configurations.solved))
         if problem.readings.groups and (not has_home(problem.mechanism) or not configurations.solved.all()):
             return _choose_branch(problem, p, configurations)
     return configurations

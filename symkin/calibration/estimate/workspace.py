@@ -27,6 +27,7 @@ from symkin.calibration.estimate.configurations import (
     closed_points,
     determinant_signs,
     follow_joints,
+    is_carried,
     with_pose,
 )
 from symkin.closure.branches import edges_of
@@ -35,7 +36,6 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.joint import Coordinate
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
@@ -47,6 +47,8 @@ DEFAULT_TILT = math.radians(20)
 """Default range (radians) of each inclination and of the turn about z."""
 _ARM_SWING = math.radians(60)
 """Half range (radians) of an arm's angle that has no limits."""
+_SAME_PLACE = 1e-4
+"""Unknown coordinates (length unit over the size, radians) that differ by less are the same."""
 _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
 """Least number of configurations drawn at once, and draws without a new configuration after which the drawing is given up."""
 
@@ -208,7 +210,7 @@ class Workspace:
     @property
     def carried(self) -> bool:
         """Whether the platform's pose follows from the joints, and no coordinates of its own."""
-        return is_carried(self.mechanism)
+        return is_carried(build_closure(self.mechanism))
 
     @property
     def drawn_by_joints(self) -> bool:
@@ -221,12 +223,6 @@ class Workspace:
         size = self.mechanism.characteristic_length
         ranges = np.array([c.limits or _default_range(c, size) for c in self.mechanism.actuated]).reshape(-1, 2)
         return ranges[:, 0], ranges[:, 1]
-
-
-def is_carried(mechanism: Mechanism) -> bool:
-    """Tell whether the pose of the platform, or of the link judged in its place, follows from the joints."""
-    closure = build_closure(mechanism)
-    return not closure.role("pose") or bool(closure.role("body"))
 
 
 def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
@@ -286,11 +282,15 @@ class ClosureSolver:
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
-        is lost on the way."""
-        z, begin = self.split(values)
-        z = follow_joints(self._model, z, begin, joints, np.zeros(0))
-        rows, _ = self._model.rows(z, joints, np.zeros(0))
-        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * self.closure.characteristic_length)
+        is lost on the way, or does not come back to where it began: it has passed into another assembly mode."""
+        nothing, size = np.zeros(0), self.closure.characteristic_length
+        start, begin = self.split(values)
+        start = follow_joints(self._model, start, begin, begin, nothing)
+        z = follow_joints(self._model, start, begin, joints, nothing)
+        rows, _ = self._model.rows(z, joints, nothing)
+        back = follow_joints(self._model, z, joints, begin, nothing)
+        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
+        lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
         return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
@@ -349,8 +349,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
 def states_reference(mechanism: Mechanism) -> bool:
     """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
     origin."""
-    rods_alone = not mechanism.link_joints and all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    return any(mechanism.platform_position) or not rods_alone
+    return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
 def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:

@@ -11,10 +11,10 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
+from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried, solve_configurations
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.transfer import variables_in
-from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, is_carried, lever
+from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
 from symkin.calibration.judge.plausibility import judged_poses
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
@@ -100,7 +100,7 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
     if identified.serial:
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (_ACCURACY_POSES, joints.shape[1]))
         return _at_joints(identified, drawn, None), _REGION_TEXT
-    if is_carried(identified):
+    if is_carried(build_closure(identified)):
         return _followed_between(identified, fit, rng)
     poses = judged_poses(fit.problem, fit.state.p, fit.state.z, fit.problem.measurements.joints)
     turns = poses[:, 3:]
