@@ -151,7 +151,9 @@ def report_designs(lines: Lines, seed: int) -> None:
 def spoilt(data: Measurements, truth: Geometry, rng: np.random.Generator) -> tuple[Measurements, int]:
     """One inclination of a random posture off by 0.01 deg."""
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(
+        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+    )
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture
@@ -161,7 +163,9 @@ def normal_noise(truth: Geometry, rng: np.random.Generator) -> Measurements:
     """Exact groups whose inclinations are each off by normal errors of 0.001 deg, rods by 2 um / sqrt(12)."""
     data = measured(truth, rng)
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(
+        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+    )
     joints = data.joints + 2e-6 / np.sqrt(12) * rng.normal(size=data.joints.shape)
     for k in range(len(data)):
         joints = tilted(truth, joints, poses, k, GAUSS * rng.normal(size=2))

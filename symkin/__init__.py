@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from symkin.assembly.modes import modes
     from symkin.assembly.modes_result import Modes
     from symkin.calibration.calibrate import calibrate
-    from symkin.calibration.data.measurements import Measurements
+    from symkin.calibration.data.measurements import Measurements, Reading
     from symkin.calibration.design.planning import plan_measurements
     from symkin.calibration.judge.result import Calibration
     from symkin.codegen.folder import write_firmware
@@ -73,6 +73,7 @@ __all__ = [
     "ModeGraph",
     "Modes",
     "Pose",
+    "Reading",
     "Rod",
     "RodLimb",
     "Singularity",
@@ -109,6 +110,7 @@ _LATER = {
     "ModeGraph": "symkin.following.mode_graph",
     "Modes": "symkin.assembly.modes_result",
     "Newton": "symkin.position.newton",
+    "Reading": "symkin.calibration.data.measurements",
     "Singularity": "symkin.singularities.singularity_result",
     "Solution": "symkin.position.solution",
     "SolveError": "symkin.position.solve_result",

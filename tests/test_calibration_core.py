@@ -47,7 +47,7 @@ def poses_measured(mechanism, joints, truth, *, names=None, orientation=True, si
     near = solve_configurations(model, Measurements(joints), model.nominal)
     found = solve_configurations(model, Measurements(joints), truth, z=near.z)
     keep = near.solved & found.solved
-    poses = model.poses(found.z, truth)[keep]
+    poses = model.poses(found.z, joints, truth)[keep]
     positions = poses[:, :3] + noise * np.random.default_rng(seed).normal(size=(len(poses), 3))
     turns = {"orientation": poses[:, 3:], "orientation_sigma": sigma / mechanism.characteristic_length} if orientation else {}
     return Measurements(joints[keep], position=positions, position_sigma=sigma, starts=poses, **turns), poses
@@ -230,7 +230,7 @@ def test_absolute_inclinations_and_distances():
     data = measured(truth, rng, rods=False)
     problem = build_calibration(NOMINAL, data, fixed=HELD)
     exact = solve_configurations(problem.model, data, truth.values(problem.names))
-    poses = problem.model.poses(exact.z, truth.values(problem.names))
+    poses = problem.model.poses(exact.z, data.joints, truth.values(problem.names))
     w, x, y, z = poses[:, 3:].T
     tilt = np.column_stack([np.arctan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), np.arcsin(2 * (w * y - x * z))])
     gaps = np.linalg.norm(poses[:, :3] - [0.5, -0.4, 0.1], axis=1)

@@ -105,7 +105,7 @@ def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
     m = Measurements(hexapods.legs(base, platform, position, q), groups=groups, group_sigma=1e-5)
     problem = build_calibration(mechanism, with_starts(mechanism, m))
     found = start_configurations(problem, problem.model.nominal)
-    at = problem.model.poses(found.z, problem.model.nominal)
+    at = problem.model.poses(found.z, problem.measurements.joints, problem.model.nominal)
     assert found.solved.all()
     assert np.max(np.abs(at[:, :3] - position)) < 20
     assert calibrate(mechanism, m).status == "ok"

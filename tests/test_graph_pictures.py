@@ -1,6 +1,7 @@
 """Pictures of graphs: links keep their shapes in every mode, every joint has its symbol, names do not cover each other."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from itertools import combinations
 from pathlib import Path
@@ -183,6 +184,15 @@ def test_every_mode_has_a_panel(name):
     assert len(titles) == min(12, len(modes))
     assert any(f"{len(modes)} modes" in text.get_text() for text in ax.texts)
     assert len(figure_of_solution(modes[0]).axes) == 1
+
+
+def test_panels_write_no_rounding_noise():
+    """A coordinate that is zero but for rounding is written as 0."""
+    found = symkin.solve(symkin.load("four_bar"), joints=[90.0], start={"follower": 1.0}).solution
+    noisy = replace(found, values={name: v + 1e-15 if name != "crank" else v for name, v in found.values.items()})
+    assert any(0.0 < abs(v) < 1e-9 for v in noisy.joints.values())
+    (text,) = [t.get_text() for t in figure_of_solution(noisy).axes[0].texts if "crank_pin" in t.get_text()]
+    assert "e-" not in text
 
 
 def test_a_graph_without_modes_is_drawn_at_its_reference():

@@ -106,10 +106,7 @@ REFUSED = [
     (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "nearest names are follower"),
     (["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"], "1 freedom"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
-    (["calibrate", "plan", "ankle", "-o", "plan.csv"], "calibrate takes limbs"),
-    (["calibrate", "simulate", "ankle", "-o", "sim.csv", "--readings", "position"], "calibrate takes limbs"),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
-    (["sweep", "four_bar", "--grid", "crank=0:10:3", "-o", "swept"], "sweep takes limbs"),
 ]
 
 

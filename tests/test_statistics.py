@@ -125,7 +125,7 @@ def test_pose_deviation_is_that_of_poses():
     draws = rng.multivariate_normal(fit.state.p, fit.covariance[:count, :count], size=400)
     data = Measurements(joints)
     z = solve_configurations(problem.model, data, fit.state.p).z
-    positions = [problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, p)[:, :3] for p in draws]
+    positions = [problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, data.joints, p)[:, :3] for p in draws]
     np.testing.assert_allclose(np.std(positions, axis=0), sigma[:, :3], rtol=0.15)
 
 
@@ -159,7 +159,9 @@ def with_outlier(seed):
     rng, truth = np.random.default_rng(seed), geometry(TRUE)
     data = measured(truth, rng, noisy=True)
     problem = build_calibration(TRUE, data, fixed=HELD)
-    poses = problem.model.poses(solve_configurations(problem.model, data, problem.model.nominal).z, problem.model.nominal)
+    poses = problem.model.poses(
+        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+    )
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture, data

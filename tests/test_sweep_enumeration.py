@@ -12,6 +12,7 @@ from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes import modes_at_need
 from symkin.assembly.modes_at_points import make_finder
 from symkin.model.file import parse
+from symkin.position.problem import build_problem
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
@@ -20,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("kept_starts")
 
 def enumerated(mechanism, kind, points, **options):
     chosen = {"starts": 300, "seed": 0, "certify": False} | options
-    return make_finder(mechanism, kind, **chosen).enumerate(points)
+    return make_finder(build_problem(mechanism, kind), **chosen).enumerate(points)
 
 
 def modes_of(found, i):
@@ -114,7 +115,7 @@ def test_results_do_not_depend_on_neighbours():
     mechanism = symkin.load("zhang2009")
     points = joints_about(mechanism, 30, 40.0, seed=2)
     together, turned = enumerated(mechanism, "direct", points), enumerated(mechanism, "direct", points[::-1])
-    engine = make_finder(mechanism, "direct", starts=300, seed=0, certify=False).engine
+    engine = make_finder(build_problem(mechanism, "direct"), starts=300, seed=0, certify=False).engine
     tolerance = 0.0 if engine == "compiled C" else 1e-9 * mechanism.characteristic_length
     for i in range(0, 30, 3):
         alone = modes_of(enumerated(mechanism, "direct", [points[i]]), 0)

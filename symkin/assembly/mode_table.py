@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.assembly.modes_result import Modes
-from symkin.closure.closure import Closure
-from symkin.position.solution import Solution
-from symkin.velocity.equations import variables_of
+from symkin.closure.link_poses import link_poses
+from symkin.model.joint import Coordinate
+from symkin.position.problem import Problem
+from symkin.position.readings import points_at, readings
+from symkin.position.solution_list import SolutionList
 
 COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
 """What the numbers of the array `completeness` mean: their place here."""
@@ -20,8 +22,8 @@ COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "samp
 class ModeTable:
     """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a set
     of solutions that are not isolated was met; `complex_count` (-1: not known). Of all m modes, in the order of points: positions
-    (m, 3), quaternions (m, 4), joints (m, numbers) in the mechanism's units; residual, condition; limits: 1 within, 0 not, -1
-    none; `certified` 1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
+    (m, 3), quaternions (m, 4), joints (m, numbers) in the mechanism's units, named points (m, points, 3); residual, condition;
+    limits: 1 within, 0 not, -1 none; `certified` 1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
 
     count: np.ndarray
     completeness: np.ndarray
@@ -31,6 +33,7 @@ class ModeTable:
     position: np.ndarray
     quaternion: np.ndarray
     joints: np.ndarray
+    points: np.ndarray
     residual: np.ndarray
     condition: np.ndarray
     within_limits: np.ndarray
@@ -42,33 +45,64 @@ class ModeTable:
 PER_POINT = ("count", "completeness", "unresolved", "continuum", "complex_count")
 
 
-def joint_labels(closure: Closure) -> list[tuple[str, str]]:
-    """Names and units of the numbers in `joints`: closure coordinates in order; a ball joint's are name.w, .x, .y, .z."""
-    mechanism = closure.mechanism
+def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
+    """The joint coordinates that a table lists: all of the mechanism where the known ones are told by name, else those that the
+    closure has."""
+    if problem.kind == "given":
+        return problem.mechanism.coordinates
+    return tuple(c for c in problem.closure.coordinates if c.role != "pose")
+
+
+def joint_labels(problem: Problem) -> list[tuple[str, str]]:
+    """Names and units of the numbers in `joints`; a ball joint's are name.w, .x, .y, .z."""
+    mechanism = problem.mechanism
     labels: list[tuple[str, str]] = []
-    for c in closure.coordinates:
-        if c.role == "pose":
-            continue
+    for c in listed_joints(problem):
         unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
         labels += [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.kind == "quaternion" else [(c.name, unit)]
     return labels
 
 
-def joint_values_out(closure: Closure, values: np.ndarray) -> np.ndarray:
-    """Joint coordinates (m, numbers) in the mechanism's units, of full vectors of variables (m, variables)."""
+def joints_and_points(problem: Problem, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joint coordinates (m, numbers) in the mechanism's units and named points (m, points, 3), of full vectors of variables (m,
+    variables)."""
+    closure, mechanism = problem.closure, problem.mechanism
+    joints = listed_joints(problem)
+    cut = any(c.name not in closure.slices for c in joints)
+    poses = link_poses(closure, values) if cut or mechanism.link_points else None
+    read = readings(closure, poses) if cut and poses is not None else {}
     columns = [values[:, :0]]
-    for c in closure.coordinates:
-        if c.role != "pose":
-            part = values[:, closure.slices[c.name]]
-            columns.append(part * closure.mechanism.angle_out(1.0) if c.is_angular else part)
-    return np.concatenate(columns, axis=1)
+    for c in joints:
+        part = read[c.name] if c.name in read else values[:, closure.slices[c.name]]
+        columns.append(part * mechanism.angle_out(1.0) if c.is_angular else part)
+    points = list(points_at(mechanism, poses).values()) if poses is not None else []
+    return np.concatenate(columns, axis=1), np.stack([np.zeros((len(values), 3)), *points], axis=1)[:, 1:]
+
+
+def table_of(problem: Problem, listed: SolutionList, **told: np.ndarray) -> ModeTable:
+    """The table of solutions; `told` are the arrays of what is said of each point."""
+    joints, points = joints_and_points(problem, listed.values)
+    return ModeTable(
+        **told,
+        position=listed.position,
+        quaternion=listed.quaternion,
+        joints=joints,
+        points=points,
+        residual=listed.residual,
+        condition=listed.condition,
+        within_limits=listed.within_limits,
+        certified=listed.certified,
+        radius=listed.radius,
+        values=listed.values,
+    )
 
 
 def from_modes(found: Modes, code: str | None = None) -> ModeTable:
     """One point, from its modes; `code` in place of their completeness."""
-    closure = found.problem.closure
-    width = len(joint_labels(closure))
+    problem = found.problem
     unresolved = -1 if found.unresolved_paths is None else found.unresolved_paths
+    values = np.array([s.variables for s in found]).reshape(-1, problem.closure.reference.size)
+    joints, points = joints_and_points(problem, values)
     return ModeTable(
         count=np.array([len(found)]),
         completeness=np.array([COMPLETENESS.index(code or found.completeness)]),
@@ -77,19 +111,20 @@ def from_modes(found: Modes, code: str | None = None) -> ModeTable:
         complex_count=np.array([-1 if found.complex_count is None else found.complex_count]),
         position=np.array([s.position for s in found]).reshape(-1, 3),
         quaternion=np.array([s.quaternion for s in found]).reshape(-1, 4),
-        joints=np.array([_joints(s) for s in found]).reshape(-1, width),
+        joints=joints,
+        points=points,
         residual=np.array([s.residual for s in found]),
         condition=np.array([s.condition for s in found]),
         within_limits=np.array([_flag(s.within_limits) for s in found], dtype=int),
         certified=np.array([_flag(s.certified) for s in found], dtype=int),
         radius=np.array([np.nan if s.radius is None else s.radius for s in found]),
-        values=np.array([variables_of(closure, s) for s in found]).reshape(-1, closure.reference.size),
+        values=values,
     )
 
 
-def nothing(closure: Closure, code: str, count: int) -> ModeTable:
+def nothing(problem: Problem, code: str, count: int) -> ModeTable:
     """One point without modes."""
-    empty, width = np.zeros(0), len(joint_labels(closure))
+    empty = np.zeros(0)
     flags = np.zeros(0, dtype=int)
     return ModeTable(
         count=np.array([count]),
@@ -99,13 +134,14 @@ def nothing(closure: Closure, code: str, count: int) -> ModeTable:
         complex_count=np.array([-1]),
         position=np.zeros((0, 3)),
         quaternion=np.zeros((0, 4)),
-        joints=np.zeros((0, width)),
+        joints=np.zeros((0, len(joint_labels(problem)))),
+        points=np.zeros((0, len(problem.mechanism.link_points), 3)),
         residual=empty,
         condition=empty,
         within_limits=flags,
         certified=flags,
         radius=empty,
-        values=np.zeros((0, closure.reference.size)),
+        values=np.zeros((0, problem.closure.reference.size)),
     )
 
 
@@ -115,6 +151,15 @@ def concatenated(tables: Sequence[ModeTable]) -> ModeTable:
         return tables[0]
     arrays = {name: np.concatenate([getattr(t, name) for t in tables]) for name in ModeTable.__dataclass_fields__}
     return ModeTable(**arrays)
+
+
+def at_places(table: ModeTable, places: np.ndarray) -> ModeTable:
+    """Some of the points of a table, rising."""
+    owner = np.repeat(np.arange(len(table.count)), np.maximum(table.count, 0))
+    modes = np.isin(owner, places)
+    return ModeTable(
+        **{name: getattr(table, name)[places if name in PER_POINT else modes] for name in ModeTable.__dataclass_fields__}
+    )
 
 
 def joined(plain: ModeTable, places: np.ndarray, others: dict[int, ModeTable]) -> ModeTable:
@@ -136,11 +181,6 @@ def joined(plain: ModeTable, places: np.ndarray, others: dict[int, ModeTable]) -
         else:
             arrays[name] = np.concatenate(pieces)[order]
     return ModeTable(**arrays)
-
-
-def _joints(solution: Solution) -> np.ndarray:
-    values = solution.held_joints.values()
-    return np.concatenate([np.zeros(0), *(np.atleast_1d(np.asarray(v, dtype=float)) for v in values)])
 
 
 def _flag(value: bool | None) -> int:

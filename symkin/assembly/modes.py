@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from symkin.assembly.by_groups import modes_by_groups
-from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_table import COMPLETENESS
+from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
@@ -20,10 +18,9 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given, Joints, are_many, given_from, given_many, joint_rows
-from symkin.position.given_by_name import Values, named_given, plain_case, problem_of
+from symkin.position.given import Given, Joints, are_many
+from symkin.position.given_by_name import Columns, Values, any_given, has_columns, many_given, named_given, problem_of
 from symkin.position.least_squares import LeastSquares
-from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
@@ -51,8 +48,8 @@ def modes(
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None, method: str | None = None, progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    pose: Sequence[Sequence[float] | Pose] | None = None, given: Columns | None = None, choose: Sequence[int] = (),
+    method: str | None = None, progress: Progress | None = None, **random: Unpack[RandomStarts],
 ) -> tuple[Modes, ...]: ...  # fmt: skip
 @overload
 def modes(
@@ -65,7 +62,7 @@ def modes(
     *,
     joints: Any = None,
     pose: Any = None,
-    given: Values | None = None,
+    given: Any = None,
     choose: Sequence[int] = (),
     method: str | None = None,
     progress: Progress | None = None,
@@ -76,7 +73,8 @@ def modes(
     `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
     qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
     a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform, or its whole "pose"; as many as the mobility. Modes for given values are found block by block (see
+    torsion of the platform, or its whole "pose"; as many as the mobility; of n inputs a column for each name, one value where all
+    have the same. Modes for given values are found block by block (see
     `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
@@ -93,46 +91,31 @@ def modes(
     """
     require_mechanism(mechanism)
     search = Search.of(method, **random)
-    plain = None if choose else plain_case(mechanism, joints, pose, given)
-    if plain is None:
-        return _by_name(mechanism, joints, pose, given, partial(_of_coordinates, search=search, choose=choose, progress=progress))
-    if any(are_many(values) for values in plain):
-        return _modes(mechanism, given_many(mechanism, *plain), search, progress)
-    return _modes(mechanism, [given_from(mechanism, *plain)], search, progress)[0]
+    if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
+        return _found(mechanism, many_given(mechanism, joints, pose, given), search, choose, progress)
+    one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
+    return _found(mechanism, [one], search, choose, progress)[0]
 
 
-def _by_name(
-    mechanism: Mechanism,
-    joints: Any,
-    pose: Any,
-    given: Values | None,
-    find: Callable[[Mechanism, Sequence[Given]], tuple[Modes, ...]],
-) -> Modes | tuple[Modes, ...]:
-    """The modes for coordinates by name, or for one or many inputs of a graph."""
-    if given is None and are_many(joints):
-        return find(mechanism, [named_given(mechanism, row, pose, None) for row in joint_rows(mechanism, joints)])
-    if given is None and are_many(pose):
-        return find(mechanism, [named_given(mechanism, joints, one, None) for one in pose])
-    return find(mechanism, [named_given(mechanism, joints, pose, given)])[0]
+def _found(
+    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
+) -> tuple[Modes, ...]:
+    """The modes of inputs of one kind."""
+    if givens and givens[0].kind == "given":
+        return _of_coordinates(mechanism, givens, search, choose, progress)
+    return _modes(mechanism, givens, search, progress)
 
 
 def _of_coordinates(
-    mechanism: Mechanism, givens: Sequence[Given], *, search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
 ) -> tuple[Modes, ...]:
     """The modes for inputs whose coordinates, the same for all, are given by name: structure group by structure group."""
     begin = time.perf_counter()
-    if not givens:
-        return ()
     problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
-    known = np.array([given.values for given in givens])
-    found = modes_by_groups(problem, known, search, choose, least_errors=True, certify=True, progress=progress)
-    listed = [with_least_modes(problem, given, search, found.modes_of(i, given)) for i, given in enumerate(givens)]
-    note = open_loops_note(mechanism) if not all(listed) else None
-    if note is not None:
-        listed = [one if len(one) else replace(one, notes=(*one.notes, note)) for one in listed]
+    found = modes_by_name(problem, givens, search, choose, progress)
     share = (time.perf_counter() - begin) / len(givens)
-    return tuple(replace(one, elapsed_s=share) for one in listed)
+    return tuple(replace(modes, elapsed_s=share) for modes in found)
 
 
 @without_float_warnings
@@ -145,7 +128,7 @@ def modes_at_need(
     seed: int = DEFAULT_SEED,
 ) -> Modes:
     """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
-    return _modes(mechanism, [given_from(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), None)[0]
+    return _found(mechanism, [any_given(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), (), None)[0]
 
 
 def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None) -> tuple[Modes, ...]:

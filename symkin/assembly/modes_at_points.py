@@ -1,25 +1,35 @@
-"""Modes at many points of one mechanism as arrays: what a sweep asks for.
+"""Modes at many points of one problem as arrays: what a sweep asks for.
 
-Points that leave nothing in doubt are found together (see `plain_modes`), all others one by one, as `symkin.modes` does.
+Points that leave nothing in doubt are found together, block by block (see `plain_modes`) or, where the known coordinates are told by
+name, structure group by structure group (see `by_groups`); all others one by one, as `symkin.modes` does.
 """
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
 
-from symkin.assembly.mode_table import ModeTable, from_modes, joined, nothing
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_paths, most_roots
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
+from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.one_input import modes_of_input
-from symkin.assembly.plain_modes import PlainModes, plain_modes
+from symkin.assembly.plain_modes import ROOTS_AT_ONCE, Plain, PlainModes, plain_modes
 from symkin.assembly.search import Search
+from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import Progress
-from symkin.position.given import Given, given_from
-from symkin.position.problem import Kind, Problem, build_problem
+from symkin.position.determination import determination, refuse_unless_determined
+from symkin.position.given import Given
+from symkin.position.given_by_name import any_given
+from symkin.position.groups import is_linear, structure_groups
+from symkin.position.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +40,7 @@ class ModeFinder:
     problem: Problem
     search: Search
     certify: bool
-    plain: PlainModes
+    plain: PlainModes | GroupFinder
 
     @property
     def engine(self) -> str:
@@ -47,11 +57,11 @@ class ModeFinder:
         """Most isolated modes that a point can have, where paths tell."""
         if self.problem.is_explicit:
             return 1
-        return self.plain.most_modes if self.plain.parts else None
+        return self.plain.most_modes if self.plain.is_tracked else None
 
     def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
         """All modes at points given as arguments of `symkin.modes`."""
-        return self.find([given_from(self.problem.mechanism, g.get("joints"), g.get("pose")) for g in inputs])
+        return self.find([any_given(self.problem.mechanism, **g) for g in inputs])
 
     def find(self, givens: Sequence[Given]) -> ModeTable:
         """All modes at given points."""
@@ -74,23 +84,96 @@ class ModeFinder:
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
         if off_motion > 0.0:
-            return nothing(self.problem.closure, "off the motion", 0)
+            return nothing(self.problem, "off the motion", 0)
+        given = Given(self.problem.kind, known, {})
         try:
-            found, _ = modes_of_input(self.problem, Given(self.problem.kind, known, {}), self.search)
+            if self.problem.kind == "given":
+                return from_modes(modes_by_name(self.problem, [given], self.search)[0])
+            return from_modes(modes_of_input(self.problem, given, self.search)[0])
         except TooManyModesError:
-            return nothing(self.problem.closure, "too many to list", -1)
-        return from_modes(found)
+            return nothing(self.problem, "too many to list", -1)
 
 
-def make_finder(
-    mechanism: Mechanism, kind: Kind, *, starts: int, seed: int, certify: bool, progress: Progress | None = None
-) -> ModeFinder:
+@dataclass(frozen=True, eq=False)
+class GroupFinder:
+    """What is prepared once for all points of a problem that is solved by its structure groups."""
+
+    problem: Problem
+    search: Search
+
+    @cached_property
+    def _paths(self) -> list[BlockPaths]:
+        found = (None if is_linear(group) else group_paths(group) for group in structure_groups(self.problem))
+        return [paths for paths in found if paths is not None]
+
+    @property
+    def engine(self) -> str | None:
+        """What tracks the paths."""
+        return ", ".join(dict.fromkeys(paths.engine for paths in self._paths)) or None
+
+    @cached_property
+    def starts_digest(self) -> str:
+        """Hash of the roots from which paths begin."""
+        digest = hashlib.sha256()
+        for paths in self._paths:
+            digest.update(paths.start.z.tobytes() + paths.start.k.tobytes())
+        return digest.hexdigest()
+
+    @cached_property
+    def _bounds(self) -> list[int | None]:
+        return [most_roots(group) for group in structure_groups(self.problem)]
+
+    @property
+    def is_tracked(self) -> bool:
+        """Whether every group has paths, or is linear."""
+        return None not in self._bounds
+
+    @property
+    def most_modes(self) -> int:
+        """Most isolated modes that a point can have, groups without paths left aside."""
+        return prod(bound for bound in self._bounds if bound is not None)
+
+    def find(self, known: np.ndarray, *, certify: bool) -> Plain:
+        """Modes at those of the points known (n, values) that need not be looked at one by one: all, but for points without a
+        solution where the description's digits may be why."""
+        each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
+        begins = range(0, max(len(known), 1), each)
+        table = concatenated([self._table(known[i : i + each], certify) for i in begins])
+        places = np.arange(len(known))
+        if determination(self.problem).misfit:
+            places = np.flatnonzero(table.count != 0)
+            table = at_places(table, places)
+        return Plain(table, places, np.zeros((len(places), 0), dtype=bool))
+
+    def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
+        found = modes_by_groups(self.problem, known, self.search, certify=certify)
+        listed = np.bincount(found.owner, minlength=len(known))
+        total, account = np.array(found.total, dtype=object), found.account
+        many = (account.too_many != NOT_KNOWN) | np.array(listed < total, dtype=bool)
+        unresolved, complex_counts = account.unresolved, account.complex_count
+        unknown = (complex_counts == NOT_KNOWN).any(axis=1) | ~account.whole | many
+        said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[found.statement]
+        return table_of(
+            self.problem,
+            found.listed.chosen(~many[found.owner]),
+            count=np.where(many, -1, listed),
+            completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
+            unresolved=np.where((unresolved == NOT_KNOWN).any(axis=1), -1, unresolved.sum(axis=1)),
+            continuum=np.asarray(account.continuum.any(axis=1)),
+            complex_count=np.where(unknown, -1, np.prod(np.where(unknown[:, None], 1, complex_counts), axis=1)),
+        )
+
+
+def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool, progress: Progress | None = None) -> ModeFinder:
     """The finder of one problem; a start that is not kept yet is computed. Raises InputError where the problem has no
     isolated solutions."""
-    problem = build_problem(mechanism, kind)
+    mechanism, search = problem.mechanism, Search("continuation", starts, seed, "batched")
+    if problem.kind == "given":
+        refuse_unless_determined(problem)
+        return ModeFinder(problem, search, certify, GroupFinder(problem, search))
     if mechanism.serial and problem.system.freedom > problem.generic_rank:
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose free, so that none is isolated; "
             "sweep over its inputs"
         )
-    return ModeFinder(problem, Search("continuation", starts, seed, "batched"), certify, plain_modes(problem, progress))
+    return ModeFinder(problem, search, certify, plain_modes(problem, progress))

@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths, BlockRoots
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, joint_values_out
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.monodromy import Fibre
@@ -28,8 +28,9 @@ from symkin.position.canonical import canonical, poses_of
 from symkin.position.problem import Problem
 from symkin.position.readings import within_limits
 from symkin.position.roots import MOST_MODES
+from symkin.position.solution_list import SolutionList
 
-_ROOTS_AT_ONCE = 40_000
+ROOTS_AT_ONCE = 40_000
 """Complex roots that are held at once."""
 
 
@@ -67,6 +68,11 @@ class PlainModes:
         return tuple(f"at most {text}" for text in found if len(found) == 1 or "alone" not in text)
 
     @property
+    def is_tracked(self) -> bool:
+        """Whether all blocks have paths."""
+        return bool(self.parts)
+
+    @property
     def starts_digest(self) -> str:
         """Hash of the roots from which paths begin."""
         digest = hashlib.sha256()
@@ -81,7 +87,7 @@ class PlainModes:
 
     def find(self, known: np.ndarray, *, certify: bool) -> Plain:
         """Modes at those of the inputs known (n, values) that are plain."""
-        each = max(1, _ROOTS_AT_ONCE // max(self.most_modes, 1))
+        each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         found = [self._found(known[i : i + each], certify) for i in range(0, max(len(known), 1), each)]
         return Plain(
             concatenated([part.table for part in found]),
@@ -137,7 +143,21 @@ class PlainModes:
         residual, condition = self._verified(values, blocks, [which[order] for which in chosen], constant[kept][owner])
         inside = within_limits(problem.closure, values)
         certified, radius = _certified(blocks, chosen, order)
-        return ModeTable(
+        listed = SolutionList(
+            closure=problem.closure,
+            values=values,
+            position=position,
+            quaternion=quaternion,
+            residual=residual,
+            condition=condition,
+            within_limits=np.full(len(values), -1) if inside is None else inside.astype(int),
+            certified=certified,
+            radius=radius,
+            notes=(),
+        )
+        return table_of(
+            problem,
+            listed,
             count=total,
             completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
             unresolved=np.zeros(len(kept), dtype=int),
@@ -145,15 +165,6 @@ class PlainModes:
             complex_count=np.prod(
                 np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0
             ),
-            position=position,
-            quaternion=quaternion,
-            joints=joint_values_out(problem.closure, values),
-            residual=residual,
-            condition=condition,
-            within_limits=np.full(len(values), -1) if inside is None else inside.astype(int),
-            certified=certified,
-            radius=radius,
-            values=values,
         )
 
     def _verified(

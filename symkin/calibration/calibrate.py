@@ -15,7 +15,10 @@ from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
     determinant_signs,
+    first_points,
+    is_determined,
     newton_configurations,
+    refuse_undetermined,
     solve_configurations,
     start_points,
 )
@@ -33,7 +36,7 @@ from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.quiet import without_float_warnings
 
 __all__ = [
@@ -144,8 +147,14 @@ def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpac
     >>> found.status, round(found.values["dh.1.d"], 3)
     ('ok', 105.53)
     """
-    require_limbs(mechanism, "calibrate", "describe the machine by limbs")
-    return _calibrate(mechanism, measurements, _Options(**options))
+    require_mechanism(mechanism)
+    try:
+        return _calibrate(mechanism, measurements, _Options(**options))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops that are redundant close at no geometry near "
+            "the file's for these readings; identify fewer parameters, or check units and signs"
+        ) from None
 
 
 def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Options) -> Calibration:
@@ -210,7 +219,9 @@ class _Fitting:
                 "and the order of joints, or give starts"
             )
         p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
-        _check_determined(self.problem, solved, p)
+        if near is None:
+            m = self.problem.measurements.subset(solved.solved)
+            refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
         part = self._solved_part(solved)
         result = self._estimate(part, solved, p)
         if not solved.solved.all():
@@ -261,15 +272,18 @@ class _Fitting:
         start = parameters_from_poses(model, m)
         if start is None:
             return model.nominal
+        # the rows close at poses, too, where a geometry has shrunk to what does not move
+        if not is_determined(model, start_points(model, m), m.joints, start):
+            return model.nominal
         with np.errstate(all="ignore"):
-            z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
+            z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
             stays = bool(solved.all()) and is_rounding(self.problem, evaluate(self.problem, model.nominal, z, "means"))
         return model.nominal if stays else start
 
     def _solve_from(self, near: StartValues) -> SolvedConfigurations:
         """The direct problems from where an earlier fit has left them; configurations that it had not begin where they would
         without it."""
-        begun = start_points(self.problem.model, self.problem.measurements)
+        begun = first_points(self.problem.model, self.problem.measurements, near.p)
         return self._solve_roughly(near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z))
 
     def _solve_again(self, result: Estimate) -> SolvedConfigurations:
@@ -314,17 +328,3 @@ def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
 def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
     """The estimate with the lower cost."""
     return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
-
-
-def _check_determined(problem: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray) -> None:
-    """Joint readings must fix the pose: each configuration's closure has full column rank in its unknown coordinates."""
-    rows_z = problem.model.rows(solved.z, problem.measurements.joints, p)[1][solved.solved]
-    if rows_z.shape[2] == 0:
-        return
-    singular = np.linalg.svd(rows_z, compute_uv=False)
-    short = rows_z.shape[1] < rows_z.shape[2] or bool(np.all(singular[:, -1] < 1e-10 * singular[:, 0]))
-    if short:
-        raise InputError(
-            f"{problem.mechanism.name}: the actuated joints do not determine the pose; calibration needs a direct problem with "
-            "isolated solutions: actuate more joints, or declare the platform's motion"
-        )

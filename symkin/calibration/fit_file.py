@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
-from typing import Any, TypedDict, Unpack
+from typing import Any, TypedDict, TypeVar, Unpack
 
 import numpy as np
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import DataFile
-from symkin.calibration.data.measurements import Distance, Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES, bound_by_motion, joint_frames, parameter_names
+from symkin.calibration.data.measurements import Distance, Measurements, Reading
+from symkin.calibration.data.observables import is_angular, observables_named
+from symkin.calibration.data.parameters import (
+    MEASURING_FRAMES,
+    bound_by_motion,
+    geometry_parameters,
+    joint_frames,
+    parameter_names,
+)
 from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nominal_misfit
 from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
@@ -21,7 +28,6 @@ from symkin.calibration.judge.plausibility import Departure, is_beyond_noise, is
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.report import FitReport
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -36,6 +42,12 @@ _READING_NAMES = {
     "distance": "distances"
 }  # fmt: skip
 """Readings by the keys of their standard deviations."""
+_SIGMA_KEYS = {
+    "joint": "joint", "point": "position", "position": "position", "orientation": "orientation", "inclination": "inclination",
+    "distance": "distance"
+}  # fmt: skip
+"""Keys of standard deviations that hold for observables of each kind, too."""
+_Single = TypeVar("_Single", Distance, Reading)
 LEAST_CHANGE = "least"
 """Frames held by the least change from nominal."""
 
@@ -95,10 +107,11 @@ class _Options:
     command: str = ""
     seed: int = 0
 
-    def names(self, mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Parameters to identify, and those among them that are held."""
-        names = default_parameters(mechanism) if self.parameters is None else match_parameters(mechanism, self.parameters)
-        held = () if self.hold is None else _match_patterns(mechanism, self.hold)
+    def names(self, mechanism: Mechanism, read: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Parameters to identify, and those among them that are held; `read` is what is read beside the platform."""
+        chosen = ALL_PARAMETERS if self.parameters is None else self.parameters
+        names = match_parameters(mechanism, chosen, read)
+        held = () if self.hold is None else _match_patterns(mechanism, self.hold, read)
         held = tuple(dict.fromkeys((*held, *frame_names(mechanism, self.frames))))
         return names, tuple(name for name in held if name in names)
 
@@ -109,10 +122,11 @@ def fit_file(mechanism: Mechanism, data: DataFile, **options: Unpack[FileFitOpti
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
     given: dict[str, Any] = dict(options)
     own = _Options(**{item.name: given.pop(item.name) for item in fields(_Options) if item.name in given})
-    names, fixed = own.names(mechanism)
-    notes = (*data.notes, *_note_left_out(mechanism, own.parameters or ALL_PARAMETERS, names))
+    read = data.measurements.observed
+    names, fixed = own.names(mechanism, read)
+    notes = (*data.notes, *_note_left_out(mechanism, own.parameters or ALL_PARAMETERS, names, read))
     data = replace(data, notes=notes).without_copies()
-    data = replace(data, measurements=with_sigmas(data, own.sigmas or {}))
+    data = replace(data, measurements=with_sigmas(mechanism, data, own.sigmas or {}))
     data, kept_back = _hold_out(data, own.hold_out, own.seed)
     task = _FileFit(mechanism, data, {**given, "parameters": names, "fixed": fixed})
     fit = task.fit(own.seed)
@@ -172,14 +186,20 @@ class _FileFit:
         return diagnose_sequence(self.mechanism, self.data, self.options)
 
 
-def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
+def with_sigmas(mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
     """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
-        if key != "joint" and not _is_read(data, key):
+        if key != "joint" and not _is_read(mechanism, data, key):
             refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {_READING_NAMES[key]}")
+        others = tuple(o.name for o in observables_named(mechanism, m.observed) if _SIGMA_KEYS[o.kind] == key)
+        m = replace(
+            m, readings=[_with_sigma(data, r, _of_joints(mechanism, value, r)) if r.name in others else r for r in m.readings]
+        )
         if key == "distance":
             m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
+            continue
+        if key not in ("joint", "group") and getattr(m, key) is None and not _is_euler(data, key):
             continue
         if m.sigma(key) is not None:
             raise InputError(f"{data.path}: the standard deviation of {key} readings stands in the file; leave the option out")
@@ -187,31 +207,47 @@ def with_sigmas(data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Mea
     return m
 
 
-def _is_read(data: DataFile, key: str) -> bool:
+def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading) -> float:
+    """The standard deviation of a reading; of joints it is by kind, as that of the actuated ones."""
+    if np.ndim(value) == 0:
+        return float(value)
+    angular = is_angular(mechanism, reading.name)
+    like = [float(v) for v, c in zip(np.asarray(value), mechanism.actuated, strict=True) if c.is_angular == angular]
+    if not like:
+        raise InputError(f"--sigma-joints: it says nothing of {reading.name}; give its column sigma_{reading.name}")
+    return like[0]
+
+
+def _is_read(mechanism: Mechanism, data: DataFile, key: str) -> bool:
     """Tell whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
     m = data.measurements
+    if any(_SIGMA_KEYS[o.kind] == key for o in observables_named(mechanism, m.observed)):
+        return True
     if key == "distance":
         return bool(m.distances)
-    angles = key == "orientation" and (data.euler is not None or data.open_euler is not None)
-    return angles or getattr(m, "groups" if key == "group" else key) is not None
+    return _is_euler(data, key) or getattr(m, "groups" if key == "group" else key) is not None
 
 
-def _with_sigma(data: DataFile, d: Distance, value: float) -> Distance:
+def _is_euler(data: DataFile, key: str) -> bool:
+    return key == "orientation" and (data.euler is not None or data.open_euler is not None)
+
+
+def _with_sigma(data: DataFile, d: _Single, value: float) -> _Single:
     if d.sigma is not None:
         raise InputError(f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option out")
     return replace(d, sigma=value)
 
 
-def match_parameters(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
+def match_parameters(mechanism: Mechanism, patterns: str, read: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Name the parameters that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every
     parameter that moves poses (see `default_parameters`). What a declared motion binds is only matched by its whole name.
     Raises InputError for a pattern that matches nothing."""
-    bound = bound_by_motion(mechanism) - {part.strip() for part in patterns.split(",")}
-    return tuple(name for name in _match_patterns(mechanism, patterns) if name not in bound)
+    bound = bound_by_motion(mechanism, read) - {part.strip() for part in patterns.split(",")}
+    return tuple(name for name in _match_patterns(mechanism, patterns, read) if name not in bound)
 
 
-def _match_patterns(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
-    known, own = parameter_names(mechanism), set(default_parameters(mechanism))
+def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) -> tuple[str, ...]:
+    known, own = parameter_names(mechanism, read), set(default_parameters(mechanism, read))
     wanted: set[str] = set()
     for pattern in (part.strip() for part in patterns.split(",")):
         found = own if pattern == ALL_PARAMETERS else {name for name in known if fnmatchcase(name, pattern)}
@@ -224,12 +260,17 @@ def _match_patterns(mechanism: Mechanism, patterns: str) -> tuple[str, ...]:
     return tuple(name for name in known if name in wanted)
 
 
-def _note_left_out(mechanism: Mechanism, patterns: str, names: Sequence[str]) -> tuple[str, ...]:
+def _note_left_out(
+    mechanism: Mechanism, patterns: str, names: Sequence[str], read: tuple[str, ...]
+) -> tuple[str, ...]:  # fmt: skip
     """Note what the patterns match and the declared motion binds."""
-    bound = bound_by_motion(mechanism) if patterns == ALL_PARAMETERS else frozenset(_match_patterns(mechanism, patterns))
-    missing = [name for name in build_closure(mechanism).parameter_names if name in bound and name not in names]
+    every = bound_by_motion(mechanism, read)
+    bound = every if patterns == ALL_PARAMETERS else frozenset(_match_patterns(mechanism, patterns, read))
+    missing = [name for name in geometry_parameters(mechanism, read) if name in bound and name not in names]
     if not missing:
         return ()
+    if mechanism.motion == "spatial":
+        return (f"not identified, since a planar or spherical loop could no longer move: {first_of(missing)}",)
     return (
         f"not identified, bound by the {mechanism.motion} motion of the platform: {first_of(missing)}; to identify them, declare the "
         "motion spatial",

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from symkin.calibration.data.observables import is_angular
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
@@ -214,15 +214,13 @@ class FitReport:
 
     def residual_text(self) -> str:
         """Write the root mean square of the residuals of each kind."""
-        m, by_kind = self.fit.mechanism, dict[str, list[float]]()
+        by_kind = dict[str, list[float]]()
         for r in self.fit.residuals:
             by_kind.setdefault(r.kind, []).append(r.value)
         parts = []
         for kind, values in by_kind.items():
             rms = _rms(np.array(values))
-            parts.append(
-                f"{kind} {m.angle_out(rms):.3g} {m.angle_unit}" if kind in ANGULAR else f"{kind} {rms:.3g} {m.length_unit}"
-            )
+            parts.append(f"{kind} {_of_kind(self, kind, rms):.3g} {_unit_of_kind(self, kind)}")
         return "residuals, rms: " + ", ".join(parts)
 
     def held_out_texts(self) -> list[str]:
@@ -333,11 +331,12 @@ def _rms(values: np.ndarray) -> float:
 
 def _of_kind(report: FitReport, kind: str, value: float) -> float:
     """A reading's value in the mechanism's unit."""
-    return report.fit.mechanism.angle_out(value) if kind in ANGULAR else value
+    return report.fit.mechanism.angle_out(value) if is_angular(report.fit.mechanism, kind) else value
 
 
 def _unit_of_kind(report: FitReport, kind: str) -> str:
-    return report.fit.mechanism.angle_unit if kind in ANGULAR else report.fit.mechanism.length_unit
+    m = report.fit.mechanism
+    return m.angle_unit if is_angular(m, kind) else m.length_unit
 
 
 def _unit(report: FitReport, q: Parameter) -> str:

@@ -84,11 +84,12 @@ def simulate(
     """Write measurements as a measuring system would take them, of random postures or those of a plan."""
     import numpy as np
 
-    from symkin.calibration.data.columns import DISTANCE
+    from symkin.calibration.data.column_names import DISTANCE
     from symkin.calibration.data.files import measurements_text, read_measurements
     from symkin.calibration.design.simulation import (
         group_numbers,
         planned_configurations,
+        platform_kinds,
         random_configurations,
         simulate_readings,
     )
@@ -101,10 +102,14 @@ def simulate(
     _check_same_joints(mechanism, true)
     kinds = _split_names(readings)
     beside = [*kinds, *(distance or ())]
-    _refuse_unread_noise(kinds, noise_inclination, noise_position, noise_orientation)
+    _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)
     _refuse_unread_drawing(true, plan, postures, groups, box=box, tilt=tilt, spin=spin)
-    if not distance:
-        refuse_ignored({"--noise-distance": noise_distance}, "no distance is read", "name one with --distance")
+    if not distance and not any(kind.startswith("distance.") for kind in kinds):
+        refuse_ignored(
+            {"--noise-distance": noise_distance},
+            "no distance is read",
+            "name one with --distance, or with --readings distance.A.B",
+        )
     if not {"orientation", "pose"} & set(kinds):
         refuse_ignored({"--euler": euler}, "no orientation is read", "name it with --readings")
     if euler is None:
@@ -122,10 +127,11 @@ def simulate(
         numbers, made = planned_configurations(workspace, mechanism, planned.measurements, planned.wedges, noise, rng)
     else:
         _check_anything_read(bool(groups), beside, noise_group)
+        platform_kinds(true, kinds, grouped=bool(groups))
         numbers = group_numbers(_DEFAULT_CONFIGURATIONS if postures is None else postures, groups or 0)
         made = random_configurations(workspace, numbers, noise, rng)
     ends = {DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()}
-    measured = simulate_readings(mechanism, made, numbers, kinds, noise, rng, ends)
+    measured = simulate_readings(true, made, numbers, kinds, noise, rng, ends)
     comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
     write_own_file(output, measurements_text(mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments))
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
@@ -161,20 +167,23 @@ def plan(
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
     from symkin.calibration.design.planning import accuracy_text, plan_measurements, plan_text
+    from symkin.calibration.design.simulation import observed_kinds
     from symkin.calibration.fit_file import match_parameters
     from symkin.model.file import load
 
     check_output(output, mech)
     check_own_file(output, force=force)
     mechanism = load(mech)
-    _check_anything_read(groups != 0, _split_names(readings), noise_group)
-    _refuse_unread_noise(_split_names(readings), noise_inclination, noise_position, noise_orientation)
+    kinds = _split_names(readings)
+    _check_anything_read(groups != 0, kinds, noise_group)
+    _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
+    read = tuple(o.name for o in observed_kinds(mechanism, kinds))
     made = plan_measurements(
         _workspace(mechanism, box, tilt, spin, _LIMIT_MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_checked_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
-        readings=_split_names(readings),
-        parameters=None if parameters is None else match_parameters(mechanism, parameters), aligned=not raw
+        readings=kinds,
+        parameters=None if parameters is None else match_parameters(mechanism, parameters, read), aligned=not raw
     )  # fmt: skip
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):
@@ -193,10 +202,15 @@ def plan(
 # --- helpers -------------------------------------------------------------------------------------------------------
 
 
-def _refuse_unread_noise(readings: Sequence[str], inclination: str | None, position: str | None, orientation: str | None) -> None:
+def _refuse_unread_noise(
+    mechanism: Mechanism, readings: Sequence[str], inclination: str | None, position: str | None, orientation: str | None
+) -> None:  # fmt: skip
     """Refuse the noise of readings that are not taken."""
+    from symkin.calibration.design.simulation import observed_kinds
+
+    taken = {"position" if o.kind == "point" else o.kind for o in observed_kinds(mechanism, readings)} | set(readings)
     for name, noise in {"inclination": inclination, "position": position, "orientation": orientation}.items():
-        if name not in readings and (name == "inclination" or "pose" not in readings):
+        if name not in taken and (name == "inclination" or "pose" not in taken):
             refuse_ignored({f"--noise-{name}": noise}, f"no {name} is read", "name it with --readings")
 
 
@@ -210,9 +224,16 @@ def _refuse_unread_drawing(
     if plan is not None:
         drawn = {"--postures": postures, "--groups": groups, **workspace}
         refuse_ignored(drawn, "the plan gives the postures and their groups", "leave --plan out")
-    elif mechanism.serial:
+    elif _drawn_by_joints(mechanism):
         unread = {name: value for name, value in workspace.items() if name != "--tilt" or not groups}
-        refuse_ignored(unread, "postures of a serial arm are drawn by its joints, within their limits")
+        what = "a serial arm" if mechanism.serial else f"{mechanism.name}, whose joints carry what they move,"
+        refuse_ignored(unread, f"postures of {what} are drawn by its joints, within their limits")
+
+
+def _drawn_by_joints(mechanism: Mechanism) -> bool:
+    from symkin.calibration.estimate.workspace import Workspace
+
+    return Workspace.about(mechanism).drawn_by_joints
 
 
 def _noise(
@@ -252,7 +273,7 @@ def _check_anything_read(grouped: bool, readings: list[str], noise_group: str | 
     if not grouped and not readings:
         raise InputError(
             "nothing is read beside the joints, and a fit would refuse the file; name --groups, or --readings (inclination, "
-            "position, orientation, pose), or distances"
+            "position, orientation, pose; passive joints, point.NAME, LINK.pose, distance.A.B), or distances"
         )
 
 

@@ -57,7 +57,11 @@ RandomGroupsOption = Annotated[
     int | None, typer.Option(metavar="N", parser=whole_number, help="Their groups of equal inclination. Default: 0, none.")
 ]
 ReadingsOption = Annotated[
-    str, typer.Option(metavar="A,B,...", help="What is read beside joints: inclination, position, orientation, pose.")
+    str,
+    typer.Option(
+        metavar="A,B,...",
+        help="What is read beside joints: inclination, position, orientation, pose; a passive joint, point.NAME, LINK.pose, distance.A.B.",
+    ),
 ]
 BoxOption = Annotated[
     str | None,

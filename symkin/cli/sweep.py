@@ -11,7 +11,16 @@ from typing import Annotated, Any
 
 import typer
 
-from symkin.cli.options import Interrupted, MechArgument, SearchSeedOption, joints_from, whole_number
+from symkin.cli.options import (
+    Interrupted,
+    JsonOption,
+    MechArgument,
+    SearchSeedOption,
+    check_output,
+    joints_from,
+    print_result,
+    whole_number,
+)
 from symkin.cli.progress import progress_bar
 from symkin.errors import InputError
 
@@ -28,15 +37,23 @@ def _count(name: str, text: str) -> Any:
 
 def sweep(
     mech: MechArgument,
-    grid: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME=LOW:HIGH:COUNT,...", help="What is swept; NAME=LOW:HIGH with --random, NAME=VALUE for one value."
-        ),
-    ],
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
     ],
+    grid: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT,...",
+            help="What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with --random, NAME=VALUE for one value.",
+        ),
+    ] = None,
+    given: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
+            help="In place of --grid: any coordinates, as many as the mobility, swept or held; as --given of modes.",
+        ),
+    ] = None,
     poses: Annotated[
         bool,
         typer.Option(
@@ -57,7 +74,15 @@ def sweep(
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.")
     ] = None,
     chunk: Annotated[int | None, _count("--chunk", "Points that are computed and written at a time.")] = None,
+    as_json: JsonOption = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.")] = None,
+    of: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,...", help="What is drawn in place of the map: the paths of named points, or joints."),
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write the result as a table too, a row a mode.")
+    ] = None,
     slices: Annotated[
         str | None,
         typer.Option("--slice", metavar="NAME=VALUE,...", help="Where the map cuts a grid of more than two dimensions."),
@@ -65,30 +90,50 @@ def sweep(
 ) -> None:
     """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
     from symkin.model.file import load
-    from symkin.sweeps.ranges import check_map_is_left, check_slices, read_ranges, read_values
+    from symkin.sweeps.drawable import check_drawable
+    from symkin.sweeps.ranges import check_map_is_left, check_slices, ranged, read_given, read_ranges, read_values
     from symkin.sweeps.run import sweep as run
 
     mechanism = load(mech)
-    unit = mechanism.angle_unit
-    ranges = read_ranges(grid, sampled=random is not None, angle_unit=unit)
+    unit, sampled = mechanism.angle_unit, random is not None
+    ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
+    told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)
+    values = ranged(told or {}) if ranges is None else ranges
     cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
-    check_slices(cuts, ranges, sampled=random is not None)
-    check_map_is_left(cuts, ranges)
-    if slices is not None and plot is None:
-        raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
+    check_slices(cuts, values, sampled=sampled)
+    check_map_is_left(cuts, values)
+    drawn = _drawn(of, slices, plot)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
+    if drawn:
+        check_drawable(mechanism, quantity.value, list(values), drawn)
+    check_output(table)
     with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, poses=poses, at=joints_from(at, "at", unit), random=random, seed=seed, quantity=quantity.value,
-            certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
+            mechanism, ranges, output, given=told, poses=poses, at=joints_from(at, "at", unit), random=random, seed=seed,
+            quantity=quantity.value, certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
-    print(swept)
+    lines = [str(swept)]
+    if table is not None:
+        lines.append(f"written: {table}, {swept.write_csv(table)} rows")
     if plot is not None:
-        swept.plot(plot, slices=cuts)
-        print(f"picture: {plot}")
+        swept.plot(plot, slices=cuts, of=drawn)
+        lines.append(f"picture: {plot}")
+    print_result(as_json, swept.to_dict, lambda: "\n".join(lines))
+
+
+def _drawn(of: str | None, slices: str | None, plot: Path | None) -> list[str]:
+    """The names of --of. Raises InputError where there is no picture for it."""
+    if slices is not None and plot is None:
+        raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
+    if of is not None and plot is None:
+        raise InputError("--of says what the picture of --plot shows; give --plot FILE.png, or leave --of out")
+    names = [] if of is None else [name.strip() for name in of.split(",")]
+    if of is not None and not all(names):
+        raise InputError(f"--of {of!r}: names separated by commas are needed")
+    return names
 
 
 @contextmanager

@@ -219,7 +219,10 @@ def _nonzero_rows(
     """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical: those that vanish identically at
     the nominal geometry are dropped."""
     rows = ca.vertcat(*builder.rows)
-    if builder.mechanism.motion == "spatial" and not builder.mechanism.is_graph:
+    if builder.mechanism.motion == "spatial" and all(
+        branch.carries or set(branch.ends) & set(builder.layout.floating) for branch in builder.layout.branches
+    ):
+        # rows that hold a body of six freedoms depend on its pose
         return tuple(range(rows.shape[0]))
     evaluate = ca.Function("rows", [variables, symbols], [rows])
     rng = np.random.default_rng(0)

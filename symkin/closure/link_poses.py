@@ -7,21 +7,19 @@ shortest way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.branches import Branch
-from symkin.closure.chain import Chain, Side
 from symkin.closure.closure import Closure
-from symkin.closure.rows import RowBuilder
+from symkin.closure.link_frames import Bridge, link_frames
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
 from symkin.spatial.backend import cross, dot, norm, scale
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply, normalized, rotate
+from symkin.spatial.rotation import conjugate, normalized, rotate
 
 _OPPOSITE = 1e-12
 """1 + cosine of two directions that are opposite to rounding: any half turn across them is the shortest way."""
@@ -45,7 +43,8 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
     """The displacements of all links, the base and those within limbs ("leg1.1", from the base on) included, at full vectors of
     variables (m, variables)."""
     placed = _placed_links(closure)
-    numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))
+    # of no configuration CasADi makes one
+    numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))[:, : len(values)]
     poses = {
         link: Pose(numbers[7 * k : 7 * k + 3], normalized(numbers[7 * k + 3 : 7 * k + 7])) for k, link in enumerate(placed.links)
     }
@@ -68,80 +67,26 @@ def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Bridge:
-    """`links` between two spherical joints: the links on which these are, and their centres at the reference."""
-
-    links: tuple[str, ...]
-    ends: tuple[str, str]
-    centres: tuple[np.ndarray, np.ndarray]
-
-
-@dataclass(frozen=True, eq=False)
 class _PlacedLinks:
     """`evaluate` gives position and quaternion of each of the `links`; those of a bridge as seen from its first one."""
 
     evaluate: Callable[[np.ndarray], ca.DM]
     links: tuple[str, ...]
-    bridges: tuple[_Bridge, ...]
+    bridges: tuple[Bridge, ...]
     joints: dict[Joint, tuple[str, str]]
 
 
 @lru_cache(maxsize=128)
 def _placed_links(closure: Closure) -> _PlacedLinks:
-    builder = RowBuilder(closure.mechanism, partition=closure.partition)
-    builder.build_rows()
-    if closure.partition.geometry:
-        builder.declare_geometry()
-    sides: dict[str, Side] = {**builder.bodies, **builder.links}
-    chains = [(branch, (branch.ends[0], *branch.links, branch.ends[1])) for branch in builder.layout.branches]
-    bridges = []
-    for branch, links in chains:
-        free = [k for k, link in enumerate(links) if link not in sides]
-        if free:
-            first, last = free[0], free[-1]
-            centres = [np.array(builder.mechanism.places[branch.elements[k].name]) for k in (first - 1, last)]
-            bridges.append(_Bridge(links[first : last + 1], (links[first - 1], links[last + 1]), (centres[0], centres[1])))
-            sides |= {links[k]: builder.chain_of(branch.elements[first:k]) for k in range(first, last + 1)}
-    frames = _frames(list(sides.values()))
-    variables = ca.vertcat(ca.SX(0, 1), *(builder.coordinates[c.name][1] for c in closure.coordinates))
-    fixed = [k for k, name in enumerate(builder.table.names) if name not in builder.coordinates]
-    symbols = ca.vertcat(ca.SX(0, 1), *(builder.table.symbols[k] for k in fixed))
-    numbers = ca.SX(ca.DM([builder.table.values[k] for k in fixed]))
-    packed = ca.densify(ca.substitute(ca.vertcat(*frames), symbols, numbers))
-    evaluate = ca.Function("links", [variables], [packed], {"cse": True})
-    return _PlacedLinks(evaluate, tuple(sides), tuple(bridges), _joints_between(chains))
+    found = link_frames(closure)
+    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
+    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
+    packed = ca.densify(ca.substitute(ca.vertcat(*found.frames.values()), symbols, numbers))
+    evaluate = ca.Function("links", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True})
+    return _PlacedLinks(evaluate, tuple(found.frames), found.bridges, found.joints)
 
 
-def _frames(sides: Sequence[Side]) -> list[ca.SX]:
-    """Position and quaternion of each side; those that begin alike are built on each other, so that a long chain costs its length."""
-    known: dict[tuple[int, ...], tuple[ca.SX, ca.SX]] = {}
-
-    def frame(side: Side) -> tuple[ca.SX, ca.SX]:
-        key = (0 if isinstance(side, Chain) else id(side.pose), *map(id, side.steps))
-        if key not in known:
-            if not side.steps:
-                known[key] = side.move(ca.SX(3, 1)) / side.weight, side.quaternion
-            else:
-                position, quaternion = frame(replace(side, steps=side.steps[:-1]))
-                step = side.steps[-1]
-                moved = position + rotate(quaternion, step.move(ca.SX(3, 1)))
-                known[key] = moved, multiply(quaternion, step.quaternion)
-        return known[key]
-
-    return [ca.vertcat(*frame(side)) for side in sides]
-
-
-def _joints_between(chains: Sequence[tuple[Branch, tuple[str, ...]]]) -> dict[Joint, tuple[str, str]]:
-    """The links that each joint is between, the one that it moves last."""
-    found: dict[Joint, tuple[str, str]] = {}
-    for branch, links in chains:
-        for k, element in enumerate(branch.elements):
-            if isinstance(element.part, Joint) and element.part.type != "weld":
-                found[element.part] = (links[k], links[k + 1]) if element.along else (links[k + 1], links[k])
-    return found
-
-
-def _hung(bridge: _Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
+def _hung(bridge: Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
     """The links of a bridge, turned about its first centre by the shortest way, so that both ends meet."""
     first, last = (poses[link] for link in bridge.ends)
     near, far = (centre[:, None] for centre in bridge.centres)

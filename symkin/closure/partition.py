@@ -16,7 +16,7 @@ POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
 @dataclass(frozen=True)
 class Partition:
     """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether the platform of a graph has
-    pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one (see `POSE_CONDITIONS`), as variables
+    pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one, as variables
     with rows of their own; with `geometry`, points and lengths are known coordinates too. Any closure holds the actuated joints and those that couplings name."""
 
     kept: frozenset[str] = frozenset()
@@ -25,8 +25,5 @@ class Partition:
     geometry: bool = False
 
 
-POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
-"""Coordinates of the platform's pose that are given one by one: position, and the rotation Rz(azimuth) Ry(tilt) Rz(torsion -
-azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J. Mech. Des. 124, 2002)."""
 ALL_JOINTS = Partition()
 """No more than any closure holds."""

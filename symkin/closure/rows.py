@@ -21,11 +21,11 @@ from symkin.closure.bodies import BodyBuilder, PoseForm
 from symkin.closure.branches import Branch, Element
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
 from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
-from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
+from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
 from symkin.model.bar import Bar
-from symkin.model.joint import BASE, Coordinate, Joint
+from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose

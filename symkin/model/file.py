@@ -250,10 +250,11 @@ class _Builder:
 def _example(table: Any) -> Example | None:
     if table is None:
         return None
-    if (table.joints is None) == (table.pose is None):
-        raise MechanismError("example: exactly one of joints and pose is needed")
-    given = {k: tuple(v) for k, v in table.model_dump().items() if v is not None}
-    return Example(**given)
+    if [table.joints, table.pose, table.given].count(None) != 2:
+        raise MechanismError("example: exactly one of joints, pose and given is needed")
+    given = None if table.given is None else tuple(table.given.items())
+    values = {k: tuple(v) for k, v in table.model_dump().items() if v is not None and k != "given"}
+    return Example(**values, given=given)
 
 
 def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:

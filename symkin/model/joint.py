@@ -18,6 +18,9 @@ BASE = "base"
 """The link that is fixed."""
 PLATFORM = "platform"
 """The link on which limbs end where nothing else is said."""
+POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
+"""Coordinates of the platform's pose that are given one by one: position, and the rotation Rz(azimuth) Ry(tilt) Rz(torsion -
+azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J. Mech. Des. 124, 2002)."""
 FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3, "weld": 0}
 _COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
     "R": (("", "angle"),),

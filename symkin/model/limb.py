@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -165,6 +165,10 @@ class Limb:
     def type(self) -> str:
         """Letters of the joints from base to platform, and the count of rods: RUS, R+2SS."""
         return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")
+
+
+AnyLimb: TypeAlias = Limb | RodLimb
+"""What has `joints` in order from the base, and `bars` at its end: of a rod limb no joint and one bar."""
 
 
 def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:

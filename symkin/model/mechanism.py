@@ -17,7 +17,7 @@ from symkin.model.bar import Bar
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, vector3
+from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
@@ -37,8 +37,8 @@ _ROUNDING = 1e-9
 class Example:
     """A worked example of a mechanism, used where no input is given; in the mechanism's own units.
 
-    Either `joints` (actuated values in file order) or `pose` (x, y, z, qw, qx, qy, qz); `start` is where a solve begins: a pose
-    with `joints`, actuated values with `pose`. Whether they fit is checked by the Mechanism that holds them.
+    `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of a coordinate's name and its
+    value); `start` is where a solve begins: a pose with `joints`, else actuated values. Whether they fit is checked by the Mechanism that holds them.
 
     >>> import symkin
     >>> symkin.load("zhang2009").example.joints[:3]
@@ -47,6 +47,7 @@ class Example:
 
     joints: tuple[float, ...] | None = None
     pose: tuple[float, ...] | None = None
+    given: tuple[tuple[str, float], ...] | None = None
     start: tuple[float, ...] | None = None
 
 
@@ -316,6 +317,12 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
         _check_joints("example.joints", mechanism, example.joints)
     if example.pose is not None:
         unit_quaternion(example.pose[3:], "example.pose: the quaternion")
+    if example.given is not None:
+        allowed = (*(c.name for c in mechanism.coordinates if c.kind != "quaternion"), *POSE_CONDITIONS)
+        for name, value in example.given:
+            finite(value, f"example.given.{name}")
+            if name not in allowed:
+                raise MechanismError(f"example.given.{name}: no coordinate has this name; allowed: {', '.join(allowed)}")
     if example.start is None:
         return
     if not starts_with_pose:

@@ -166,6 +166,7 @@ class DHTableTable(Table):
 class ExampleTable(Table):
     joints: list[Number] | None = None
     pose: Annotated[list[Number], Field(min_length=7, max_length=7)] | None = None
+    given: dict[str, Number] | None = None
     start: list[Number] | None = None
 
 

@@ -33,8 +33,11 @@ def mechanism_to_toml(mechanism: Description) -> str:
     else:
         _links(document, mechanism)
     if mechanism.example is not None:
-        given = {k: getattr(mechanism.example, k) for k in ("joints", "pose", "start")}
-        document["example"] = {k: list(v) for k, v in given.items() if v is not None}
+        values = {k: getattr(mechanism.example, k) for k in ("joints", "pose", "start")}
+        document["example"] = {k: list(v) for k, v in values.items() if v is not None}
+        given = getattr(mechanism.example, "given", None)
+        if given is not None:
+            document["example"]["given"] = dict(given)
     return tomlkit.dumps(document)
 
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.errors import InputError
 from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
+from symkin.text import matplotlib_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,6 +37,8 @@ the third."""
 _MOST_POSES = 1000
 """Measured poses that are drawn, spread evenly over the file."""
 _KINDS = {"group": "#2f7fc1", "inclination": "#e8743b", "position": "#3a9d5d", "orientation": "#8c5fbf", "distance": "#b5892b"}
+_OTHER_KINDS = ("#2f7fc1", "#3a9d5d", "#e8743b", "#8c5fbf", "#1f2933", "#c2477f", "#2aa198", "#7d8f1f")
+"""Colours of readings of joints, points and other links, in turn."""
 _AXES_OF = {
     "group": "inclination in its group", "inclination": "inclination", "position": "position", "orientation": "orientation",
     "distance": "distance",
@@ -62,10 +67,12 @@ def residual_figure(fit: Calibration) -> Figure:
     rows = [r for r in fit.residuals if r.normalised is not None]
     figure, (left, right) = _figure(11, 4.2, (3, 1))
     flagged = {(o.configuration, o.kind) for o in fit.outliers}
+    others = cycle(_OTHER_KINDS)
     for kind in dict.fromkeys(r.kind for r in rows):
+        colour = _KINDS[kind] if kind in _KINDS else next(others)
         chosen = [r for r in rows if r.kind == kind]
         left.plot(
-            [r.configuration + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=_KINDS.get(kind, COLOURS["text"]),
+            [r.configuration + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=colour,
             label=_AXES_OF.get(kind, kind),
         )  # fmt: skip
     values = np.array([r.normalised for r in rows], dtype=float)
@@ -169,6 +176,7 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
     """Standard deviations of position and orientation over the poses, seen from above and from the side, and the poses
     measured."""
     m = fit.mechanism
+    judged = "the platform" if m.platform_link is not None else f"link {matplotlib_text(judged_link(m))}"
     figure, panels = _figure(11, 4.8, (1, 1))
     x, y, z = sigma.poses[:, 0], sigma.poses[:, 1], sigma.poses[:, 2]
     measured = _platform_positions(fit)
@@ -183,7 +191,7 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
             label=f"measured, {_drawn_of(measured, fit)}",
         )  # fmt: skip
         figure.colorbar(dots, ax=axes, label=f"sigma of {what} [{unit}]")
-        axes.set(xlabel=f"x of the platform [{m.length_unit}]", ylabel=f"{name} of the platform [{m.length_unit}]")
+        axes.set(xlabel=f"x of {judged} [{m.length_unit}]", ylabel=f"{name} of {judged} [{m.length_unit}]")
         axes.set_title(f"Sigma of the {what}, seen from {'above' if name == 'y' else 'the side'}", loc="left", pad=18)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, borderaxespad=0.1, handletextpad=0.2)
     return figure

@@ -32,8 +32,8 @@ def draw_lines(ax: Any, body: MechanismLines, view: View, share: float, scale: f
     """Draw one configuration on Axes3D; the box takes `share` of the axes' width, `scale` multiplies lines and dots."""
     set_axes(ax, view, share)
     painter = _Painter(ax, view, scale)
-    painter.plate(_pad(view) if body.serial else body.base, "base", hub=None)
-    if not body.serial:
+    painter.plate(body.base if body.has_platform else _pad(view), "base", hub=None)
+    if body.has_platform:
         painter.plate(body.platform, "platform", hub=np.asarray(body.pose.position))
     for segment in _segments(body):
         painter.segment(segment)
@@ -80,7 +80,7 @@ def legend_entries(bodies: Sequence[MechanismLines]) -> dict[str, Any]:
 
     limbs = [limb for body in bodies for limb in body.limbs]
     entries: dict[str, Any] = {}
-    for name in ("base",) if bodies[0].serial else ("base", "platform"):
+    for name in ("base", "platform")[: 1 + bodies[0].has_platform]:
         entries[name] = Patch(facecolor=COLOURS[name], edgecolor=COLOURS[f"{name} edge"], alpha=0.5)
     for drives, name in ((True, "actuated joint"), (False, "passive joint")):
         if any(dot.actuated == drives for limb in limbs for dot in limb.dots):

@@ -16,18 +16,20 @@ from symkin.plots.graph_lines import GraphLines, reference_graph_lines, view_axe
 from symkin.plots.graph_painter import GraphPainter
 from symkin.plots.joint_symbols import NAMES, draw_symbol
 from symkin.plots.label_placement import Box, Label, Page
+from symkin.plots.sheet import direction, make_sheet, symbol_size, text_extent
 from symkin.plots.style import COLOURS, drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_DPI = 150
 _WIDTH, _HEIGHT = 1500.0, 1200.0
 """Pixels of the sketch."""
 _TOP, _BOTTOM, _SIDE = 160.0, 110.0, 150.0
 """Pixels above, below and beside what is drawn: title, legend, labels."""
 _SYMBOL, _LEAST_SYMBOL = 40.0, 22.0
 """Length of a joint's symbol in pixels, and the least that crowded joints leave of it."""
+_SHARE = 0.9
+"""What symbols take of the distance of the nearest two, and of their largest length."""
 _PANEL = 520.0
 """Pixels of the longer side of a panel's drawing."""
 _PANEL_GAP, _PANEL_TEXT, _HEAD, _FOOT = 46.0, 126.0, 150.0, 90.0
@@ -57,7 +59,7 @@ def sketch_of_graph(mechanism: Mechanism) -> Figure:
     lines = reference_graph_lines(mechanism)
     axes, planar = view_axes(lines)
     with drawing():
-        figure, ax = _sheet(_WIDTH, _HEIGHT)
+        figure, ax = make_sheet(_WIDTH, _HEIGHT)
         room = np.array([_WIDTH - 2 * _SIDE, _HEIGHT - _TOP - _BOTTOM - 0.6 * _SIDE])
         low, high = _extent([lines], axes)
         scale = float(np.min(room / (high - low)))
@@ -94,7 +96,7 @@ def panels_of_graph(mechanism: Mechanism, panels: Sequence[GraphPanel], facts: S
     cell_high = height + _PANEL_TEXT + _PANEL_GAP
     whole = max(columns * cell_wide + _PANEL_GAP, _NARROWEST), _HEAD + rows * cell_high + _FOOT
     with drawing():
-        figure, ax = _sheet(*whole)
+        figure, ax = make_sheet(*whole)
         for k, panel in enumerate(panels):
             row, column = divmod(k, columns)
             middle = 0.5 * whole[0] + (column + 0.5 - 0.5 * columns) * cell_wide
@@ -116,19 +118,6 @@ def _columns(count: int, cell: float) -> int:
         return count
     rows = math.ceil(count / min(_MOST_COLUMNS, max(1, math.ceil(math.sqrt(1.6 * count)))))
     return math.ceil(count / rows)
-
-
-def _sheet(width: float, height: float) -> tuple[Figure, Any]:
-    """A figure whose axes are its pixels, y upward."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
-    FigureCanvasAgg(figure)
-    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    ax.set(xlim=(0.0, width), ylim=(0.0, height))
-    ax.set_axis_off()
-    return figure, ax
 
 
 def _extent(bodies: Sequence[GraphLines], axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -155,10 +144,7 @@ def _symbol_size(lines: GraphLines, axes: np.ndarray, scale: float, most: float,
     """Pixels: what the distance of the nearest two symbols that are apart leaves, within bounds."""
     if not lines.joints:
         return most
-    flat = scale * np.array([joint.centre for joint in lines.joints]) @ axes[:2].T
-    gaps = np.linalg.norm(flat[:, None] - flat[None], axis=2)
-    gaps = gaps[gaps > 8.0]
-    return float(np.clip(0.9 * gaps.min(initial=most), least, most))
+    return symbol_size(scale * np.array([joint.centre for joint in lines.joints]) @ axes[:2].T, _SHARE, least, _SHARE * most)
 
 
 # --- texts ---------------------------------------------------------------------------------------------------------
@@ -175,8 +161,8 @@ def _labels(figure: Any, painter: GraphPainter) -> None:
     labels: list[tuple[Label, dict[str, Any]]] = []
 
     def add(text: str, anchor: np.ndarray, reach: float, font: float, **look: Any) -> None:
-        width, height = _text_extent(figure, painter.ax, text, font, look)
-        wish = _unit(anchor - middle)
+        width, height = text_extent(figure, painter.ax, text, font, **look)
+        wish = direction(anchor - middle)
         labels.append((Label(text, (anchor[0], anchor[1]), reach, width, height, (wish[0], wish[1])), {"fontsize": font, **look}))
 
     for text, place in _joined_names(painter):
@@ -225,18 +211,10 @@ def _place(ax: Any, page: Page, label: Label, look: dict[str, Any]) -> None:
     anchor = np.array(label.anchor)
     edge = np.clip(anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high))
     if np.linalg.norm(edge - anchor) > label.reach + 16.0:
-        start = anchor + _unit(edge - anchor) * label.reach
+        start = anchor + direction(edge - anchor) * label.reach
         ax.plot([start[0], edge[0]], [start[1], edge[1]], color=COLOURS["axis"], linewidth=0.6, zorder=19.0, gid="leader")
         page.add_line(start.tolist(), edge.tolist())
     ax.text(box.x, box.y, label.text, ha="center", va="center", zorder=30.0, parse_math=False, gid="label", **look)
-
-
-def _text_extent(figure: Any, ax: Any, text: str, font: float, look: dict[str, Any]) -> tuple[float, float]:
-    """Width and height of a text in pixels."""
-    drawn = ax.text(0, 0, text, fontsize=font, parse_math=False, **look)
-    box = drawn.get_window_extent(figure.canvas.get_renderer())
-    drawn.remove()
-    return float(box.width), float(box.height)
 
 
 def _heading(ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, height: float, part: str = "") -> None:
@@ -264,7 +242,7 @@ def _legend(figure: Any, ax: Any, bodies: Sequence[GraphLines], planar: bool, wi
         ("point", bool(lines.points), {"color": COLOURS["text"], "marker": "D", "markersize": 4.5, "linewidth": 0.0}),
     )  # fmt: skip
     entries += [(name, look) for name, drawn, look in strokes if drawn]
-    widths = [_text_extent(figure, ax, name, 9.5, {})[0] for name, _ in entries]
+    widths = [text_extent(figure, ax, name, 9.5)[0] for name, _ in entries]
     half = math.ceil(len(entries) / 2)
     one_row = sum(widths) + _ENTRY * len(entries) < width - 20.0
     rows = [slice(0, len(entries))] if one_row else [slice(0, half), slice(half, len(entries))]
@@ -297,8 +275,3 @@ def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
 
 def _write(ax: Any, x: float, y: float, text: str, **look: Any) -> None:
     ax.text(x, y, text, ha="center", va="top", parse_math=False, zorder=30.0, **({"color": COLOURS["text"]} | look))
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    length = float(np.linalg.norm(vector))
-    return vector / length if length > 1e-9 else np.array([0.0, 1.0])

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.joint import Joint
-from symkin.model.limb import Limb
+from symkin.model.limb import AnyLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import rotate
@@ -41,7 +41,7 @@ def joint_displacement(joint: Joint, values: Sequence[Any]) -> Pose:
             return turn_about(at, axis, values[0] - joint.zero)
 
 
-def link_displacements(mechanism: Mechanism, limb: Limb, values: Mapping[str, Any], pose: Pose) -> list[Pose]:
+def link_displacements(mechanism: Mechanism, limb: AnyLimb, values: Mapping[str, Any], pose: Pose) -> list[Pose]:
     """Displacements of the limb's n + 1 links from the reference, base first.
 
     Joints whose coordinates are not among `values` are the cut ones. Between two cut joints (spherical both) the links'

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from symkin.model.joint import Joint
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.limb import AnyLimb
 from symkin.model.mechanism import Mechanism
 from symkin.plots.link_displacements import link_displacements
 from symkin.spatial.pose import Pose
@@ -73,13 +73,14 @@ class LimbLines:
 
 @dataclass(frozen=True, eq=False)
 class MechanismLines:
-    """What is drawn of one configuration: the limbs, base and platform points (k, 3), and the platform's (tool's) pose."""
+    """What is drawn of one configuration: the limbs, base and platform points (k, 3), and the platform's pose. An arm has a tool and
+    no platform, only the point where it ends."""
 
     limbs: tuple[LimbLines, ...]
     base: np.ndarray
     platform: np.ndarray
     pose: Pose
-    serial: bool
+    has_platform: bool
 
     @property
     def points(self) -> np.ndarray:
@@ -93,21 +94,18 @@ def lines_at(mechanism: Mechanism, values: Mapping[str, Any], pose: Pose) -> Mec
     are not among them) and the platform's pose, as in a Solution."""
     places = _joint_places(mechanism)
     limbs = tuple(
-        _rod_limb_lines(limb, pose) if isinstance(limb, RodLimb) else _joint_limb_lines(mechanism, limb, places, values, pose)
+        _joint_limb_lines(mechanism, limb, places, values, pose) if limb.joints else _leg_lines(mechanism, limb, pose)
         for limb in mechanism.limbs
     )
     base = np.array([limb.base for limb in limbs])
     platform = np.array([end for limb in limbs for end in limb.ends])
-    return MechanismLines(limbs, base, platform, pose, mechanism.serial)
+    return MechanismLines(limbs, base, platform, pose, has_platform=not mechanism.serial)
 
 
 def reference_lines(mechanism: Mechanism) -> MechanismLines:
     """The lines at the reference configuration."""
-    values: dict[str, Any] = {}
-    for limb in mechanism.limbs:
-        if isinstance(limb, Limb):
-            for c in (c for joint in limb.joints for c in joint.coordinates):
-                values[c.name] = c.reference[0] if c.width == 1 else c.reference
+    coordinates = [c for _, joint in mechanism.joints for c in joint.coordinates]
+    values = {c.name: c.reference[0] if c.width == 1 else c.reference for c in coordinates}
     return lines_at(mechanism, values, mechanism.reference_pose)
 
 
@@ -125,15 +123,17 @@ def outline(points: np.ndarray) -> np.ndarray:
 # --- limbs -------------------------------------------------------------------------------------------------------
 
 
-def _rod_limb_lines(limb: RodLimb, pose: Pose) -> LimbLines:
-    base, end = np.array(limb.base), pose.apply(np.array(limb.platform))
+def _leg_lines(mechanism: Mechanism, limb: AnyLimb, pose: Pose) -> LimbLines:
+    """A limb without joints: its rod, which is actuated."""
+    (rod,) = limb.bars(mechanism.reference_pose)
+    base, end = np.array(rod.start.point), pose.apply(np.array(rod.end.point))
     lines = LimbLines(limb.name, base, dots=[Dot(base, False), Dot(end, False)], ends=[end])
     lines.line_to(end, "actuated slide")
     return lines
 
 
 def _joint_limb_lines(
-    mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray], values: Mapping[str, Any], pose: Pose
+    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray], values: Mapping[str, Any], pose: Pose
 ) -> LimbLines:
     links = link_displacements(mechanism, limb, values, pose)
     lines = LimbLines(limb.name, _base_point(mechanism, limb, places))
@@ -156,18 +156,20 @@ def _joint_limb_lines(
 
 
 def _finish(
-    mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray], lines: LimbLines,
+    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray], lines: LimbLines,
     slides: Sequence[_Rail], last_link: Pose, pose: Pose,
 ) -> None:  # fmt: skip
     """From the last joint to the platform: by rods, to the tool, or along what slides there."""
-    if not limb.rods:
-        if slides or mechanism.serial:
-            _walk(lines, last_link.apply(_end_point(mechanism, limb, places)), slides)
+    rods = limb.bars(mechanism.reference_pose)
+    if not rods:
+        end = _end_point(mechanism, limb, places)
+        if end is not None:
+            _walk(lines, last_link.apply(end), slides)
         lines.ends = [lines.points[-1]]
         return
-    starts = [last_link.apply(np.array(rod.start)) for rod in limb.rods]
+    starts = [last_link.apply(np.array(rod.start.point)) for rod in rods]
     _walk(lines, np.mean(starts, axis=0), slides)
-    lines.ends = [pose.apply(np.array(rod.platform)) for rod in limb.rods]
+    lines.ends = [pose.apply(np.array(rod.end.point)) for rod in rods]
     hub = lines.points[-1]
     for start, end in zip(starts, lines.ends, strict=True):
         lines.rods += [Segment(hub, start, "link"), Segment(start, end, "rod")]
@@ -189,7 +191,7 @@ def _walk(lines: LimbLines, target: np.ndarray, slides: Sequence[_Rail]) -> None
         lines.line_to(target, "link")
 
 
-def _base_point(mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray]) -> np.ndarray:
+def _base_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray:
     """Where the limb begins: a serial arm at the origin; P joints at the point of their rails nearest their own point."""
     if mechanism.serial:
         return np.zeros(3)
@@ -198,21 +200,21 @@ def _base_point(mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarra
         return places[first.name]
     held = [joint for joint in limb.joints if joint.type != "P"]
     leading = limb.joints[: limb.joints.index(held[0])] if held else limb.joints
-    target = places[held[0].name] if held else _end_point(mechanism, limb, places)
+    starts = [rod.start.point for rod in limb.bars(mechanism.reference_pose)]
+    end = np.asarray(np.mean(starts, axis=0)) if starts else np.array(mechanism.platform_position)
+    target = places[held[0].name] if held else end
     return _beside(mechanism.places[first.name], target, leading)
 
 
-def _end_point(mechanism: Mechanism, limb: Limb, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Where the limb ends at the reference: the middle of its rods, the tool, the last joint, or behind P joints the
-    point of their rails nearest the platform's origin."""
-    if limb.rods:
-        return np.asarray(np.mean([rod.start for rod in limb.rods], axis=0))
+def _end_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """Where a limb without rods ends at the reference: the tool, or behind P joints the point of their rails nearest the platform's
+    origin; None where it ends at its last joint."""
     origin = np.array(mechanism.platform_position)
     held = [joint for joint in limb.joints if joint.type != "P"]
     if mechanism.serial or not held:
         return origin
     trailing = limb.joints[limb.joints.index(held[-1]) + 1 :]
-    return _beside(origin, places[held[-1].name], trailing) if trailing else places[held[-1].name]
+    return _beside(origin, places[held[-1].name], trailing) if trailing else None
 
 
 def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
@@ -221,8 +223,7 @@ def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
     joints = [joint for _, joint in mechanism.joints]
     points = dict(mechanism.places)
     held = [points[joint.name] for joint in joints if joint.type != "P"]
-    others = any(isinstance(limb, RodLimb) or limb.rods for limb in mechanism.limbs)
-    if others or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.characteristic_length:
+    if mechanism.bars or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.characteristic_length:
         return points
     return {
         joint.name: points[joint.name] + mechanism.characteristic_length * np.array(joint.axis or (0.0, 0.0, 0.0))

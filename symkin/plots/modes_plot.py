@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from symkin.assembly.modes_result import Modes
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.plots.graph_figures import GraphPanel, panels_of_graph
 from symkin.plots.graph_lines import reference_graph_lines, solution_lines
 from symkin.plots.mechanism_lines import lines_at, reference_lines
@@ -27,25 +30,20 @@ def figure_of_modes(modes: Modes, *, most: int = 12) -> Figure:
         raise InputError(f"most = {most} must be at least 1")
     mechanism = modes.problem.mechanism
     numbered = _chosen(modes, most)
-    if mechanism.is_graph:
-        return _figure_of_graph(modes, numbered)
-    panels = [Panel(f"mode {k}", _mode_text(modes, s), lines_at(mechanism, s.values, s.pose)) for k, s in numbered]
-    panels = panels or [Panel(_nothing(modes), "drawn at the reference configuration", reference_lines(mechanism))]
+    look, given = _look_of(mechanism), [c.name for c in modes.problem.known_coordinates]
+    panels = [look.panel(f"mode {k}", look.text(s, given) + _limits_text(s), look.lines(s)) for k, s in numbered]
+    panels = panels or [look.panel(_nothing(modes), "drawn at the reference configuration", look.reference(mechanism))]
     part = f" \N{EM DASH} {len(numbered)} of {len(modes)} modes shown" if len(numbered) < len(modes) else ""
-    return panel_figure(mechanism, panels, _facts(modes), part)
+    return look.figure(mechanism, panels, _facts(modes), part)
 
 
 def figure_of_solution(solution: Solution) -> Figure:
     """One panel: the mechanism in this configuration."""
-    mechanism = solution.mechanism
-    if mechanism.is_graph:
-        unit = mechanism.length_unit
-        facts = [f"closure error {solution.residual:.1e} {unit}, condition {solution.condition:.3g}"]
-        return panels_of_graph(mechanism, [GraphPanel("", _joints_text(solution, ()), solution_lines(solution))], facts)
-    panel = Panel("", _pose_text(solution) + _limits_text(solution), lines_at(mechanism, solution.values, solution.pose))
-    unit = mechanism.length_unit
+    look = _look_of(solution.mechanism)
+    panel = look.panel("", look.text(solution, ()) + _limits_text(solution), look.lines(solution))
+    unit = solution.mechanism.length_unit
     facts = [f"closure error {solution.residual:.1e} {unit}, condition {solution.condition:.3g}"]
-    return panel_figure(mechanism, [panel], facts)
+    return look.figure(solution.mechanism, [panel], facts)
 
 
 def figure_of_solve(result: SolveResult) -> Figure:
@@ -55,24 +53,35 @@ def figure_of_solve(result: SolveResult) -> Figure:
     return figure_of_solution(result.solution)
 
 
-def _figure_of_graph(modes: Modes, numbered: Sequence[tuple[int, Solution]]) -> Figure:
-    """A panel for each mode of a graph; without modes its reference configuration."""
-    mechanism = modes.problem.mechanism
-    given = modes.problem.known_coordinates
-    panels = [GraphPanel(f"mode {k}", _joints_text(s, [c.name for c in given]), solution_lines(s)) for k, s in numbered]
-    nothing = GraphPanel(_nothing(modes), "drawn at the reference configuration", reference_graph_lines(mechanism))
-    part = f" \N{EM DASH} {len(numbered)} of {len(modes)} modes shown" if len(numbered) < len(modes) else ""
-    return panels_of_graph(mechanism, panels or [nothing], _facts(modes), part)
+@dataclass(frozen=True)
+class _Look:
+    """How configurations are drawn: a panel's type, lines of a solution and of the reference, text of a solution for given names, and
+    the figure of several panels."""
+
+    panel: Callable[[str, str, Any], Any]
+    lines: Callable[[Solution], Any]
+    reference: Callable[[Mechanism], Any]
+    text: Callable[[Solution, Sequence[str]], str]
+    figure: Callable[..., Figure]
+
+
+def _look_of(mechanism: Mechanism) -> _Look:
+    """Limbs are drawn with base and platform in space; links joined in any way with a colour each, in a plane where they move in one."""
+    if mechanism.is_graph:
+        return _Look(GraphPanel, solution_lines, reference_graph_lines, _joints_text, panels_of_graph)
+    return _Look(Panel, lambda s: lines_at(s.mechanism, s.values, s.pose), reference_lines, _mode_text, panel_figure)
 
 
 def _joints_text(solution: Solution, given: Sequence[str]) -> str:
-    """The first few single joint coordinates that were not given, and whether all are within limits."""
+    """The first few single joint coordinates that were not given."""
     values = {name: v for name, v in solution.joints.items() if isinstance(v, float) and name not in given}
-    shown = ", ".join(f"{name}\N{NO-BREAK SPACE}{v + 0.0:.5g}" for name, v in list(values.items())[:_MOST_VALUES])
+    size = solution.mechanism.characteristic_length
+    scale = {c.name: 1.0 if c.is_angular else size for c in solution.mechanism.coordinates}
+    first = list(values)[:_MOST_VALUES]
+    clean = [_clean([values[name]], scale[name])[0] for name in first]
+    shown = ", ".join(f"{name}\N{NO-BREAK SPACE}{v + 0.0:.5g}" for name, v in zip(first, clean, strict=True))
     more = ", ..." if len(values) > _MOST_VALUES else ""
-    if not shown and solution.has_platform:
-        shown = _pose_text(solution)
-    return shown + more + _limits_text(solution)
+    return shown + more or (_pose_text(solution) if solution.has_platform else "")
 
 
 _MOST_VALUES = 4
@@ -108,10 +117,10 @@ def _nothing(modes: Modes) -> str:
     return "no isolated solution" if modes.positive_dimensional else "no real solution"
 
 
-def _mode_text(modes: Modes, solution: Solution) -> str:
-    """Where the mode is: the platform's pose, or for an inverse problem the actuated joints; and whether within limits."""
-    where = f"joints {_list(solution.actuated_values)}" if modes.problem.kind == "inverse" else _pose_text(solution)
-    return where + _limits_text(solution)
+def _mode_text(solution: Solution, given: Sequence[str]) -> str:
+    """Where the mode is: the platform's pose, or where that is given the actuated joints."""
+    posed = any(c.name in given for c in build_closure(solution.mechanism).role("pose"))
+    return f"joints {_list(solution.actuated_values)}" if posed else _pose_text(solution)
 
 
 def _limits_text(solution: Solution) -> str:

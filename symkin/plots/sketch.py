@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.graph_figures import sketch_of_graph
@@ -22,6 +21,7 @@ from symkin.plots.joint_symbols import NAMES, draw_symbol, reach_of
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.mechanism_lines import LimbLines, outline
 from symkin.plots.picture_file import check_picture_path, write_picture
+from symkin.plots.sheet import direction, make_sheet, symbol_size, text_extent
 from symkin.plots.sketch_layout import JointMark, Layout, apart, make_layout
 from symkin.plots.style import COLOURS, drawing
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from symkin.position.mobility_result import Mobility
 
-_DPI = 150
 _WIDTH, _HEIGHT = 1500.0, 1260.0
 """Pixels of the picture."""
 _TOP, _BOTTOM, _SIDE = 150.0, 95.0, 130.0
@@ -38,6 +37,8 @@ _TOP, _BOTTOM, _SIDE = 150.0, 95.0, 130.0
 _SYMBOL = 46.0
 """Length of a joint's symbol in pixels, and the least that crowded joints leave of it."""
 _LEAST_SYMBOL = 26.0
+_SHARE = 0.8
+"""What symbols take of the distance of the nearest two."""
 _FRAME = 85.0
 """Length of the axes of frames in pixels."""
 _LEGEND_GAP = 95.0
@@ -61,17 +62,10 @@ def figure_of_mobility(found: Mobility) -> Figure:
 
 def figure_of_sketch(mechanism: Mechanism) -> Figure:
     """The sketch at the reference configuration; a planar mechanism is seen along its axes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     if mechanism.is_graph:
         return sketch_of_graph(mechanism)
     with drawing():
-        figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI, facecolor="white")
-        FigureCanvasAgg(figure)
-        ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        ax.set(xlim=(0.0, _WIDTH), ylim=(0.0, _HEIGHT))
-        ax.set_axis_off()
+        figure, ax = make_sheet(_WIDTH, _HEIGHT)
         sheet = _Sheet.of(figure, ax, make_layout(mechanism))
         sheet.draw_bodies()
         sheet.draw_links()
@@ -106,7 +100,8 @@ class _Sheet:
         low, high = flat.min(axis=0), flat.max(axis=0)
         scale = float(np.min(room / np.maximum(high - low, 0.15 * layout.mechanism.characteristic_length)))
         shift = np.array([0.5 * _WIDTH, _BOTTOM + 0.5 * (_HEIGHT - _TOP - _BOTTOM)]) - 0.5 * scale * (low + high)
-        symbol = _symbol_size(layout, scale)
+        centres = scale * layout.seen(np.array([joint.centre for joint in layout.joints]))
+        symbol = symbol_size(centres, _SHARE, _LEAST_SYMBOL, _SYMBOL)
         joints = apart(layout.joints, layout.mechanism.characteristic_length, 1.05 * symbol / scale)
         page = Page(_WIDTH, _HEIGHT - _TOP - _BOTTOM + 60.0)
         return _Sheet(
@@ -125,9 +120,6 @@ class _Sheet:
 
     def draw_bodies(self) -> None:
         body = self.layout.body
-        if self.layout.mechanism.serial:
-            self._ground(np.zeros(3))
-            return
         corners = outline(body.base)
         if len(corners) >= 3 and not self.layout.planar:
             self._plate(corners, "base", hatch="////")
@@ -137,7 +129,8 @@ class _Sheet:
                 self._ground(point)
             if len(feet) == 2:
                 self._line(feet[0], feet[1], 0.8, COLOURS["base edge"], "base", 1.0)
-        self._platform(outline(body.platform), np.asarray(body.pose.position))
+        if body.has_platform:
+            self._platform(outline(body.platform), np.asarray(body.pose.position))
 
     def _platform(self, corners: np.ndarray, origin: np.ndarray) -> None:
         if len(corners) >= 3:
@@ -205,7 +198,7 @@ class _Sheet:
     def draw_frames(self) -> None:
         pose = self.layout.body.pose
         position, rotation = np.asarray(pose.position), np.asarray(pose.rotation)
-        name = "T" if self.layout.mechanism.serial else "P"
+        name = self.layout.mechanism.frame_name[0].upper()
         same = np.linalg.norm(position) < 1e-9 * self.layout.mechanism.characteristic_length and np.allclose(
             rotation, np.eye(3), atol=1e-9
         )
@@ -240,12 +233,12 @@ class _Sheet:
         for joint in self.joints:
             if "." not in joint.name or any(joint.name == j.name for _, j in self.layout.mechanism.joints):
                 centre = self.at(joint.centre)
-                self._label(joint.name, centre, 0.42 * self.symbol, _unit(centre - middle), 9.5, colour=COLOURS["text"])
+                self._label(joint.name, centre, 0.42 * self.symbol, direction(centre - middle), 9.5, colour=COLOURS["text"])
         for limb, lines in zip(self.layout.mechanism.limbs, self.layout.body.limbs, strict=True):
-            if isinstance(limb, Limb) and not self.layout.mechanism.serial:
+            if limb.joints and self.layout.body.has_platform:
                 base = self.at(lines.base)
                 self._label(
-                    limb.name, base, 0.5 * self.symbol, _unit(base - middle), 10.0, colour=COLOURS["base edge"], weight="bold"
+                    limb.name, base, 0.5 * self.symbol, direction(base - middle), 10.0, colour=COLOURS["base edge"], weight="bold"
                 )
         for dimension in self.layout.dimensions:
             look = {"colour": COLOURS["platform edge"], "style": "italic"}
@@ -261,10 +254,7 @@ class _Sheet:
 
     def _extent(self, text: str, font: float, look: dict[str, Any]) -> tuple[float, float]:
         """Width and height of a text in pixels."""
-        drawn = self.ax.text(0, 0, text, fontsize=font, parse_math=False, **_words(look))
-        box = drawn.get_window_extent(self.figure.canvas.get_renderer())
-        drawn.remove()
-        return float(box.width) * _WIDTH / self.figure.bbox.width, float(box.height) * _HEIGHT / self.figure.bbox.height
+        return text_extent(self.figure, self.ax, text, font, **_words(look))
 
     def _write(self, label: Label, box: Box, look: dict[str, Any]) -> None:
         look = dict(look)
@@ -272,7 +262,7 @@ class _Sheet:
         anchor = np.array(self._off_page(label.anchor))
         edge = np.clip(anchor, (x - box.wide, y - box.high), (x + box.wide, y + box.high))
         if np.linalg.norm(edge - anchor) > label.reach + 16.0:
-            start = anchor + _unit(edge - anchor) * label.reach
+            start = anchor + direction(edge - anchor) * label.reach
             self._stroke([start, edge], 0.6, COLOURS["axis"], "leader", 19.0)
             self.page.add_line(self._on_page(start), self._on_page(edge))
         self.ax.text(
@@ -292,15 +282,6 @@ def _words(look: dict[str, Any]) -> dict[str, Any]:
     return {{"colour": "color", "weight": "fontweight", "style": "fontstyle"}[key]: value for key, value in look.items()}
 
 
-def _symbol_size(layout: Layout, scale: float) -> float:
-    """Pixels: what three quarters of the nearest two symbols' distance leave, within bounds."""
-    flat = scale * layout.seen(np.array([joint.centre for joint in layout.joints]))
-    gaps = np.linalg.norm(flat[:, None] - flat[None], axis=2)
-    apart_from = gaps[gaps > 8.0]
-    nearest = float(apart_from.min()) if apart_from.size else _SYMBOL
-    return float(np.clip(0.8 * nearest, _LEAST_SYMBOL, _SYMBOL))
-
-
 def _path(limb: LimbLines, joints: Sequence[JointMark], size: float) -> list[np.ndarray]:
     """Corners of a limb's links, through the symbols of its joints where these stand apart."""
     drawn = {joint.name: joint.centre for joint in joints}
@@ -311,11 +292,6 @@ def _path(limb: LimbLines, joints: Sequence[JointMark], size: float) -> list[np.
         ]
         path += here or [corner]
     return path
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    length = float(np.linalg.norm(vector))
-    return vector / length if length > 1e-9 else np.array([0.0, 1.0])
 
 
 # --- title and legend ----------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from symkin.model.joint import JointType
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.limb import AnyLimb
 from symkin.model.mechanism import Mechanism
 from symkin.plots.mechanism_lines import LimbLines, MechanismLines, Segment, lines_at, reference_lines
 from symkin.spatial.pose import Pose
@@ -82,9 +82,8 @@ def make_layout(mechanism: Mechanism) -> Layout:
 
 
 def _body(mechanism: Mechanism) -> tuple[MechanismLines, tuple[str, ...]]:
-    rods = all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
     body = reference_lines(mechanism)
-    if not rods or mechanism.motion not in ("spatial", "schoenflies", "translation"):
+    if any(limb.joints for limb in mechanism.limbs) or mechanism.motion not in ("spatial", "schoenflies", "translation"):
         return body, ()
     ends = np.vstack([body.base, body.platform])
     if np.ptp(ends @ _thin(ends)) > _SAME * mechanism.characteristic_length or len(mechanism.limbs) < 3:
@@ -107,11 +106,11 @@ def _thin(points: np.ndarray) -> np.ndarray:
 def _marks(mechanism: Mechanism, body: MechanismLines) -> tuple[JointMark, ...]:
     found: list[JointMark] = []
     for limb, lines in zip(mechanism.limbs, body.limbs, strict=True):
-        found += _rod_marks(limb, lines) if isinstance(limb, RodLimb) else _joint_marks(limb, lines)
+        found += _joint_marks(limb, lines) if limb.joints else _leg_marks(limb, lines)
     return tuple(found)
 
 
-def _rod_marks(limb: RodLimb, lines: LimbLines) -> list[JointMark]:
+def _leg_marks(limb: AnyLimb, lines: LimbLines) -> list[JointMark]:
     """The three joints of an SPS, UPS or SPU limb; axes of a universal joint across the rod."""
     base, end = lines.segments[0].start, lines.segments[0].end
     along = end - base
@@ -127,7 +126,7 @@ def _rod_marks(limb: RodLimb, lines: LimbLines) -> list[JointMark]:
     ]
 
 
-def _joint_marks(limb: Limb, lines: LimbLines) -> list[JointMark]:
+def _joint_marks(limb: AnyLimb, lines: LimbLines) -> list[JointMark]:
     """The joints of a limb, and the spherical ends of its rods."""
     found = []
     for joint in limb.joints:
@@ -235,13 +234,11 @@ def _rigid(mechanism: Mechanism, body: MechanismLines) -> list[Segment]:
         np.unique(np.round(points / mechanism.characteristic_length, 9), axis=0) * mechanism.characteristic_length
         for points in (body.base, body.platform)
     ]
-    return links + [Segment(c[0], c[1], "link") for c in corners if len(c) == 2 and not mechanism.serial]
+    return links + [Segment(c[0], c[1], "link") for c in corners if len(c) == 2]
 
 
 def _circle_notes(mechanism: Mechanism, body: MechanismLines) -> tuple[str, ...]:
     """The circles on which limbs of the most frequent kind stand on base and platform, where these are three or more."""
-    if mechanism.serial:
-        return ()
     kinds = [limb.type for limb in mechanism.limbs]
     alike = [k for k, kind in enumerate(kinds) if kind == max(kinds, key=kinds.count)]
     ends = np.array([end for k in alike for end in body.limbs[k].ends])

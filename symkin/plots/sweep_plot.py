@@ -5,23 +5,18 @@ A grid of more dimensions is cut at the middle of the others, or where `slices` 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.file import parse
-from symkin.model.mechanism import Mechanism
-from symkin.plain_number import plain
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.style import COLOURS, drawing
-from symkin.position.varied_pose import axis_title, turn_text
-from symkin.spatial.rotation import conjugate, multiply
+from symkin.plots.sweep_text import axis_text, write_title
+from symkin.plots.sweep_values import figure_of_values
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import check_map_is_left, check_slices
@@ -69,10 +64,10 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
     write_picture(figure_of_sweep(folder, slices=slices), target)
 
 
-def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | None = None) -> Figure:
-    """The map of a sweep or of its folder. `slices` gives values, in the mechanism's units, at which dimensions of a grid are
-    cut: the nearest grid values are taken. Raises InputError for a folder that holds no sweep and a slice outside what is
-    swept."""
+def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | None = None, of: str | Sequence[str] = ()) -> Figure:
+    """The map of a sweep or of its folder, or with `of` the paths of named points or the values of joints (see `sweep_values`).
+    `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut: the nearest grid values are taken. Raises
+    InputError for a folder that holds no sweep and a slice outside what is swept."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -83,6 +78,8 @@ def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | Non
         names = list(attributes["axes"])
         check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
         check_map_is_left(slices, names)
+        if of:
+            return figure_of_values(attributes, data, (of,) if isinstance(of, str) else tuple(of), slices)
         name = _SHOWN[attributes["quantity"]]
         part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
     with drawing():
@@ -156,6 +153,10 @@ def _curve(ax: Any, part: _Slice, name: str) -> None:
     else:
         ax.step(x, values, where="mid", linewidth=1.6, **look)
     empty = np.isnan(values)
+    if name != "least_condition" and empty.all():
+        ax.set_xlim(x.min() - 0.5, x.max() + 0.5)
+        middle = {"ha": "center", "va": "center", "transform": ax.transAxes, "color": COLOURS["quiet"]}
+        ax.text(0.5, 0.5, "too many modes to list at every point", **middle)
     if name == "least_condition" and empty.any():
         margin = 0.05 * float(np.ptp(x)) or 0.5
         ax.set_xlim(x.min() - margin, x.max() + margin)
@@ -228,52 +229,10 @@ def _continuous_map(figure: Figure, ax: Any, part: _Slice) -> None:
 
 def _words(figure: Figure, ax: Any, part: _Slice, attributes: Mapping[str, Any], name: str) -> None:
     """Title, what is fixed, labels of the axes."""
-    figure.suptitle(
-        f"{_TITLES[name]}: {attributes['mechanism']}, {attributes['problem']} problem", fontsize=13, fontweight="bold",
-        color=COLOURS["text"], parse_math=False,
-    )  # fmt: skip
-    lines = ", ".join([*part.fixed, *_base(attributes)])
-    ax.set_title(f"at {lines}" if lines else "", fontsize=9.5, color=COLOURS["quiet"], parse_math=False, wrap=True)
-    titled = axis_title if attributes["sweeps over"] == "poses" else str
-    ax.set_xlabel(f"{titled(part.x[0])} ({part.x[1]})", color=COLOURS["quiet"], parse_math=False)
+    write_title(figure, ax, _TITLES[name], attributes, part.fixed)
+    ax.set_xlabel(axis_text(attributes, part.x[0], part.x[1]), color=COLOURS["quiet"], parse_math=False)
     if part.y is not None:
-        ax.set_ylabel(f"{titled(part.y[0])} ({part.y[1]})", color=COLOURS["quiet"], parse_math=False)
+        ax.set_ylabel(axis_text(attributes, part.y[0], part.y[1]), color=COLOURS["quiet"], parse_math=False)
         spans = [float(np.ptp(axis[2])) for axis in (part.x, part.y)]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
             ax.set_aspect("equal")
-    ax.tick_params(colors=COLOURS["quiet"])
-
-
-def _base(attributes: Mapping[str, Any]) -> list[str]:
-    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as 0."""
-    mechanism = parse(attributes["mechanism_file"])
-    if attributes["sweeps over"] == "poses":
-        return _base_pose(mechanism, attributes["base"], attributes["axes"])
-    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
-    values = dict(zip(units, attributes["base"], strict=False))
-    return [
-        f"{n} = {plain(values[n], mechanism.characteristic_length):.5g} {unit}"
-        for n, unit in units.items()
-        if n not in attributes["axes"]
-    ]
-
-
-def _base_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
-    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a free rotation an
-    orientation."""
-    found, closure = [], build_closure(mechanism)
-    for c in closure.role("pose"):
-        name = c.name.removeprefix("pose.")
-        if c.kind == "quaternion":
-            numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
-            found.append(f"orientation ({numbers}){turn_text(swept)}")
-        elif name in ("x", "y", "z") and name not in swept:
-            found.append(
-                f"{name} = {plain(base['xyz'.index(name)], mechanism.characteristic_length):.5g} {mechanism.length_unit}"
-            )
-        elif name == "gamma" and "gamma" not in swept:
-            turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
-            angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))
-            if "rz" not in swept or angle:
-                found.append(f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}")
-    return found

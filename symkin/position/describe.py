@@ -9,7 +9,7 @@ from collections import Counter
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
-from symkin.position.describe_parts import joint_text, rows_text, vector_text
+from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
 from symkin.position.mobility import mobility
 from symkin.position.mobility_result import Mobility
 from symkin.position.platform_motion import fewer_rows
@@ -21,25 +21,15 @@ def describe(mechanism: Mechanism) -> str:
     found = mobility(mechanism)
     if not found.limbs:
         return describe_graph(found)
+    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
     sections = [
-        _heading(mechanism),
+        heading(mechanism, kind),
         _limbs(mechanism, found),
         _closure(mechanism, found),
         _mobility(found),
         _screws(found),
     ]
     return "\n\n".join(sections)
-
-
-def _heading(mechanism: Mechanism) -> str:
-    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
-    lines = [mechanism.name + (f": {mechanism.title}" if mechanism.title else ""), kind]
-    if mechanism.source:
-        lines.append(f"source: {mechanism.source}")
-    lines.append(
-        f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {mechanism.characteristic_length:.6g}"
-    )
-    return "\n".join(lines)
 
 
 def _limbs(mechanism: Mechanism, found: Mobility) -> str:
@@ -64,12 +54,8 @@ def _rod(bar: Bar) -> str:
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:
-    closure = found.closure
-    lines = ["Closure F(q, x, X, p) = 0"]
-    for role, text in (("actuated", "q, actuated"), ("passive", "x, passive"), ("pose", "X, pose")):
-        names = [c.name for c in closure.role(role)]
-        lines.append(f"  {text} ({sum(c.freedom for c in closure.role(role))}): {', '.join(names) or 'none'}")
-    lines.append(f"  p, geometry: {len(closure.parameter_names)} parameters")
+    lines = coordinates_text(found.closure)
+    lines.append(f"  p, geometry: {len(found.closure.parameter_names)} parameters")
     for kind in ("direct", "inverse"):
         system = build_problem(mechanism, kind).system
         lines.append(f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns")
@@ -77,15 +63,8 @@ def _closure(mechanism: Mechanism, found: Mobility) -> str:
 
 
 def _mobility(m: Mobility) -> str:
-    where = "the reference configuration" if m.at_reference else "a configuration near the reference"
     lines = ["Mobility" + ("" if m.closed else " (no closed configuration was found: what follows holds at the open reference)")]
-    lines.append(
-        f"  equations {m.rows}, rank at generic closed configurations {m.rank.value}, freedoms of the coordinates {m.freedoms}"
-    )
-    lines.append(
-        f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: {m.gruebler})"
-    )
-    lines.append(f"  redundant constraints: {m.redundant}")
+    lines += ranks_text(m, "equations")
     restriction = fewer_rows(m)
     if restriction is not None:
         motion, left = restriction
@@ -94,7 +73,7 @@ def _mobility(m: Mobility) -> str:
             f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
         )
     lines += [f"  warning: {warning}" for warning in m.warnings]
-    lines.append(f"  screws below: at {where}, base frame, (force; moment about the origin)")
+    lines.append(f"  screws below: at {where_text(m)}, base frame, (force; moment about the origin)")
     return "\n".join(lines)
 
 

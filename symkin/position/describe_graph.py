@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from symkin.model.graph import Coupling, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.describe_parts import joint_text, rows_text, vector_text
+from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
 from symkin.position.mobility_result import Mobility
 
 
@@ -25,12 +25,7 @@ def _heading(m: Mechanism) -> str:
         _count(len(list(m.all_joints)), "joint"),
         *(_count(len(some), word) for some, word in ((m.link_rods, "rod"), (m.couplings, "coupling"), (m.limbs, "limb")) if some),
     ]
-    lines = [m.name + (f": {m.title}" if m.title else ""), f"graph of {', '.join(counts)}"]
-    if m.source:
-        lines.append(f"source: {m.source}")
-    size = f"{m.characteristic_length:.6g}"
-    lines.append(f"units: {m.length_unit}, {m.angle_unit}; size (largest distance of joint points): {size}")
-    return "\n".join(lines)
+    return heading(m, f"graph of {', '.join(counts)}")
 
 
 def _joints(m: Mechanism) -> str:
@@ -89,12 +84,7 @@ def _loops(m: Mobility) -> str:
 
 def _closure(m: Mobility) -> str:
     closure = m.closure
-    lines = ["Closure F(q, x, X, p) = 0"]
-    roles = (("actuated", "q, actuated"), ("passive", "x, passive"), ("body", "x, poses of floating links"), ("pose", "X, pose"))
-    for role, text in roles:
-        coordinates = closure.role(role)
-        if coordinates or role in ("actuated", "passive"):
-            lines.append(f"  {text} ({sum(c.freedom for c in coordinates)}): {_names(coordinates)}")
+    lines = coordinates_text(closure)
     vanishing = f", and {_count(closure.vanishing, 'row')} that vanish everywhere" if closure.vanishing else ""
     lines.append(f"  {_count(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: {len(closure.parameter_names)} parameters")
     if closure.idle:
@@ -105,14 +95,7 @@ def _closure(m: Mobility) -> str:
 def _mobility(m: Mobility) -> str:
     lines = ["Mobility"]
     if m.closed:
-        lines.append(
-            f"  rows {m.rows}, rank at generic closed configurations {m.rank.value}, freedoms of the coordinates {m.freedoms}"
-        )
-        lines.append(
-            f"  mobility = {m.freedoms} - {m.rank.value} = {m.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
-            f"{m.gruebler})"
-        )
-        lines.append(f"  redundant constraints: {m.redundant}")
+        lines += ranks_text(m, "rows")
         if m.reference_rank is not None and not m.at_reference:
             there = m.reference_rank.value
             lines.append(
@@ -125,15 +108,10 @@ def _platform(m: Mobility) -> str:
     mechanism = m.closure.mechanism
     if mechanism.platform_link is None or m.misfit is not None:
         return ""
-    where = "the reference configuration" if m.at_reference else "a configuration near the reference"
-    lines = [f"Screws of {mechanism.platform_link} at {where}, base frame"]
+    lines = [f"Screws of {mechanism.platform_link} at {where_text(m)}, base frame"]
     lines += rows_text("  constraints (force; moment about the origin)", m.platform_constraints)
     lines += rows_text("  twists left (angular velocity; velocity at the origin)", m.platform_twists)
     return "\n".join(lines)
-
-
-def _names(coordinates: Sequence[Coordinate]) -> str:
-    return ", ".join(c.name for c in coordinates) or "none"
 
 
 def _count(number: int, word: str) -> str:

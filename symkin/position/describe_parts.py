@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.closure.closure import Closure
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
+from symkin.position.mobility_result import Mobility
 
 
 def joint_text(mechanism: Mechanism, joint: Joint) -> str:
@@ -16,6 +18,44 @@ def joint_text(mechanism: Mechanism, joint: Joint) -> str:
     pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
     drive = "actuated" if joint.actuated else ""
     return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
+
+
+def heading(mechanism: Mechanism, kind: str) -> str:
+    """Name and title, what kind of mechanism it is, source, units and size."""
+    lines = [mechanism.name + (f": {mechanism.title}" if mechanism.title else ""), kind]
+    if mechanism.source:
+        lines.append(f"source: {mechanism.source}")
+    size = f"{mechanism.characteristic_length:.6g}"
+    return "\n".join(
+        [*lines, f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {size}"]
+    )
+
+
+def coordinates_text(closure: Closure) -> list[str]:
+    """The closure's coordinates by their roles; poses only where there are any."""
+    roles = (("actuated", "q, actuated"), ("passive", "x, passive"), ("body", "x, poses of floating links"), ("pose", "X, pose"))
+    lines = ["Closure F(q, x, X, p) = 0"]
+    for role, text in roles:
+        coordinates = closure.role(role)
+        if coordinates or role in ("actuated", "passive"):
+            names = ", ".join(c.name for c in coordinates) or "none"
+            lines.append(f"  {text} ({sum(c.freedom for c in coordinates)}): {names}")
+    return lines
+
+
+def ranks_text(found: Mobility, rows: str) -> list[str]:
+    """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the closure's rows are called."""
+    return [
+        f"  {rows} {found.rows}, rank at generic closed configurations {found.rank.value}, freedoms of the coordinates {found.freedoms}",
+        f"  mobility = {found.freedoms} - {found.rank.value} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
+        f"{found.gruebler})",
+        f"  redundant constraints: {found.redundant}",
+    ]
+
+
+def where_text(found: Mobility) -> str:
+    """Where screws are those of."""
+    return "the reference configuration" if found.at_reference else "a configuration near the reference"
 
 
 def rows_text(title: str, rows: np.ndarray) -> list[str]:

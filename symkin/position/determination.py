@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.closure.partition import POSE_CONDITIONS
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank

@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.partition import POSE_CONDITIONS, POSE_COORDINATES
+from symkin.closure.partition import POSE_COORDINATES
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import LARGEST_GIVEN, Given, given_from
+from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
 Values = Mapping[str, float | Sequence[float]]
+Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
+"""Values by name of many inputs: columns, and one value where all inputs have the same."""
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
@@ -59,6 +61,7 @@ def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
     """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
     require_mechanism(mechanism)
+    given = _of_example(mechanism, joints, pose, given)
     if given is not None:
         if joints is not None or pose is not None:
             raise InputError("given: values by name and joints or a pose beside them; give one of them")
@@ -67,9 +70,13 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
-    named = given_from(mechanism, joints, pose)
-    names = tuple(c.name for c in mechanism.actuated) if named.kind == "direct" else pose_names(mechanism)
-    return replace(named, kind="given", names=names)
+    return told_by_name(mechanism, given_from(mechanism, joints, pose))
+
+
+def told_by_name(mechanism: Mechanism, given: Given) -> Given:
+    """The same values of all actuated joints, or of the whole pose, with the names of their coordinates."""
+    names = tuple(c.name for c in mechanism.actuated) if given.kind == "direct" else pose_names(mechanism)
+    return replace(given, kind="given", names=names)
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
@@ -120,6 +127,7 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     inverse problem of limbs. None for any other values, and for a graph."""
     if mechanism.is_graph:
         return None
+    given = _of_example(mechanism, joints, pose, given)
     if given is None:
         return joints, pose
     if joints is not None or pose is not None or not isinstance(given, Mapping):
@@ -130,10 +138,50 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     return (given, None) if kind == "direct" else None
 
 
+def _of_example(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Values | None:
+    """The values by name; where nothing is given those of the example, if it tells names."""
+    example = mechanism.example
+    if given is not None or joints is not None or pose is not None or example is None or example.given is None:
+        return given
+    return dict(example.given)
+
+
 def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
     """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
     kind = plain_kind(mechanism, names)
     return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
+
+
+def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
+    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
+    plain = plain_case(mechanism, joints, pose, given)
+    return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
+
+
+def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | None) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one: rows of joints or of poses, or by name a column or one value each."""
+    if given is not None:
+        return [any_given(mechanism, joints, pose, row) for row in _rows(given)]
+    if pose is not None and mechanism.platform_link is None:
+        return [named_given(mechanism, joints, pose, None)]
+    many = given_many(mechanism, joints, pose)
+    plain = plain_case(mechanism, joints, pose, None) is not None
+    return many if plain else [told_by_name(mechanism, one) for one in many]
+
+
+def has_columns(given: Any) -> bool:
+    """Whether values by name are those of several inputs: some are a column, of whole poses several rows."""
+    return isinstance(given, Mapping) and any(np.ndim(value) > (name == "pose") for name, value in given.items())
+
+
+def _rows(given: Columns) -> list[dict[str, Any]]:
+    """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
+    lengths = {name: len(value) for name, value in given.items() if np.ndim(value) > (name == "pose")}  # type: ignore[arg-type]
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")
+    columns = {name: value if name in lengths else [value] * max(lengths.values()) for name, value in given.items()}
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -13,9 +13,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
-from symkin.closure.partition import ALL_JOINTS, POSE_CONDITIONS, Partition
+from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property, lru_cache
-from symkin.model.joint import Coordinate
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks

@@ -10,18 +10,26 @@ from typing import TYPE_CHECKING, Any
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import require_mechanism
-from symkin.position.problem import build_problem
 from symkin.sweeps.pose_points import pose_units
 
 if TYPE_CHECKING:
     from symkin.sweeps.space import Space
 
 
-def check_types(mechanism: Any, grid: Any, directory: Any, **others: Any) -> None:
+def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others: Any) -> None:
     """Raises InputError; `others` are the arguments `poses`, `certify`, `at`, `executor`, `dask` and `progress`."""
     require_mechanism(mechanism)
     wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
-    _need(isinstance(grid, Mapping), "grid", grid, wanted)
+    if grid is None and given is None:
+        raise InputError(
+            "nothing is swept; give grid (--grid), values of actuated joints or of poses, or given (--given), values of any coordinates"
+        )
+    if grid is not None and given is not None:
+        raise InputError(
+            "grid and given are both there; given (--given) alone tells all values, grid (--grid) those of inputs or poses"
+        )
+    _need(grid is None or isinstance(grid, Mapping), "grid", grid, wanted)
+    _need(given is None or isinstance(given, Mapping), "given", given, wanted)
     _need(isinstance(directory, str | os.PathLike), "directory", directory, "the path of a folder is needed")
     for name in ("poses", "certify"):
         _need(isinstance(others[name], bool), name, others[name], "True or False is needed")
@@ -33,11 +41,13 @@ def check_types(mechanism: Any, grid: Any, directory: Any, **others: Any) -> Non
 
 
 def refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
-    """Refuse what the user gives and no point of the sweep reads: values of `at` that are all swept, random starts of a
-    formula."""
-    if not _reads_base(space):
+    """Refuse what the user gives and no point of the sweep reads: values of `at` that are all swept or told by name, random starts
+    of a formula."""
+    if space.over == "coordinates":
+        refuse_ignored({"at": at}, "given tells every value by name, what is not swept as NAME=VALUE")
+    elif not _reads_base(space):
         refuse_ignored({"at": at}, "all that it would give is swept")
-    if not space.poses and build_problem(space.mechanism, "direct").is_explicit:
+    if space.problem.is_explicit:
         unread = {"starts": starts, "seed": None if space.sample is not None else seed}
         refuse_ignored(unread, "the direct problem of a serial arm is a function of its joints, and nothing is random")
 
@@ -45,7 +55,7 @@ def refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None
 def _reads_base(space: Space) -> bool:
     """Whether something is not swept: a joint, a position, or the orientation before a rotation vector."""
     swept = {axis.name for axis in space.axes}
-    if not space.poses:
+    if space.over == "inputs":
         return not {c.name for c in space.mechanism.actuated} <= swept
     turns = "gamma" not in swept and space.mechanism.motion != "translation"
     return turns or not {name for name in pose_units(space.mechanism) if name in "xyz"} <= swept

@@ -9,18 +9,17 @@ from typing import Any
 import numpy as np
 
 from symkin.assembly.mode_table import joint_labels
-from symkin.closure.closure import build_closure
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
 from symkin.sweeps.chunk_files import COMPRESSION_LEVEL
 from symkin.sweeps.plan import Plan
-from symkin.sweeps.quantities import QUANTITIES, variables
+from symkin.sweeps.quantities import all_names
 
 _MODE_CHUNK = 8
 """Modes in one chunk of an array; more modes of a point make more chunks."""
 _SAMPLE_DIMENSION = "point"
-_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "chunk", "done", "digest", _SAMPLE_DIMENSION)
-RESERVED = frozenset(_DIMENSIONS) | {v.name for quantity in QUANTITIES for v in variables(quantity, True, "")}
+_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "named_point", "chunk", "done", "digest", _SAMPLE_DIMENSION)
+RESERVED = frozenset(_DIMENSIONS) | all_names()
 """Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
 
 
@@ -54,8 +53,8 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
     codec = _codec()
     group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
     dimensions = (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(names)
-    joints = joint_labels(build_closure(plan.mechanism))
-    lengths = {"mode": 1, "axis": 3, "component": 4, "joint": len(joints)}
+    texts = _texts(plan)
+    lengths = {"mode": 1} | {name: len(values) for name, values in texts.items()}
     chunks = lengths | {"mode": max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))}
     for v in plan.variables:
         group.create_array(
@@ -67,7 +66,7 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
         attributes={"long_name": "chunks of points that are written"},
     )  # fmt: skip
     create_digest(group, len(plan.blocks))
-    for name, values in _texts(plan).items():
+    for name, values in texts.items():
         _strings(group, name, values, "joint" if name == "joint_units" else name)
     _create_coordinates(group, plan, names, dimensions)
     consolidate(folder)
@@ -102,8 +101,9 @@ def expected_coordinates(plan: Plan) -> dict[str, np.ndarray]:
 
 
 def _texts(plan: Plan) -> dict[str, list[str]]:
-    joints = joint_labels(build_closure(plan.mechanism))
-    return {
+    joints, points = joint_labels(plan.problem), [point.name for point in plan.mechanism.link_points]
+    named = {"named_point": points} if points else {}
+    return named | {
         "axis": ["x", "y", "z"],
         "component": ["w", "x", "y", "z"],
         "joint": [name for name, _ in joints],

@@ -18,7 +18,7 @@ from symkin.assembly.search import MOST_STARTS
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.problem import Kind
+from symkin.position.problem import Problem
 from symkin.sweeps.quantities import Variable, arrays_of, variables
 from symkin.sweeps.space import Blocks, Space
 
@@ -49,8 +49,8 @@ class Plan:
         return self.space.mechanism
 
     @property
-    def kind(self) -> Kind:
-        return "inverse" if self.space.poses else "direct"
+    def problem(self) -> Problem:
+        return self.space.problem
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -58,10 +58,10 @@ class Plan:
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        return variables(self.quantity, self.certify, self.mechanism.length_unit)
+        return variables(self.quantity, self.certify, self.problem)
 
     def finder(self) -> ModeFinder:
-        return make_finder(self.mechanism, self.kind, starts=self.starts, seed=self.space.seed, certify=self.certify)
+        return make_finder(self.problem, starts=self.starts, seed=self.space.seed, certify=self.certify)
 
     def compute(self, finder: ModeFinder, index: int) -> dict[str, np.ndarray]:
         """The arrays of one chunk."""
@@ -69,7 +69,7 @@ class Plan:
 
     def _arrays(self, finder: ModeFinder, points: np.ndarray) -> dict[str, np.ndarray]:
         found = finder.find_values(*self.space.known_values(points))
-        return arrays_of(found, self.quantity, self.certify, self.mechanism)
+        return arrays_of(found, self.quantity, self.certify, self.problem)
 
     def pinned(self, finder: ModeFinder) -> dict[str, Any]:
         """What another sweep must share for its arrays to be equal."""
@@ -79,7 +79,7 @@ class Plan:
             "mechanism": self.mechanism.name,
             "mechanism_sha256": self.mechanism.digest,
             "mechanism_file": self.mechanism.to_toml(),
-            "problem": self.kind,
+            "problem": self.problem.name,
             **self.space.pinned(),
             "quantity": self.quantity,
             "certify": self.certify,
@@ -105,7 +105,7 @@ def make_plan(
         raise InputError(f"chunk = {chunk}; allowed: 1 to {_MOST_CHUNK} points")
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
-    variables(quantity, certify, space.mechanism.length_unit)
+    variables(quantity, certify, space.problem)
     if chunk is None:
         chunk = _usual_chunk(Plan(space, quantity, certify, starts, 1))
     return Plan(space, quantity, certify, starts, chunk)
@@ -114,7 +114,7 @@ def make_plan(
 def _usual_chunk(plan: Plan) -> int:
     """Points that are computed and written at a time where nobody says how many."""
     finder = plan.finder()
-    bound = finder.bound if finder.plain.parts and not plan.certify else None
+    bound = finder.bound if finder.plain.is_tracked and not plan.certify else None
     largest = _SLOW_CHUNK if bound is None else min(_LARGEST_CHUNK, max(_SLOW_CHUNK, _MODES_IN_CHUNK // max(bound, 1)))
     return max(1, min(largest, -(-plan.space.size // _FEWEST_CHUNKS)))
 

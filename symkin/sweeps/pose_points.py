@@ -6,14 +6,21 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.search import Search
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.position.determination import determination
 from symkin.position.given import feasible_poses, given_from
 from symkin.position.pose_conditions import condition_sentence, poses_vary
+from symkin.position.problem import Problem
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
 from symkin.spatial.rotation import multiply, quaternion_from_axis_angle, quaternion_from_rotation_vector
+
+_NEAR, _SAMPLES = 1e-3, 4
+"""Poses within this share of the size (rad) of one that is taken, and how many of them, tell whether the joints tie the coordinates."""
 
 
 def pose_units(mechanism: Mechanism) -> dict[str, str]:
@@ -37,20 +44,41 @@ def pose_values(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str
     return feasible_poses(mechanism, position, quaternion)
 
 
-def check_poses(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
+def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
     """Raises InputError where no point, or hardly any, is a pose that the mechanism can take: the angle is given twice, `base`
     lies off the platform's motion, or its joints put a condition on what is swept."""
     if "gamma" in values and "rz" in values:
         raise InputError(
             "grid: gamma and rz are given together; they are the same angle, from the reference's orientation or at's"
         )
+    mechanism = problem.mechanism
     off = given_from(mechanism, None, base).off_motion
     if off > 0.0:
         raise InputError(
             f"at: the pose lies off the {mechanism.motion} motion of {mechanism.name}'s platform by {off:.3g} {mechanism.length_unit}, "
             "so that no point has a solution; allowed: poses of that motion"
         )
-    _check_conditions(mechanism, base, values)
+    if problem.kind == "given":
+        _check_some_near(problem, base, values)
+    else:
+        _check_conditions(mechanism, base, values)
+
+
+def _check_some_near(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
+    """Raises InputError where the joints tie the pose's coordinates: `base` has solutions, and none of some poses near it has one."""
+    mechanism, swept = problem.mechanism, [name for name, v in values.items() if v[-1] > v[0]]
+    if not swept or not determination(problem).decided:
+        return
+    shares = np.vstack([np.zeros(len(swept)), np.random.default_rng(0).uniform(-_NEAR, _NEAR, (_SAMPLES, len(swept)))])
+    origin = {n: base["xyz".index(n)] if n in "xyz" else 0.0 for n in swept}
+    units = {n: mechanism.characteristic_length if n in "xyz" else mechanism.angle_out(1.0) for n in swept}
+    near = {n: origin[n] + units[n] * shares[:, k] for k, n in enumerate(swept)}
+    counts = modes_by_groups(problem, pose_values(mechanism, base, near)[0], Search.of(None)).total
+    if counts[0] and not any(counts[1:]):
+        raise InputError(
+            f"grid: the joints of {mechanism.name} tie the coordinates of its platform's pose, so that {_listed(swept)} cannot vary while "
+            "the others are held; sweep as many coordinates as it has freedoms by name, with --given (given={...})"
+        )
 
 
 def _check_conditions(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:

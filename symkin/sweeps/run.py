@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism
 from symkin.position.given import Joints
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
@@ -21,8 +21,9 @@ from symkin.sweeps.arguments import check_types, refuse_unread, whole
 from symkin.sweeps.damage import mend
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
-from symkin.sweeps.space import Values, make_space
+from symkin.sweeps.space import Values, make_space, make_space_by_name
 from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
+from symkin.sweeps.table import write_csv
 
 OVER = ("inputs", "poses")
 """What a sweep's points are: values of the actuated joints, or poses."""
@@ -55,11 +56,18 @@ class Swept(Result):
 
         return xarray.open_zarr(self.folder)
 
+    def write_csv(self, path: Path | str) -> int:
+        """Write a table, a row for each mode (for each point where nothing is stored of single modes), as a CSV file; how many rows
+        it has. Raises InputError for more than a million."""
+        attributes = read_attributes(self.folder) or {}
+        return write_csv(self.open(), list(attributes.get("axes", ())), path)
+
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """How many points have how many modes, what was computed, and the folder."""
-        counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
+        named = {"too many to list" if count < 0 else str(count): points for count, points in self.points_by_count.items()}
+        counts = ", ".join(f"{count}: {points}" for count, points in named.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
-        none = "" if self.most_modes else " (no point has a solution)"
+        none = " (no point has a solution)" if set(self.points_by_count) <= {0} else ""
         one = self.damaged == 1
         what = f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged and {'is' if one else 'are'}"
         again = [f"{what} computed again"] if self.damaged else []
@@ -123,9 +131,10 @@ class _Options:
 
 def sweep(
     mechanism: Mechanism,
-    grid: Mapping[str, Values],
-    directory: Path | str,
+    grid: Mapping[str, Values] | None = None,
+    directory: Path | str | None = None,
     *,
+    given: Mapping[str, float | Values] | None = None,
     over: str = "inputs",
     poses: bool = False,
     at: Joints | Pose | None = None,
@@ -136,8 +145,10 @@ def sweep(
     `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` = "poses", coordinates of the
     platform's motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the
     orientation of `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is
-    not swept: all actuated joints, in file order or by name, or a pose. `options` are those of `SweepOptions`: random, seed,
-    quantity, certify, starts, chunk, executor, workers, dask, progress.
+    not swept: all actuated joints, in file order or by name, or a pose. In place of `grid`, `given` maps any coordinates, as many as
+    the mobility, to rising values, or to one number where they are held: joints, passive ones too, and x, y, z, azimuth, tilt and
+    torsion of the platform. `options` are those of `SweepOptions`: random, seed, quantity, certify, starts, chunk, executor, workers,
+    dask, progress.
 
     The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
     what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs
@@ -148,12 +159,16 @@ def sweep(
     ...     found = symkin.sweep(symkin.load("zhao2000"), {"theta1": [80.0, 81.0]}, folder, workers=0)
     >>> found.points, found.points_by_count
     (2, {4: 2})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = symkin.sweep(symkin.load("ankle"), directory=folder, given={"ankle.1": [0.0, 5.0], "ankle.2": 3.0}, workers=0)
+    >>> found.points_by_count
+    {4: 2}
     """
-    require_limbs(mechanism, "sweep", "use modes at each point, given={...}")
     chosen = _Options(**options)
     executor, dask, progress = chosen.executor, chosen.dask, chosen.progress
     others = {"poses": poses, "certify": chosen.certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
-    check_types(mechanism, grid, directory, **others)
+    check_types(mechanism, grid, given, directory, **others)
+    assert directory is not None  # noqa: S101 - checked
     if over not in OVER:
         raise InputError(f"over = {over!r} is unknown; allowed: {', '.join(OVER)}")
     random, chunk, workers, seed, starts = (
@@ -165,9 +180,12 @@ def sweep(
     read_attributes(folder)
     if (executor is not None) + (workers is not None) + (dask is not None) > 1:
         raise InputError("executor, workers and dask are given together; one of them is needed, or none")
-    space = make_space(
-        mechanism, grid, poses=poses or over == "poses", at=at, sample=random, seed=DEFAULT_SEED if seed is None else seed
-    )
+    chosen_seed = DEFAULT_SEED if seed is None else seed
+    if given is not None:
+        _refuse_poses(poses, over)
+        space = make_space_by_name(mechanism, given, sample=random, seed=chosen_seed)
+    else:
+        space = make_space(mechanism, grid or {}, poses=poses or over == "poses", at=at, sample=random, seed=chosen_seed)
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
     plan = make_plan(space, quantity=chosen.quantity, certify=chosen.certify, starts=count, chunk=chunk)
@@ -178,6 +196,13 @@ def sweep(
         with locked(folder):
             damaged = mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
+
+
+def _refuse_poses(poses: bool, over: str) -> None:
+    if poses or over == "poses":
+        raise InputError(
+            "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, azimuth, tilt and torsion by name, or a grid"
+        )
 
 
 def _crew(executor: Executor | None, workers: int | None, dask: str | None) -> AbstractContextManager[Crew]:

@@ -1,4 +1,4 @@
-"""The points of a sweep: a grid, or a random sample of boxes, of actuated joints or of poses.
+"""The points of a sweep: a grid, or a random sample of boxes, of actuated joints, of poses, or of coordinates told by name.
 
 Values are in the mechanism's units; poses are made as `pose_points` says.
 """
@@ -6,15 +6,19 @@ Values are in the mechanism's units; poses are made as `pose_points` says.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import Joints, in_file_order, joint_values, pose_from
+from symkin.position.given import Given, Joints, in_file_order, joint_values, pose_from
+from symkin.position.given_by_name import any_given, given_coordinates, problem_of
+from symkin.position.problem import Problem
 from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
@@ -39,15 +43,18 @@ class Axis:
         return f"values {[float(v) for v in self.values]}"
 
 
+Over = Literal["inputs", "poses", "coordinates"]
+
+
 @dataclass(frozen=True, eq=False)
 class Space:
-    """Points of a mechanism's inputs (`poses` false) or poses; `base` holds joint values, or x, y, z, qw, qx, qy, qz, for
-    what is not swept. `sample` is the count of random points, None for a grid, whose last axis runs fastest."""
+    """Points of a mechanism's inputs, poses or coordinates told by name; `base` holds what is not swept: joint values, or x, y, z,
+    qw, qx, qy, qz, or values by name. `sample` is the count of random points, None for a grid, whose last axis runs fastest."""
 
     mechanism: Mechanism
-    poses: bool
+    over: Over
     axes: tuple[Axis, ...]
-    base: tuple[float, ...]
+    base: tuple[float, ...] | Mapping[str, Any]
     sample: int | None = None
     seed: int = 0
 
@@ -73,57 +80,108 @@ class Space:
     def given(self, point: Sequence[float]) -> dict[str, Any]:
         """The arguments of `symkin.modes` at one point."""
         swept = {axis.name: float(value) for axis, value in zip(self.axes, point, strict=True)}
-        if not self.poses:
-            names = [c.name for c in self.mechanism.actuated]
-            return {"joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]}
-        return {"pose": pose_at(self.mechanism, self.base, swept)}
+        if isinstance(self.base, Mapping):
+            return {"given": {**self.base, **swept}}
+        if self.over == "poses":
+            return {"pose": pose_at(self.mechanism, self.base, swept)}
+        names = [c.name for c in self.mechanism.actuated]
+        return {"joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]}
+
+    def given_at_end(self, end: int) -> Given:
+        """What is given at the first (0) or the last point (-1) of the box. Raises InputError for values that do not fit."""
+        return any_given(self.mechanism, **self.given([float(axis.values[end]) for axis in self.axes]))
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem of all points."""
+        return problem_of(self.mechanism, self.given_at_end(0))
 
     def known_values(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What `symkin.modes` is given at points (n, axes): known values (n, numbers) in the length unit and radians, and how far
         a pose lies off those that the mechanism can take (n,)."""
         swept = {axis.name: points[:, k] for k, axis in enumerate(self.axes)}
-        if self.poses:
+        if self.over == "poses" and not isinstance(self.base, Mapping):
             return pose_values(self.mechanism, self.base, swept)
-        columns = []
-        for c, held in zip(self.mechanism.actuated, self.base, strict=True):
-            values = np.broadcast_to(swept.get(c.name, held), len(points))
-            columns.append(_angles_in(self.mechanism, values, whole_turns=c.kind == "angle") if c.is_angular else values)
-        return np.stack(columns, axis=1), np.zeros(len(points))
+        held, place = self.given_at_end(0), 0
+        values = np.tile(held.values, (len(points), 1))
+        for c in self.problem.known_coordinates:
+            if c.name in swept:
+                column = swept[c.name]
+                values[:, place] = _angles_in(self.mechanism, column, whole_turns=c.kind == "angle") if c.is_angular else column
+            place += c.width
+        return values, np.full(len(points), held.off_motion)
 
     def pinned(self) -> dict[str, Any]:
         """All that decides the points, for people and for comparison."""
         ways = {axis.name: str(axis) for axis in self.axes}
         if self.sample is not None:
             ways = {axis.name: f"{float(axis.values[0])!r} to {float(axis.values[-1])!r}" for axis in self.axes}
-        return {"sweeps over": "poses" if self.poses else "inputs", "axes": ways, "base": list(self.base), "sample": self.sample}
+        base = dict(self.base) if isinstance(self.base, Mapping) else list(self.base)
+        return {"sweeps over": self.over, "axes": ways, "base": base, "sample": self.sample}
 
 
 def make_space(
     mechanism: Mechanism, ranges: Mapping[str, Values], *, poses: bool = False, at: Joints | Pose | None = None,
     sample: int | None = None, seed: int = 0,
 ) -> Space:  # fmt: skip
-    """A checked space. `ranges` maps joints, or coordinates of the platform's motion, to their values, in a sample to (least,
-    largest); `at` gives what is not swept: all actuated joints, or a pose (default: the example's, else the reference's).
+    """A checked space. `ranges` maps actuated joints, or coordinates of the platform's motion, to their values, in a sample to
+    (least, largest); `at` gives what is not swept: all actuated joints, or a pose (default: the example's, else the reference's).
     Raises InputError for names, values and counts that do not fit, and for poses of which the joints allow hardly any."""
     if not ranges:
         raise InputError("grid: nothing is swept; give at least one name with its values")
-    if sample is not None and not 1 <= sample <= MOST_POINTS:
-        raise InputError(f"random = {sample}; allowed: 1 to {MOST_POINTS} points")
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
-    units = _units(mechanism, poses)
+    _check_sample(sample, seed)
+    if poses and mechanism.platform_link is None:
+        raise InputError(
+            f"poses: {mechanism.name} has no platform link; sweep over its inputs, or over coordinates by name (given)"
+        )
+    units = pose_units(mechanism) if poses else _units(mechanism, mechanism.actuated)
     axes = tuple(
-        _axis(mechanism, name, values, units, poses=poses, sampled=sample is not None) for name, values in ranges.items()
+        _axis(n, values, units.get(n) or _refused(mechanism, n, units, poses), "grid", sample) for n, values in ranges.items()
     )
-    space = Space(mechanism, poses, axes, _base(mechanism, poses, at), sample, seed)
-    if space.size > MOST_POINTS:
-        raise InputError(f"grid: {space.size} points; allowed: at most {MOST_POINTS}")
+    space = Space(mechanism, "poses" if poses else "inputs", axes, _base(mechanism, poses, at), sample, seed)
+    _check_size(space, "grid")
     if poses:
-        check_poses(mechanism, space.base, {axis.name: axis.values for axis in axes})
+        assert not isinstance(space.base, Mapping)  # noqa: S101 - that of a pose
+        check_poses(space.problem, space.base, {axis.name: axis.values for axis in axes})
     else:
         for end in (0, -1):
             joint_values(mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid")
     return space
+
+
+def make_space_by_name(
+    mechanism: Mechanism, given: Mapping[str, float | Values], *, sample: int | None = None, seed: int = 0
+) -> Space:
+    """A checked space of coordinates told by name: those with one number are held there, and so is a whole "pose"; those with
+    several are swept, in a sample from the least to the largest. Raises InputError."""
+    _check_sample(sample, seed)
+    coordinates = given_coordinates(mechanism)
+    units = _units(mechanism, coordinates.values())
+    held = {n: value for n, value in given.items() if np.ndim(value) == 0 or n not in units}
+    swept = {n: value for n, value in given.items() if n not in held}
+    axes = tuple(_axis(n, np.asarray(values), units[n], "given", sample) for n, values in swept.items())
+    space = Space(mechanism, "coordinates", axes, held, sample, seed)
+    for end in (0, -1):
+        space.given_at_end(end)
+    if not axes:
+        example = next(iter(units), "NAME")
+        raise InputError(
+            f"given: nothing is swept; give at least one name several values, as in {example}=0:90:91 ({{{example!r}: [0, 1, 2]}})"
+        )
+    _check_size(space, "given")
+    return space
+
+
+def _check_sample(sample: int | None, seed: int) -> None:
+    if sample is not None and not 1 <= sample <= MOST_POINTS:
+        raise InputError(f"random = {sample}; allowed: 1 to {MOST_POINTS} points")
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
+
+
+def _check_size(space: Space, what: str) -> None:
+    if space.size > MOST_POINTS:
+        raise InputError(f"{what}: {space.size} points; allowed: at most {MOST_POINTS}")
 
 
 def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -> np.ndarray:
@@ -136,40 +194,42 @@ def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -
     return np.radians(values) if mechanism.angle_unit == "deg" else values
 
 
-def _units(mechanism: Mechanism, poses: bool) -> dict[str, str]:
-    """Names that can be swept, with their units."""
-    if poses:
-        return pose_units(mechanism)
-    return {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.actuated}
+def _units(mechanism: Mechanism, coordinates: Iterable[Coordinate]) -> dict[str, str]:
+    """Units of coordinates by name."""
+    return {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in coordinates}
 
 
-def _unknown(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> str:
-    """What can be swept in place of a name, and why a pose coordinate cannot."""
+def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> NoReturn:
+    """Raise InputError: what can be swept in place of a name, and how this one can."""
     allowed = ", ".join(units) or "nothing"
     if poses and name in ALL_POSE_AXES:
-        return f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to sweep; allowed: {allowed}"
-    hint = "; poses are swept with --poses (over='poses')" if not poses and name in ALL_POSE_AXES else ""
-    return f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {allowed}{hint}"
+        raise InputError(
+            f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to sweep; allowed: {allowed}"
+        )
+    hint = ""
+    if not poses and name in ALL_POSE_AXES and mechanism.platform_link is not None:
+        hint = "; poses are swept with --poses (over='poses')"
+    elif not poses and name in given_coordinates(mechanism):
+        hint = f"; any coordinates, as many as the mobility, are swept with --given {name}=LOW:HIGH:COUNT (given={{...}})"
+    raise InputError(f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {allowed}{hint}")
 
 
-def _axis(mechanism: Mechanism, name: str, values: Values, units: Mapping[str, str], *, poses: bool, sampled: bool) -> Axis:
-    if name not in units:
-        raise InputError(_unknown(mechanism, name, units, poses))
+def _axis(name: str, values: Values, unit: str, what: str, sample: int | None) -> Axis:
     try:
         numbers = np.array([float(v) for v in np.asarray(values).ravel()])
     except (TypeError, ValueError):
-        raise InputError(f"grid: {name} = {values!r} is no list of numbers") from None
+        raise InputError(f"{what}: {name} = {values!r} is no list of numbers") from None
     if not len(numbers):
-        raise InputError(f"grid: {name} has no values; at least one is needed")
+        raise InputError(f"{what}: {name} has no values; at least one is needed")
     if not np.isfinite(numbers).all():
-        raise InputError(f"grid: {name} has a value that is not finite ({numbers[~np.isfinite(numbers)][0]})")
-    if sampled and len(numbers) != 2:
-        raise InputError(f"grid: {name} has {len(numbers)} values; a random sample takes the least and the largest")
-    if sampled and numbers[1] < numbers[0]:
-        raise InputError(f"grid: {name} = {numbers[0]:g}:{numbers[1]:g} is reversed; the lower bound comes first")
-    if not sampled and not (np.diff(numbers) > 0).all():
-        raise InputError(f"grid: the values of {name} do not rise; they must, and none may come twice")
-    return Axis(name, units[name], numbers)
+        raise InputError(f"{what}: {name} has a value that is not finite ({numbers[~np.isfinite(numbers)][0]})")
+    if sample is not None and len(numbers) != 2:
+        raise InputError(f"{what}: {name} has {len(numbers)} values; a random sample takes the least and the largest")
+    if sample is not None and numbers[1] < numbers[0]:
+        raise InputError(f"{what}: {name} = {numbers[0]:g}:{numbers[1]:g} is reversed; the lower bound comes first")
+    if sample is None and not (np.diff(numbers) > 0).all():
+        raise InputError(f"{what}: the values of {name} do not rise; they must, and none may come twice")
+    return Axis(name, unit, numbers)
 
 
 def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[float, ...]:

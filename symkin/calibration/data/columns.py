@@ -5,75 +5,37 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from itertools import product
-from typing import Literal
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP
+from symkin.calibration.data.column_names import (
+    DISTANCE,
+    INCLINATION,
+    POSITION,
+    QUATERNION,
+    WEDGE,
+    Measure,
+    columns_of_platform_link,
+    known_readings,
+    measure_of,
+    reading_name,
+    refuse_misspelt,
+    sequenced_columns,
+    unit_of,
+)
+from symkin.calibration.data.measurements import NO_GROUP, Reading
+from symkin.calibration.data.observables import Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
 from symkin.files.csv_table import UNITS, Table
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
-SEQUENCES = tuple(
-    "".join(s).upper() if moving else "".join(s)
-    for moving in (True, False)
-    for s in product("xyz", repeat=3)
-    if s[0] != s[1] != s[2]
-)
-"""The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
-INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
-WEDGE = ("wedge_alpha", "wedge_beta")
-"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
-DISTANCE = "distance_"
-"""Prefix of the columns of distances."""
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
-_EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _MAX_LISTED_GROUPS = 5
 """Most groups of one configuration that a message lists."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
-Measure = Literal["length", "angle"]
-
-
-def unit_of(mechanism: Mechanism, measure: Measure) -> str:
-    """Return the file's unit of lengths or angles."""
-    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
-
-
-def reading_name(mechanism: Mechanism, name: str) -> str:
-    """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
-    return f"platform.{name}" if any(c.name == name for c in mechanism.actuated) else name
-
-
-def measure_of(c: Coordinate) -> Measure:
-    """Say whether a coordinate is a length or an angle."""
-    return "angle" if c.is_angular else "length"
-
-
-def _sequenced(table: Table) -> dict[str, str]:
-    """Map columns of Euler angles whose header names the sequence to their names as they are written here. Letters of the
-    sequence say by their size which axes are meant; where the whole header is in capitals they do not."""
-    found = {}
-    for name in table.columns:
-        match = _EULER_HEADER.fullmatch(name)
-        if match is None:
-            continue
-        place, word, sequence, number = match.groups()
-        if word.isupper() and sequence.isupper():
-            raise InputError(
-                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
-                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
-            )
-        if sequence not in SEQUENCES:
-            raise InputError(
-                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
-                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
-            )
-        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
-    return found
 
 
 class ColumnReader:
@@ -81,26 +43,38 @@ class ColumnReader:
 
     def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
         self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
-        self.known = {c.name for c in mechanism.actuated}
+        self.known = {c.name for c in mechanism.coordinates if c.width == 1}
+        self.observables = observables(mechanism)
         self.copies = table.copies()
         self.table = self._matched(table)
         self.notes: list[str] = list(self.table.notes)
 
     def _matched(self, table: Table) -> Table:
         """Keep the columns that mean something for this mechanism, under their names."""
-        joints, sequenced = [c.name for c in self.mechanism.actuated], _sequenced(table)
+        joints, sequenced = [c.name for c in self.mechanism.actuated], sequenced_columns(table)
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
         sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
-        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances)))
-        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced)
-        read = [name for name in made.columns if name in (*placed, *self.distances, *sequenced.values())]
+        others = [column for o in self.observables.values() for column in o.columns]
+        sigmas += [f"sigma_{column}" for o in self.observables.values() for column in o.sigmas]
+        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances, *others)))
+        made = table.matched(
+            known, text=("group", "platform.group"), aliases=sequenced | columns_of_platform_link(self.mechanism, table, known)
+        )
+        of_platform = [name for name in made.columns if name in (*placed, *sequenced.values())]
+        read = [*of_platform, *(name for name in made.columns if name in (*self.distances, *others))]
         self._check_left_out(made, anything_read=bool(read))
+        if of_platform and self.mechanism.platform_link is None:
+            raise InputError(
+                f"{made.path}: column {of_platform[0]!r} is of a platform, and {self.mechanism.name} has no platform link; name it by "
+                "[platform] link, or read named points (point.NAME.x) and other links (LINK.x, LINK.qw, LINK.alpha)"
+            )
         return made
 
     def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
-        """Refuse files that leave out what is needed: points of distances, joints, all readings."""
+        """Refuse files that leave out what is needed: points of distances, joints, all readings; and columns that look misspelt."""
         for name in made.left_out:
+            refuse_misspelt(self.mechanism, made.path, name)
             if name.startswith(DISTANCE):
                 raise InputError(
                     f"{made.path}: column {name!r}: the points of this distance are not known; give them with "
@@ -113,8 +87,8 @@ class ColumnReader:
             joints = ", ".join(names[:_MAX_LISTED_JOINTS]) + (", ..." if len(names) > _MAX_LISTED_JOINTS else "")
             unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
             raise InputError(
-                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), group, alpha, beta, "
-                "x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), and sigma_ before a name"
+                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), {known_readings(self.mechanism)}, and "
+                "sigma_ before a name"
             )
 
     def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
@@ -176,9 +150,10 @@ class ColumnReader:
         if len(values) > 2 and np.ptp(values) == 0.0:
             self.notes.append(f"{c.name}: the reading is the same in all rows")
 
-    def together(self, names: tuple[str, ...], measure: Measure | None) -> np.ndarray | None:
-        """Read columns that stand together, all cells of a row or none; None where nothing is in them."""
-        present = [self._column(name) for name in names]
+    def together(self, names: tuple[str, ...], measure: Measure | None, *, own: bool = False) -> np.ndarray | None:
+        """Read columns that stand together, all cells of a row or none; None where nothing is in them. Names of observables are their
+        `own`, whatever joints are named."""
+        present = [self._own_column(name) if own else self._column(name) for name in names]
         if not any(present):
             return None
         for name, column in zip(names, present, strict=True):
@@ -197,22 +172,25 @@ class ColumnReader:
             )
         return None if np.all(np.isnan(values)) else values
 
-    def some(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
+    def some(self, names: tuple[str, ...], measure: Measure, *, own: bool = False) -> np.ndarray | None:
         """Read columns any of which may be missing."""
-        present = [self._column(name) for name in names]
+        present = [self._own_column(name) if own else self._column(name) for name in names]
         empty = [float("nan")] * len(self.table)
         values = np.array([empty if column is None else self._numbers(column, measure) for column in present]).T
         return None if np.all(np.isnan(values)) else values
 
     def orientation(self) -> np.ndarray | None:
-        values = self.together(QUATERNION, None)
+        return self._unit_quaternions(QUATERNION)
+
+    def _unit_quaternions(self, names: tuple[str, ...], *, own: bool = False) -> np.ndarray | None:
+        values = self.together(names, None, own=own)
         if values is None:
             return None
         norms = np.linalg.norm(values, axis=1)
         bad = np.flatnonzero(np.abs(norms - 1.0) > 1e-2)
         if bad.size:
             raise InputError(
-                f"{self.table.path}, line {self.table.lines[bad[0]]}, column 'qw': the quaternion has norm {norms[bad[0]]:.6g}; "
+                f"{self.table.path}, line {self.table.lines[bad[0]]}, column {names[0]!r}: the quaternion has norm {norms[bad[0]]:.6g}; "
                 "allowed: 1 to within 0.01"
             )
         return values
@@ -245,6 +223,46 @@ class ColumnReader:
             )
         sigma = f"sigma_{DISTANCE}{name}"
         return values, self._sigma(sigma, "length") if sigma in self.table.columns else None
+
+    def observed(self) -> tuple[Reading, ...]:
+        """Read what is read of passive joints, named points and other links."""
+        found = [self._reading(o) for o in self.observables.values() if any(self._is_read(column) for column in o.columns)]
+        for o in self.observables.values():
+            stray = [s for s in o.sigmas if f"sigma_{s}" in self.table.columns and not any(map(self._is_read, o.columns))]
+            if stray:
+                raise InputError(f"{self.table.path}: column 'sigma_{stray[0]}' stands there without {' or '.join(o.columns)}")
+        return tuple(found)
+
+    def _is_read(self, column: str) -> bool:
+        return column in self.table.columns and any(cell.strip() for cell in self.table.text(column))
+
+    def _own_column(self, name: str) -> str | None:
+        return name if self._is_read(name) else None
+
+    def _reading(self, o: Observable) -> Reading:
+        measure: Measure | None = None if o.kind == "orientation" else "angle" if o.angular else "length"
+        if o.kind == "orientation":
+            values = self._unit_quaternions(o.columns, own=True)
+        elif o.kind == "inclination":
+            values = self.together(o.columns, measure, own=True)
+        else:
+            values = self.some(o.columns, measure or "length", own=True)
+        if o.kind == "distance" and np.any(values <= 0.0):  # type: ignore[operator]
+            row = int(np.argmax(np.any(values <= 0.0, axis=1)))  # type: ignore[operator]
+            raise InputError(
+                f"{self.table.path}, line {self.table.lines[row]}, column {o.name!r}: a distance of "
+                f"{self.table.text(o.name)[row].strip()}; a positive number is needed"
+            )
+        return Reading(o.name, np.asarray(values), self._sigmas_of(o))
+
+    def _sigmas_of(self, o: Observable) -> np.ndarray | None:
+        """Standard deviations (n, w) of an observable: for each of its columns that is there, or for none."""
+        if not any(f"sigma_{s}" in self.table.columns for s in o.sigmas):
+            return None
+        measure: Measure = "angle" if o.angular else "length"
+        empty = np.full(len(self.table), np.nan)
+        needed = [s for s in o.sigmas if s not in o.columns or self._is_read(s) or f"sigma_{s}" in self.table.columns]
+        return np.array([self._sigma(f"sigma_{s}", measure) if s in needed else empty for s in o.sigmas]).T
 
     def joint_sigmas(self) -> np.ndarray | None:
         names = [f"sigma_{c.name}" for c in self.mechanism.actuated]
@@ -279,7 +297,7 @@ class ColumnReader:
                 f"{self.table.path}: column {name!r} is missing; give standard deviations of all or of none of its kind; {self.table.held()}"
             )
         values = np.array(self._numbers(name, measure))
-        least = 0.0 if name[len("sigma_") :] in self.known else np.finfo(float).tiny
+        least = 0.0 if name[len("sigma_") :] in {c.name for c in self.mechanism.actuated} else np.finfo(float).tiny
         bad = np.flatnonzero(values < least)
         if bad.size:
             row = int(bad[0])

@@ -7,6 +7,11 @@ x[mm], y[mm], z[mm]                 position of the platform frame in the base f
 qw, qx, qy, qz                      its orientation, a unit quaternion; or
 euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
                                     fixed ones; euler_1[deg], ... where the sequence is not known
+NAME[deg], NAME[mm]                 an encoder on a passive joint, by its name
+point.NAME.x[mm], ...               a named point in the base frame, any of the three
+distance.A.B[mm]                    distance between two named points
+LINK.x[mm], ..., LINK.qw, ...       displacement of another link than the platform's from the reference, and its orientation
+LINK.alpha[deg], LINK.beta[deg]     its inclination
 distance_NAME[mm]                   distance between a point of the platform and one of the base, which are given beside the
                                     file (`DistancePoints`)
 sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg], sigma_x[mm]; besides
@@ -25,24 +30,25 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.columns import (
+from symkin.calibration.data.column_names import (
     DISTANCE,
     INCLINATION,
     POSITION,
     QUATERNION,
     SEQUENCES,
     WEDGE,
-    ColumnReader,
     Measure,
     measure_of,
     reading_name,
     unit_of,
 )
+from symkin.calibration.data.columns import ColumnReader
 from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.calibration.data.observables import observables_named
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.outputs import write_output
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 from symkin.text import first_of
 
@@ -101,7 +107,7 @@ class DataFile:
 def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None) -> DataFile:
     """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError that names file, line and
     column."""
-    require_limbs(mechanism, "calibrate", "describe the machine by limbs")
+    require_mechanism(mechanism)
     points = distances or {}
     table = read_table(path)
     reader = ColumnReader(table, mechanism, tuple(points))
@@ -117,7 +123,7 @@ def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping
     measurements = Measurements(
         reader.joints(), groups=groups, inclination=reader.together(INCLINATION, "angle"),
         position=reader.some(POSITION, "length"), orientation=quaternions,
-        distances=[_distance(reader, name, *ends) for name, ends in points.items()], joint_sigma=reader.joint_sigmas(),
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()], readings=reader.observed(), joint_sigma=reader.joint_sigmas(),
         group_sigma=reader.sigma("group", "angle", ["group"]), inclination_sigma=reader.sigmas(INCLINATION, "angle"),
         position_sigma=reader.sigmas(POSITION, "length"),
         orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
@@ -174,6 +180,10 @@ def measurements_text(
         _write_orientation(table, measurements.orientation, sequence, hidden)
     for d in measurements.distances:
         table.number(d.name, d.values, "length")
+    others = observables_named(mechanism, measurements.observed)
+    for o, r in zip(others, measurements.readings, strict=True):
+        for k, name in enumerate(o.columns):
+            table.number(name, r.values[:, k], None if o.kind == "orientation" else "angle" if o.angular else "length")
     for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
@@ -187,6 +197,10 @@ def measurements_text(
     for d in measurements.distances:
         if d.sigma is not None:
             table.number(f"sigma_{d.name}", np.broadcast_to(d.sigma, d.values.shape), "length")
+    for o, r in zip(others, measurements.readings, strict=True):
+        spread = r.sigmas
+        for k, name in enumerate(o.sigmas if spread is not None else ()):
+            table.number(f"sigma_{name}", spread[:, k], "angle" if o.angular else "length")  # type: ignore[index]
     return table.csv(comments)
 
 

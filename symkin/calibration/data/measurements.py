@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from symkin.calibration.data.observables import observables_named
 from symkin.errors import InputError
 from symkin.model.joint import vector3
 from symkin.model.mechanism import Mechanism
@@ -22,6 +23,7 @@ NO_GROUP = -1
 _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
 
 
+_Single = TypeVar("_Single", "Distance", "Reading")
 SIGMA_WIDTHS = {
     "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3
 }  # fmt: skip
@@ -45,6 +47,46 @@ class Distance:
 
 
 @dataclass(frozen=True, eq=False)
+class Reading:
+    """Readings of a passive joint, a named point, a distance of two or another link than the platform's, by its `name`.
+
+    Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip", "coupler.position", "coupler.orientation" (unit
+    quaternions) and "coupler.inclination" of a link's displacement from the reference. `values` are (n,) or (n, w), NaN where none was
+    taken, in the length unit and radians; `sigma` is a number or an array that broadcasts to them (orientation: (n, 3)). Raises
+    InputError for values that are no table, and quaternions that are not of unit length.
+
+    >>> import numpy as np, symkin
+    >>> symkin.Reading("follower", np.radians([30.0, 42.0]), sigma=1e-4).values.shape
+    (2, 1)
+    """
+
+    name: str
+    values: np.ndarray
+    sigma: float | np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        values = np.array(self.values, dtype=float)
+        values = values[:, None] if values.ndim == 1 else _matrix(values, self.name)
+        object.__setattr__(self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values)
+
+    @property
+    def is_orientation(self) -> bool:
+        """Whether the values are unit quaternions."""
+        return self.name.endswith(".orientation")
+
+    @property
+    def sigmas(self) -> np.ndarray | None:
+        """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if unknown."""
+        shape = (len(self.values), 3 if self.is_orientation else self.values.shape[1])
+        return None if self.sigma is None else _broadcast(self.sigma, shape)
+
+    def subset(self, index: np.ndarray) -> Reading:
+        """Keep some configurations, by number."""
+        own = isinstance(self.sigma, np.ndarray) and self.sigma.ndim and len(self.sigma) == len(self.values)
+        return replace(self, values=self.values[index], sigma=self.sigma[index] if own else self.sigma)  # type: ignore[index]
+
+
+@dataclass(frozen=True, eq=False)
 class Measurements:
     """Readings of n configurations.
 
@@ -54,6 +96,7 @@ class Measurements:
     position (n, 3)          platform origin in the base frame, any of its components
     orientation (n, 4)       unit quaternion w, x, y, z (all four or NaN)
     distances                see `Distance`
+    readings                 of passive joints, named points, other links: see `Reading`
     *_sigma                  standard deviations: a number or an array that broadcasts to the readings (orientation: of
                              the rotation vector's components, (n, 3)); None: unknown, and then estimated from the fit
     starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured pose, else the reference
@@ -74,6 +117,7 @@ class Measurements:
     position: np.ndarray | None = None
     orientation: np.ndarray | None = None
     distances: Sequence[Distance] = ()
+    readings: Sequence[Reading] = ()
     joint_sigma: float | np.ndarray | None = None
     group_sigma: float | np.ndarray | None = None
     inclination_sigma: float | np.ndarray | None = None
@@ -104,6 +148,10 @@ class Measurements:
             _check_sigma(getattr(self, key), key, (len(joints), width or joints.shape[1]))
         for d in self.distances:
             _check_sigma(d.sigma, f"{d.name}: sigma", (len(joints),))
+        object.__setattr__(self, "readings", tuple(self.readings))
+        for r in self.readings:
+            _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
+            _check_sigma(r.sigma, f"{r.name}: sigma", (len(joints), 3 if r.is_orientation else r.values.shape[1]))
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -116,9 +164,21 @@ class Measurements:
         return None if value is None else _broadcast(value, (len(self), width))
 
     @property
+    def observed(self) -> tuple[str, ...]:
+        """Names of what is read beside actuated joints and the platform."""
+        return tuple(r.name for r in self.readings)
+
+    @property
+    def quaternions(self) -> np.ndarray:
+        """Measured orientations (n, 4 k), zero where there are none: of the platform, then of other links."""
+        platform = np.zeros((len(self), 4)) if self.orientation is None else self.orientation
+        return np.asarray(np.nan_to_num(np.hstack([platform, *(r.values for r in self.readings if r.is_orientation)])))
+
+    @property
     def is_read(self) -> np.ndarray:
         """Tell which configurations (n,) hold any reading beside the joints; a group of one configuration is none."""
         tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
+        tables += [r.values for r in self.readings]
         found = np.zeros(len(self), dtype=bool)
         for table in (*tables, *(d.values[:, None] for d in self.distances)):
             found |= np.any(np.isfinite(table), axis=1)
@@ -141,10 +201,11 @@ class Measurements:
             )
             for d in self.distances
         )
+        changes["readings"] = tuple(r.subset(index) for r in self.readings)
         return replace(self, **changes)
 
     def without(self, configuration: int, kind: str) -> Measurements:
-        """Leave out one reading: the kind is group, inclination, position, orientation or the name of a distance."""
+        """Leave out one reading: the kind is group, inclination, position, orientation or the name of a distance or other reading."""
         if kind == "group" and self.groups is not None:
             groups = self.groups.copy()
             groups[configuration] = NO_GROUP
@@ -154,21 +215,32 @@ class Measurements:
             table[configuration] = np.nan
             changes: dict[str, Any] = {kind: table}
             return replace(self, **changes)
-        made = []
-        for d in self.distances:
-            values = np.array(d.values)
-            values[configuration] = np.nan if d.name == kind else values[configuration]
-            made.append(replace(d, values=values))
-        return replace(self, distances=tuple(made))
+        return replace(
+            self, distances=[_left_out(d, configuration, kind) for d in self.distances],
+            readings=[_left_out(r, configuration, kind) for r in self.readings],
+        )  # fmt: skip
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse readings of another number of joints than the mechanism has."""
+        """Refuse readings of another number of joints than the mechanism has, and of what it does not have."""
         if self.joints.shape[1] != len(mechanism.actuated):
             names = ", ".join(c.name for c in mechanism.actuated) or "none"
             raise InputError(
                 f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has {len(mechanism.actuated)} "
                 f"actuated joints ({names})"
             )
+        for o, reading in zip(observables_named(mechanism, self.observed), self.readings, strict=True):
+            _shaped(reading.values, (len(self), o.width), reading.name)
+        if mechanism.platform_link is None:
+            self._check_no_platform(mechanism)
+
+    def _check_no_platform(self, mechanism: Mechanism) -> None:
+        """Refuse readings of a platform of a mechanism without one."""
+        for kind in ("groups", "inclination", "position", "orientation", "distances"):
+            if getattr(self, kind) is not None and len(getattr(self, kind)):
+                raise InputError(
+                    f"{kind}: {mechanism.name} has no platform link that they could be of; name it by [platform] link, or read "
+                    "named points (point.NAME) and other links (LINK.position, LINK.orientation, LINK.inclination)"
+                )
 
     def _check_groups(self) -> None:
         if self.groups is None:
@@ -179,16 +251,27 @@ class Measurements:
         object.__setattr__(self, "groups", groups.astype(int))
 
     def _check_orientation(self) -> None:
-        if self.orientation is None:
-            return
-        norms = np.linalg.norm(self.orientation, axis=1)
-        bad = np.flatnonzero(np.isfinite(norms) & (np.abs(norms - 1) > 1e-2))
-        if bad.size:
-            raise InputError(
-                f"orientation: the quaternion of posture {self.labels[bad[0]]} has norm {norms[bad[0]]:.6g}; "
-                "allowed: 1 to within 0.01"
-            )
-        object.__setattr__(self, "orientation", self.orientation / norms[:, None])
+        if self.orientation is not None:
+            object.__setattr__(self, "orientation", _unit_quaternions(self.orientation, "orientation", self.labels))
+
+
+def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:
+    """A distance or another reading without its value at a configuration, where it has that name."""
+    if reading.name != kind:
+        return reading
+    values = np.array(reading.values)
+    values[configuration] = np.nan
+    return replace(reading, values=values)
+
+
+def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ()) -> np.ndarray:
+    """Quaternions (n, 4) at unit length. Raises InputError where one is far from that."""
+    norms = np.linalg.norm(values, axis=1)
+    bad = np.flatnonzero(np.isfinite(norms) & (np.abs(norms - 1) > 1e-2))
+    if bad.size:
+        label = labels[bad[0]] if labels else str(bad[0] + 1)
+        raise InputError(f"{what}: the quaternion of posture {label} has norm {norms[bad[0]]:.6g}; allowed: 1 to within 0.01")
+    return np.asarray(values / norms[:, None])
 
 
 def spread_rows(count: int, most: int) -> np.ndarray:

@@ -9,14 +9,18 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from symkin.calibration.data.observables import observables_named, observed, observing_closure, point_path
 from symkin.closure.closure import build_closure, random_values
+from symkin.closure.link_frames import link_frames
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.dh import DHTable
+from symkin.model.graph import LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Mechanism, serial_arm_from_dh
+from symkin.spatial.pose import Pose
 
 ParameterKind = Literal["length", "angle", "number"]
 MEASURING_FRAMES = tuple(
@@ -30,33 +34,74 @@ Velocity = dict[str, float]
 """Rates of parameters by name; those that are not named stay."""
 
 
-def parameter_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """Name all that may be identified: the closure's parameters, factors of readings, world and target frame."""
-    return tuple(nominal_parameters(mechanism))
+def parameter_names(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Name all that may be identified: the closure's parameters, those of what is read besides (see `data.observables`), factors of
+    readings, world and target frame."""
+    return tuple(nominal_parameters(mechanism, read))
 
 
-def nominal_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
+def nominal_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> dict[str, tuple[float, ParameterKind]]:
     """List all that may be identified by name, with nominal value (lengths, radians, plain numbers) and kind."""
-    closure = build_closure(mechanism)
-    turning = {f"{_joint_path(mechanism, limb.name, j.name)}.zero" for limb, j in mechanism.joints if j.type in ("R", "H")}
-    table: dict[str, tuple[float, ParameterKind]] = {}
-    for name, value in zip(closure.parameter_names, closure.parameter_values, strict=True):
-        pieces = name.split(".")
-        directed = pieces[-2] in ("axis", "axis2", "quaternion")
-        angular = name in turning or (pieces[0] == "dh" and pieces[-1] in ("theta", "alpha"))
-        table[name] = (float(value), "number" if directed else "angle" if angular else "length")
-    for c in mechanism.actuated:
-        table[f"{c.name}.scale"] = (1.0, "number")
+    values = geometry_parameters(mechanism, read)
+    table = {name: (value, _kind_of(mechanism, name)) for name, value in values.items()}
+    joints = [o.name for o in observables_named(mechanism, read) if o.kind == "joint"]
+    table |= {f"{name}.scale": (1.0, "number") for name in (*(c.name for c in mechanism.actuated), *joints)}
     table |= {name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES}
     return table
 
 
 @lru_cache(maxsize=64)
-def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
-    """Name the parameters that a declared motion binds: moved alone, they let rows that the motion leaves out appear, and the
-    limb could no longer carry the platform through it."""
-    closure = build_closure(mechanism)
-    builder = RowBuilder(mechanism)
+def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Mapping[str, float]:
+    """The numbers of the description, by key path, on which the closure or what is read depends."""
+    closure = observing_closure(mechanism, read)
+    values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
+    found = observed(mechanism, read)
+    others = {name: pair for name, pair in found.geometry.items() if name not in values}
+    if others:
+        seen = ca.vertcat(
+            *(ca.vertcat(v.position, v.quaternion) if isinstance(v, Pose) else v for v in found.values.values()), ca.SX(0, 1)
+        )
+        depends = ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False) if seen.numel() else []
+        values |= {name: value for (name, (_, value)), flag in zip(others.items(), depends, strict=False) if flag}
+    # where no link carries it, the platform frame is a place at which loops are compared, and no geometry
+    frameless = mechanism.platform_link is None
+    return {name: value for name, value in values.items() if not (frameless and name.startswith("platform."))}
+
+
+def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
+    """List all numbers of the description, those that nothing depends on too, and the factors of all joints."""
+    geometry = link_frames(build_closure(mechanism)).geometry
+    points = {f"{point_path(p)}.{k}": v for p in mechanism.link_points for k, v in zip("xyz", p.point, strict=True)}
+    values = {name: value for name, (_, value) in geometry.items()} | points
+    table = {name: (float(value), _kind_of(mechanism, name)) for name, value in values.items()}
+    return table | {f"{c.name}.scale": (1.0, "number") for c in mechanism.coordinates}
+
+
+def _kind_of(mechanism: Mechanism, name: str) -> ParameterKind:
+    pieces = name.split(".")
+    if name in {f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.type in ("R", "H")}:
+        return "angle"
+    if name.startswith(tuple(f"{point_path(point)}." for point in mechanism.link_points)):
+        return "length"
+    if pieces[-2] in ("axis", "axis2", "quaternion"):
+        return "number"
+    return "angle" if pieces[0] == "dh" and pieces[-1] in ("theta", "alpha") else "length"
+
+
+def joint_paths(mechanism: Mechanism) -> Iterator[tuple[str, Joint]]:
+    """All joints with the key paths of their parameters, in file order."""
+    for limb, joint in mechanism.joints:
+        yield mechanism.key_path(limb, joint), joint
+    for entry in mechanism.link_joints:
+        yield entry.joint.name, entry.joint
+
+
+@lru_cache(maxsize=64)
+def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozenset[str]:
+    """Name the parameters that a declared motion binds, or loops that are planar or spherical: moved alone, they let rows that the
+    motion leaves out appear, and the limb could no longer carry the platform through it."""
+    closure = observing_closure(mechanism, read)
+    builder = RowBuilder(mechanism, partition=closure.partition)
     builder.build_rows()
     if len(builder.rows) == int(closure.rows.shape[0]):
         return frozenset()
@@ -74,31 +119,33 @@ def bound_by_motion(mechanism: Mechanism) -> frozenset[str]:
     return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
 
 
-def _joint_path(mechanism: Mechanism, limb: str, joint: str) -> str:
-    return joint if mechanism.serial else f"{limb}.{joint}"
-
-
-def is_writable(mechanism: Mechanism, name: str) -> bool:
+def is_writable(name: str) -> bool:
     """Tell whether a mechanism file has a place for the parameter: factors of readings and measuring frames have none."""
-    return name in build_closure(mechanism).parameter_names
+    return not name.endswith(".scale") and name not in MEASURING_FRAMES
 
 
 def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
     """Replace values of named parameters in a mechanism (key paths of the closure, angles in radians); names that a file has
     no place for are left out. Rods keep their lengths, which become explicit."""
-    closure = build_closure(mechanism)
-    table = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
-    table |= {name: float(v) for name, v in values.items() if name in table}
+    table = {**geometry_parameters(mechanism)} | {name: float(v) for name, v in values.items() if is_writable(name)}
     if mechanism.dh is not None:
         return _with_dh(mechanism, mechanism.dh, table)
-    frame = "tool" if mechanism.serial else "platform"
-    limbs = tuple(_limb_with(mechanism, limb, table) for limb in mechanism.limbs)
+    frame = mechanism.frame_name
     return replace(
         mechanism,
-        limbs=limbs,
+        limbs=[_limb_with(mechanism, limb, table) for limb in mechanism.limbs],
+        link_joints=[replace(e, joint=_joint_with(e.joint, e.joint.name, table)) for e in mechanism.link_joints],
+        link_rods=[_link_rod_with(rod, table) for rod in mechanism.link_rods],
+        link_points=[replace(p, point=_vector_of(table, point_path(p), p.point)) for p in mechanism.link_points],
         platform_position=_vector_of(table, f"{frame}.position", mechanism.platform_position),
         platform_quaternion=_unit_quaternion(_vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion, "wxyz")),
     )
+
+
+def _link_rod_with(rod: LinkRod, values: Mapping[str, float]) -> LinkRod:
+    start, end = _vector_of(values, f"{rod.name}.from", rod.start), _vector_of(values, f"{rod.name}.to", rod.end)
+    length = None if rod.actuated else values.get(f"{rod.name}.length", rod.length)
+    return replace(rod, start=start, end=end, length=length, offset=values.get(f"{rod.name}.offset", rod.offset))
 
 
 def _with_dh(mechanism: Mechanism, table: DHTable, values: Mapping[str, float]) -> Mechanism:
@@ -118,7 +165,7 @@ def _limb_with(mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, 
             platform=_vector_of(values, f"{limb.name}.platform", limb.platform),
             offset=values.get(f"{limb.name}.offset", limb.offset),
         )
-    joints = [_joint_with(j, j.name if mechanism.serial else f"{limb.name}.{j.name}", values) for j in limb.joints]
+    joints = [_joint_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
     rods = [_rod_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)]
     return replace(limb, joints=joints, rods=rods)
 
@@ -150,11 +197,13 @@ def _unit_quaternion(q: tuple[float, ...]) -> tuple[float, ...]:
 # --- single joints -------------------------------------------------------------------------------------------------
 
 
-def written_freedoms(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+def written_freedoms(
+    mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str] = ()
+) -> Iterator[tuple[str, Velocity]]:
     """Yield the freedoms in how joints are written down, each with the rates of parameters that it leaves open: where on its
-    axis the point of a joint lies, the length of a direction, the zero of a passive joint."""
-    for limb, joint in mechanism.joints:
-        path = joint.name if mechanism.serial else f"{limb.name}.{joint.name}"
+    axis the point of a joint lies, the length of a direction, the zero of a passive joint that nothing reads and no coupling names."""
+    meant = {*read, *(name for c in mechanism.couplings for name in (c.joint, *c.names))}
+    for path, joint in joint_paths(mechanism):
         if joint.type == "P":
             for k, axis in enumerate(AXES):
                 yield f"point {axis} of prismatic joint {path}", vector_velocity(f"{path}.point", np.eye(3)[k])
@@ -166,9 +215,9 @@ def written_freedoms(mechanism: Mechanism, values: Mapping[str, float]) -> Itera
                     f"length of the vector {path}.{key}",
                     vector_velocity(f"{path}.{key}", vector_values(values, f"{path}.{key}")),
                 )
-        if joint.freedom == 1 and not joint.actuated:
+        if joint.freedom == 1 and not joint.actuated and joint.name not in meant:
             yield f"zero of passive joint {path}", {f"{path}.zero": 1.0}
-    frame = "tool" if mechanism.serial else "platform"
+    frame = mechanism.frame_name
     if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         yield f"length of {frame}.quaternion", vector_velocity(f"{frame}.quaternion", q, "wxyz")

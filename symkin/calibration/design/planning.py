@@ -13,17 +13,21 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from symkin.calibration.data.columns import WEDGE, measure_of
+from symkin.calibration.data.column_names import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
-from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
-from symkin.calibration.design.simulation import Noise, check_readings, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.design.reading_slopes import reading_slopes
+from symkin.calibration.design.simulation import (
+    Noise,
+    group_numbers,
+    observed_kinds,
+    platform_kinds,
+    random_configurations,
+)
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.estimate.residuals import build_readings, whitening
 from symkin.calibration.estimate.workspace import Workspace, lever
-from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes, unknown_coordinates
+from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -123,7 +127,7 @@ class PlanOptions(TypedDict, total=False):
     groups: int
     """Most groups of equal inclination, 0 for none. [5]"""
     readings: Sequence[str]
-    """What is read beside the joints (see `READING_CHOICES`). [nothing but groups]"""
+    """What is read beside the joints (see `READING_CHOICES` and `data.observables`). [nothing but groups]"""
     wedges: np.ndarray | None
     """Inclinations (W, 2) that groups may have, radians. [level, edges and corners of the workspace's tilt]"""
     criterion: Criterion
@@ -155,7 +159,6 @@ class _Options:
         if configurations > _MAX_PLANNED:
             raise InputError(f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}")
         group_numbers(configurations, self.groups)
-        check_readings(self.readings)
         if not self.readings and not self.groups:
             raise InputError("nothing is read beside the joints; name groups or readings")
         if not self.groups:
@@ -188,6 +191,7 @@ def plan_measurements(
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     chosen = _Options(**options)
     chosen.check(configurations)
+    platform_kinds(workspace.mechanism, chosen.readings, grouped=chosen.groups > 0)
     task = _Task(workspace, configurations, noise, chosen)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")
@@ -226,7 +230,8 @@ class _Task:
     def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
-        self.names = default_parameters(self.mechanism) if options.parameters is None else tuple(options.parameters)
+        read = tuple(o.name for o in observed_kinds(self.mechanism, options.readings))
+        self.names = default_parameters(self.mechanism, read) if options.parameters is None else tuple(options.parameters)
         wedges = corner_wedges(workspace.tilt) if options.wedges is None else np.asarray(options.wedges, dtype=float)
         self.offered = wedges if options.groups else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
@@ -340,43 +345,6 @@ def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
     seen = singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)
     return right[seen].T, singular[seen]
-
-
-@dataclass(frozen=True, eq=False)
-class ReadingSlopes:
-    """Readings over their standard deviations, joint noise included: A (n, K, P) by scaled parameters, and B (n, K, 2) by
-    the unknown inclination of the configuration's group, zero where it has none."""
-
-    parameters: np.ndarray
-    group: np.ndarray
-
-
-def reading_slopes(
-    mechanism: Mechanism,
-    made: ClosedConfigurations,
-    readings: Sequence[str],
-    noise: Noise,
-    names: Sequence[str],
-    *,
-    grouped: bool,
-) -> ReadingSlopes:
-    """Differentiate the readings that would be taken at closed configurations. Raises InputError where a reading is without a
-    standard deviation."""
-    quiet = np.random.default_rng(0)
-    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
-    taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    for kind in ("group", "inclination", "position", "orientation"):
-        present = grouped if kind == "group" else getattr(taken, kind) is not None
-        if present and taken.sigma(kind) is None:
-            raise InputError(f"the standard deviation of {kind} readings is zero or not given; a plan needs it")
-    model = build_model(mechanism, taken, names)
-    values, weights = build_readings(model, taken), noise.joints(mechanism)
-    z = unknown_coordinates(mechanism, made)
-    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
-    by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
-    whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
-    basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ (e.readings_p + e.readings_z @ e.following), basis)
 
 
 def plan_text(plan: Plan) -> str:

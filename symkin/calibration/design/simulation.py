@@ -7,17 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements, Reading
+from symkin.calibration.data.observables import Observable, observables, observables_named, unknown_observable
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
 from symkin.calibration.estimate.workspace import Workspace
+from symkin.closure.closure import build_closure
+from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.position.readings import points_at
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
 
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
-"""What may be read beside the joints; a pose is position and orientation. Groups need nothing of these."""
+"""What may be read of the platform beside the joints; a pose is position and orientation. Groups need nothing of these."""
 MAX_CONFIGURATIONS = 100_000
 """More rows than this are taken for a typing mistake."""
 
@@ -45,12 +49,48 @@ class Noise:
         """Standard deviation of each actuated joint (a,)."""
         return np.array([self.angles if c.is_angular else self.lengths for c in mechanism.actuated])
 
+    def of(self, observable: Observable) -> float:
+        """Standard deviation of the readings of an observable."""
+        match observable.kind:
+            case "joint":
+                return self.angles if observable.angular else self.lengths
+            case "point" | "position":
+                return self.position
+            case "orientation":
+                return self.orientation
+            case "inclination":
+                return self.inclination
+            case _:
+                return self.distance
 
-def check_readings(readings: Sequence[str]) -> None:
-    """Refuse kinds of readings that are unknown."""
-    for kind in readings:
-        if kind not in READING_CHOICES:
-            raise InputError(f"readings: {kind!r} is unknown; allowed: {', '.join(READING_CHOICES)}")
+
+def platform_kinds(mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False) -> tuple[str, ...]:
+    """Return which of the readings are of the platform. Raises InputError for what is unknown, and for readings and groups (of equal
+    inclination) of a platform that is not there."""
+    own = tuple(kind for kind in readings if kind in READING_CHOICES)
+    if (own or grouped) and mechanism.platform_link is None:
+        what = f"readings: {own[0]!r} is read" if own else "groups: equal inclination is that"
+        raise InputError(
+            f"{what} of a platform, and {mechanism.name} has no platform link; name it by [platform] link, or "
+            "read named points (point.NAME) and other links (LINK.pose, LINK.position, LINK.orientation, LINK.inclination)"
+        )
+    observed_kinds(mechanism, readings)
+    return own
+
+
+def observed_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[Observable, ...]:
+    """Return what else is read; a link's pose is its position and its orientation."""
+    known, names = observables(mechanism), list[str]()
+    for name in readings:
+        if name in READING_CHOICES:
+            continue
+        link, _, last = name.rpartition(".")
+        whole = [f"{link}.position", f"{link}.orientation"] if last == "pose" else [name]
+        if not all(part in known for part in whole):
+            besides = READING_CHOICES if mechanism.platform_link is not None else ()
+            raise InputError(f"readings: {unknown_observable(mechanism, name, besides)}")
+        names += whole
+    return observables_named(mechanism, names)
 
 
 def group_numbers(configurations: int, groups: int) -> np.ndarray:
@@ -102,7 +142,7 @@ def planned_configurations(
         if wedges is None:
             raise InputError("the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` wrote")
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(model.poses(configurations.z, np.zeros(0)), held)
+    made, closed = workspace.at(model.poses(configurations.z, plan.joints, np.zeros(0)), plan.joints, held)
     if not closed.all():
         raise InputError(
             f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by {workspace.mechanism.name}"
@@ -119,10 +159,11 @@ def simulate_readings(
     rng: np.random.Generator,
     distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> Measurements:
-    """Read true configurations, with standard deviations where there is noise; `distances` are points of the platform and of
-    the base by the names of their columns."""
-    check_readings(readings)
-    kinds = {part for kind in readings for part in (("position", "orientation") if kind == "pose" else (kind,))}
+    """Read true configurations, with standard deviations where there is noise; `readings` are kinds of the platform (see
+    `READING_CHOICES`) and names of observables (see `data.observables`), `distances` points of the platform and of the base by the
+    names of their columns."""
+    own = platform_kinds(mechanism, readings, grouped=bool(np.any(groups != NO_GROUP)))
+    kinds = {part for kind in own for part in (("position", "orientation") if kind == "pose" else (kind,))}
     count, joint_sigma = len(true), noise.joints(mechanism)
     grouped = bool(np.any(groups != NO_GROUP))
     made = Measurements(
@@ -152,4 +193,42 @@ def simulate_readings(
                 Distance(platform=platform, base=base, values=values, sigma=noise.distance or None, name=name),
             ),
         )
-    return made
+    others = observed_kinds(mechanism, readings)
+    if not others:
+        return made
+    exact = exact_readings(mechanism, true, others)
+    return replace(made, readings=[_read(o, exact[o.name], noise, rng) for o in others])
+
+
+def _read(o: Observable, exact: np.ndarray, noise: Noise, rng: np.random.Generator) -> Reading:
+    """Readings of exact values (n, w), with noise."""
+    sigma = noise.of(o)
+    if o.kind != "orientation":
+        return Reading(o.name, exact + noise.draw(sigma, exact.shape, rng), sigma or None)
+    turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
+    return Reading(o.name, np.asarray(multiply(exact.T, turn)).T, sigma or None)
+
+
+def exact_readings(mechanism: Mechanism, true: ClosedConfigurations, read: Sequence[Observable]) -> dict[str, np.ndarray]:
+    """Values (n, w) of observables by name at closed configurations."""
+    closure = build_closure(mechanism)
+    poses = link_poses(closure, true.values)
+    joints, points = joint_readings(closure, poses), points_at(mechanism, poses)
+    found = {}
+    for o in read:
+        match o.kind:
+            case "joint":
+                held = true.values[:, closure.slices[o.name]] if o.name in closure.slices else joints[o.name][:, None]
+                found[o.name] = np.asarray(held)
+            case "point":
+                found[o.name] = points[o.of[0]]
+            case "distance":
+                found[o.name] = np.linalg.norm(points[o.of[0]] - points[o.of[1]], axis=1)[:, None]
+            case "position":
+                found[o.name] = np.asarray(poses[o.of[0]].position).T
+            case "orientation":
+                found[o.name] = np.asarray(poses[o.of[0]].quaternion).T
+            case _:
+                alpha, beta, _ = euler_from_quaternion(poses[o.of[0]].quaternion, "xyz")
+                found[o.name] = np.column_stack([alpha, beta])
+    return found

@@ -7,16 +7,25 @@ a scaled parameter is one length unit, for angles and directions 1/size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, nominal_parameters
+from symkin.calibration.data.observables import (
+    Observable,
+    Observed,
+    is_angular,
+    observables_named,
+    observed,
+    observing_closure,
+)
+from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, described_parameters, nominal_parameters
 from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
-from symkin.closure.closure import Closure, build_closure
+from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -26,9 +35,7 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
 
 READING_KINDS = ("group", "inclination", "position", "orientation")
-"""Kinds of readings in the order of their columns; distances follow."""
-ANGULAR = ("group", "inclination", "orientation")
-"""Kinds of readings that are angles (radians); the others are lengths."""
+"""Kinds of readings of the platform in the order of their columns; distances follow, then the observables that are read."""
 COMPONENTS = {
     "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
     "position": ("x", "y", "z"), "orientation": ("x", "y", "z")
@@ -89,7 +96,8 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 @dataclass(frozen=True, eq=False)
 class ConfigurationModel:
     """One configuration as expressions: `system` holds closure and tangent space, `joints`, `parameters` and `quaternion`
-    (measured) are what is known; `columns` names each reading (kind, component)."""
+    (measured ones, of the platform and of other links) are what is known; `columns` names each reading (kind, component), `read` what
+    is read beside the platform; `pose` is that of the link by which geometry is judged, as it is observed."""
 
     mechanism: Mechanism
     closure: Closure
@@ -104,6 +112,7 @@ class ConfigurationModel:
     readings: ca.SX
     columns: tuple[tuple[str, str], ...]
     pose: Pose
+    read: tuple[Observable, ...] = ()
 
     def evaluate(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> Evaluation:
         """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
@@ -111,27 +120,36 @@ class ConfigurationModel:
 
     def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate F (n, m) and F_z (n, m, f)."""
-        rows, rows_z = self._call("rows", z, joints, p, np.zeros((len(z), 4)))
+        rows, rows_z = self._call("rows", z, joints, p, self._no_quaternions(len(z)))
         return rows, rows_z
 
     def joint_slopes(self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q, at an evaluation e."""
-        rows_q = self._call("joints", z, joints, p, np.zeros((len(z), 4)))[0]
+        rows_q = self._call("joints", z, joints, p, self._no_quaternions(len(z)))[0]
         return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q))
 
     def tangent(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """Evaluate F, F_z, F_q, h, h_z; orientations are measured against none."""
-        return self._call("tangent", z, joints, p, np.zeros((len(z), 4)))
+        return self._call("tangent", z, joints, p, self._no_quaternions(len(z)))
 
-    def poses(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
-        packed = self._call("pose", z, np.zeros((len(z), int(self.joints.shape[0]))), p, np.zeros((len(z), 4)))[0]
+        packed = self._call("pose", z, joints, p, self._no_quaternions(len(z)))[0]
         return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
+
+    def _no_quaternions(self, count: int) -> np.ndarray:
+        return np.zeros((count, int(self.quaternion.shape[0])))
 
     @cached_property
     def angular(self) -> np.ndarray:
         """Which readings (K,) are angles."""
-        return np.array([kind in ANGULAR for kind, _ in self.columns], dtype=bool)
+        return np.array([is_angular(self.mechanism, kind) for kind, _ in self.columns], dtype=bool)
+
+    @cached_property
+    def turning(self) -> np.ndarray:
+        """Which readings (K,) are angles modulo a turn."""
+        whole = {"group", "inclination", *(o.name for o in self.read if o.turning)}
+        return np.array([kind in whole for kind, _ in self.columns], dtype=bool)
 
     @property
     def lengths(self) -> np.ndarray:
@@ -184,7 +202,7 @@ def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequenc
     keep their nominal values."""
     kinds = tuple(k for k in READING_KINDS if _is_taken(measurements, k))
     distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
-    return _build_model(mechanism, kinds, distances, tuple(names))
+    return _build_model(mechanism, kinds, distances, measurements.observed, tuple(names))
 
 
 def _is_taken(measurements: Measurements, kind: str) -> bool:
@@ -196,65 +214,93 @@ def _is_taken(measurements: Measurements, kind: str) -> bool:
 @lru_cache(maxsize=64)
 def _build_model(
     mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
-    names: tuple[str, ...]
+    read: tuple[str, ...], names: tuple[str, ...]
 ) -> ConfigurationModel:  # fmt: skip
-    closure = build_closure(mechanism)
-    table = nominal_parameters(mechanism)
-    for name in names:
-        if name not in table:
-            raise InputError(f"parameter {name!r} is unknown; {mechanism.name} has {', '.join(table)}")
+    closure, seen = observing_closure(mechanism, read), observed(mechanism, read)
+    table = _values_of(mechanism, read, names)
     symbols = {name: ca.SX.sym(name) if name in names else ca.SX(value) for name, (value, _) in table.items()}
     parameters = ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1)
-    system, readings_of_joints = _closure_system(closure, symbols, parameters)
-    pose = _observed_pose(closure, symbols)
-    quaternion = ca.SX.sym("measured", 4)
-    readings, columns = _readings(pose, quaternion, kinds, distances)
-    system = System(
-        system.unknowns,
-        system.unknown,
-        ca.vertcat(readings_of_joints, parameters),
-        system.rows,
-        system.errors,
-        closure.characteristic_length,
-    )
+    known = _Known(closure, symbols, seen)
+    system = known.system(parameters)
+    world, target = (_frame(symbols, name) for name in ("world", "target"))
+    pose = _framed(world, known.pose(seen.pose), target)
+    read_of = observables_named(mechanism, read)
+    quaternion = ca.SX.sym("measured", 4 + 4 * sum(o.kind == "orientation" for o in read_of))
+    readings, columns = _readings(pose, quaternion[:4], kinds, distances)
+    others, other_columns = _other_readings(known, read_of, world, quaternion[4:])
     types = tuple(table[n][1] for n in names)
     scales = np.array([1.0 if kind == "length" else 1.0 / closure.characteristic_length for kind in types])
     return ConfigurationModel(
         mechanism=mechanism, closure=closure, system=system, names=names, kinds=types,
-        nominal=np.array([table[n][0] for n in names]), scales=scales, joints=readings_of_joints, parameters=parameters,
-        quaternion=quaternion, readings=readings, columns=columns, pose=pose,
+        nominal=np.array([table[n][0] for n in names]), scales=scales, joints=known.readings, parameters=parameters,
+        quaternion=quaternion, readings=ca.vertcat(readings, others), columns=columns + other_columns, pose=pose, read=read_of,
     )  # fmt: skip
 
 
-def _closure_system(closure: Closure, symbols: dict[str, ca.SX], parameters: ca.SX) -> tuple[System, ca.SX]:
-    """Write the closure over readings in place of actuated coordinates; and name the readings."""
-    unknowns = closure.role("passive", "pose")
-    actuated = closure.role("actuated")
-    readings = ca.vertcat(*(ca.SX.sym(f"{c.name}.reading") for c in actuated)) if actuated else ca.SX(0, 1)
-    unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in unknowns))
-    before = [*(closure.variables[closure.slices[c.name]] for c in actuated), closure.parameters]
-    after = [*(symbols[f"{c.name}.scale"] * readings[k] for k, c in enumerate(actuated)), _parameter_values(closure, symbols)]
-    rows, errors = ca.substitute([closure.rows, closure.errors], [ca.vertcat(*before)], [ca.vertcat(*after)])
-    return System(unknowns, unknown, ca.vertcat(readings, parameters), rows, errors, closure.characteristic_length), readings
+def _values_of(mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ...]) -> dict[str, tuple[float, ParameterKind]]:
+    """Nominal values and kinds of all parameters; those of the names that only what is not read depends on are among them."""
+    table = nominal_parameters(mechanism, read)
+    missing = [name for name in names if name not in table]
+    every = described_parameters(mechanism) if missing else {}
+    for name in missing:
+        if name not in every:
+            near = get_close_matches(name, table, 3)
+            raise InputError(
+                f"parameter {name!r} is unknown{'; the nearest names are ' + ', '.join(near) if near else ''}; {mechanism.name} has "
+                f"{', '.join(table)}"
+            )
+    return table | {name: every[name] for name in missing}
 
 
-def _parameter_values(closure: Closure, symbols: dict[str, ca.SX]) -> ca.SX:
-    return ca.vertcat(*(symbols[n] for n in closure.parameter_names)) if closure.parameter_names else ca.SX(0, 1)
+class _Known:
+    """Expressions with what is known put in: readings of actuated joints in place of their coordinates, the parameters' symbols or
+    numbers in place of the closure's geometry."""
+
+    def __init__(self, closure: Closure, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
+        actuated = closure.role("actuated")
+        self.closure, self.symbols, self.seen = closure, symbols, seen
+        self.readings = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
+        pairs = [
+            (closure.variables[closure.slices[c.name]], symbols[f"{c.name}.scale"] * self.readings[k])
+            for k, c in enumerate(actuated)
+        ]
+        if closure.parameter_names:
+            pairs.append((closure.parameters, _parameter_values(closure, symbols)))
+        own = set(closure.parameter_names)
+        pairs += [(symbol, symbols.get(n, ca.SX(value))) for n, (symbol, value) in seen.geometry.items() if n not in own]
+        self._before = ca.vertcat(ca.SX(0, 1), *(before for before, _ in pairs))
+        self._after = ca.vertcat(ca.SX(0, 1), *(after for _, after in pairs))
+
+    def __call__(self, *expressions: ca.SX) -> list[ca.SX]:
+        return list(ca.substitute(list(expressions), [self._before], [self._after]))
+
+    def pose(self, pose: Pose) -> Pose:
+        packed = self(ca.vertcat(pose.position, pose.quaternion))[0]
+        return Pose(packed[:3], packed[3:])
+
+    def system(self, parameters: ca.SX) -> System:
+        """The closure in its unknown coordinates."""
+        closure, unknowns = self.closure, self.closure.role("passive", "body", "pose")
+        unknown = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknowns))
+        rows, errors = self(closure.rows, closure.errors)
+        return System(unknowns, unknown, ca.vertcat(self.readings, parameters), rows, errors, closure.characteristic_length)
 
 
-def _observed_pose(closure: Closure, symbols: dict[str, ca.SX]) -> Pose:
-    """Compose world @ platform pose @ target."""
+def _parameter_values(closure: Closure, symbols: Mapping[str, ca.SX]) -> ca.SX:
+    pairs = zip(closure.parameter_names, closure.parameter_values, strict=True)
+    return ca.vertcat(ca.SX(0, 1), *(symbols.get(name, ca.SX(float(value))) for name, value in pairs))
 
-    def frame(name: str) -> Pose | None:
-        parts = [symbols[f"{name}.{what}.{k}"] for what in ("position", "rotation") for k in "xyz"]
-        if all(part.is_constant() and float(part) == 0.0 for part in parts):
-            return None
-        return Pose(ca.vertcat(*parts[:3]), quaternion_from_rotation_vector(ca.vertcat(*parts[3:])))
 
-    packed = ca.vertcat(closure.pose.position, closure.pose.quaternion)
-    packed = ca.substitute(packed, closure.parameters, _parameter_values(closure, symbols))
-    pose = Pose(packed[:3], packed[3:])
-    world, target = frame("world"), frame("target")
+def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose | None:
+    """The world or target frame, None where it is the identity."""
+    parts = [symbols[f"{name}.{what}.{k}"] for what in ("position", "rotation") for k in "xyz"]
+    if all(part.is_constant() and float(part) == 0.0 for part in parts):
+        return None
+    return Pose(ca.vertcat(*parts[:3]), quaternion_from_rotation_vector(ca.vertcat(*parts[3:])))
+
+
+def _framed(world: Pose | None, pose: Pose, target: Pose | None = None) -> Pose:
+    """Compose world @ pose @ target."""
     pose = pose if world is None else world @ pose
     return pose if target is None else pose @ target
 
@@ -271,15 +317,47 @@ def _readings(
             case "position":
                 made.extend(ca.vertsplit(pose.position))
             case _:
-                e = multiply(conjugate(quaternion), pose.quaternion)
-                sign = ca.if_else(e[0] < 0, -1, 1)
-                made.extend(2 * sign * e[k] for k in (1, 2, 3))
+                made.extend(_turn_from(quaternion, pose.quaternion))
         columns.extend((kind, c) for c in COMPONENTS[kind])
     for name, end, base in distances:
         gap = pose.apply(ca.SX(ca.DM(list(end)))) - ca.SX(ca.DM(list(base)))
         made.append(ca.sqrt(dot(gap, gap)))
         columns.append(("distance", name))
     return ca.vertcat(*made) if made else ca.SX(0, 1), tuple(columns)
+
+
+def _other_readings(
+    known: _Known, read: Sequence[Observable], world: Pose | None, quaternions: ca.SX
+) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
+    """The readings of passive joints, points and other links; `quaternions` are the orientations measured."""
+    made: list[ca.SX] = []
+    measured = ca.vertsplit(quaternions, 4) if quaternions.numel() else []
+    for o in read:
+        value = known.seen.values[o.name]
+        if isinstance(value, Pose):
+            pose = _framed(world, known.pose(value))
+            if o.kind == "position":
+                made.extend(ca.vertsplit(pose.position))
+            elif o.kind == "inclination":
+                made.extend(inclination(pose.quaternion))
+            else:
+                made.extend(_turn_from(measured.pop(0), pose.quaternion))
+            continue
+        (value,) = known(value)
+        if o.kind == "joint":
+            made.append(value / known.symbols[f"{o.name}.scale"])
+        elif o.kind == "point":
+            made.extend(ca.vertsplit(value if world is None else world.apply(value)))
+        else:
+            made.append(value)
+    return ca.vertcat(ca.SX(0, 1), *made), tuple((o.name, component) for o in read for component in o.components)
+
+
+def _turn_from(measured: ca.SX, quaternion: ca.SX) -> list[ca.SX]:
+    """Components of the turn from a measured orientation, twice the vector part of its quaternion."""
+    e = multiply(conjugate(measured), quaternion)
+    sign = ca.if_else(e[0] < 0, -1, 1)
+    return [2 * sign * e[k] for k in (1, 2, 3)]
 
 
 def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:

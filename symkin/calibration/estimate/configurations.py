@@ -11,6 +11,7 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
@@ -32,6 +33,8 @@ _MAX_POSE_STEP = 0.5
 """Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
 _MAX_STEPS, _MAX_POSE_STEPS = 20, 30
 """Most Newton steps of direct problems, and from drawn poses."""
+_FOLLOWED_STEP, _MAX_FOLLOWED_STEPS = 0.1, 400
+"""Steps of joints (radians, or of the size) in which configurations are followed, and most of them."""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -86,7 +89,7 @@ def solve_configurations(
 ) -> SolvedConfigurations:  # fmt: skip
     """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
     or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
-    start = start_points(model, measurements) if z is None else z
+    start = first_points(model, measurements, p) if z is None else z
     joints = measurements.joints
     with np.errstate(all="ignore"):
         found, solved = newton_configurations(model, start, joints, p, tolerance=tolerance)
@@ -114,6 +117,27 @@ def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
     return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
 
 
+def is_determined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> bool:
+    """Tell whether joint readings fix the configuration: the closure has full column rank in its unknown coordinates anywhere."""
+    rows_z = model.rows(z, joints, p)[1]
+    if rows_z.shape[2] == 0:
+        return True
+    if rows_z.shape[1] < rows_z.shape[2]:
+        return False
+    singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
+    return bool(np.any(singular[:, -1] >= 1e-10 * singular[:, 0]))
+
+
+def refuse_undetermined(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> None:
+    """Raises InputError where joint readings do not fix the configuration."""
+    if not is_determined(model, z, joints, p):
+        m = model.mechanism
+        raise InputError(
+            f"{m.name}: the actuated joints ({', '.join(c.name for c in m.actuated) or 'none'}) do not determine the pose; calibration "
+            "needs a direct problem with isolated solutions: actuate more joints (those that are read), or declare the platform's motion"
+        )
+
+
 def start_points(model: ConfigurationModel, measurements: Measurements, *, measured: bool = False) -> np.ndarray:
     """Return the unknowns (n, width) at the starts: the pose given or measured (only so if `measured`), else the reference.
     Poses that are seen through unknown frames are no starts."""
@@ -135,6 +159,37 @@ def start_points(model: ConfigurationModel, measurements: Measurements, *, measu
     return begin
 
 
+def first_points(model: ConfigurationModel, measurements: Measurements, p: np.ndarray) -> np.ndarray:
+    """Return the unknowns (n, width) from which direct problems begin: `start_points`; where a pose is not all that is unknown beside
+    joints, what the reference leads to when the joints move straight from it to their readings."""
+    if not is_carried(model.closure):
+        return start_points(model, measurements)
+    start = start_points(model, without_starts(measurements))
+    reference = np.concatenate([np.zeros(0), *(np.array(c.reference) for c in model.closure.role("actuated"))])
+    return follow_joints(model, start, np.tile(reference, (len(start), 1)), measurements.joints, p)
+
+
+def is_carried(closure: Closure) -> bool:
+    """Tell whether the pose of the platform, or of the link judged in its place, follows from the joints or other bodies."""
+    return not closure.role("pose") or bool(closure.role("body"))
+
+
+def follow_joints(
+    model: ConfigurationModel, z: np.ndarray, begin: np.ndarray, end: np.ndarray, p: np.ndarray
+) -> np.ndarray:  # fmt: skip
+    """Follow configurations z (n, width) by Newton while the joint readings move straight from `begin` to `end` (n, a); one that is
+    lost stays where it was last."""
+    units = np.array([1.0 if c.is_angular else 1.0 / model.closure.characteristic_length for c in model.closure.role("actuated")])
+    furthest = float(np.max(np.abs(end - begin) * units, initial=0.0))
+    count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
+    with np.errstate(all="ignore"):
+        for k in range(1, count + 1):
+            joints = begin + (k / count) * (end - begin)
+            found, closed = newton_configurations(model, z, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
+            z = np.where(closed[:, None], found, z)
+    return z
+
+
 def known_poses(measurements: Measurements, *, measured: bool = False) -> list[np.ndarray | None]:
     """Return a whole pose of each configuration, None where there is none: its start (unless `measured`), else what was
     measured."""
@@ -150,6 +205,11 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> list[n
 def without_poses(measurements: Measurements) -> Measurements:
     """Leave out positions and orientations."""
     return replace(measurements, position=None, orientation=None)
+
+
+def without_starts(measurements: Measurements) -> Measurements:
+    """Leave out positions, orientations and starts."""
+    return replace(without_poses(measurements), starts=None)
 
 
 def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, count: int = 5) -> np.ndarray:
@@ -203,8 +263,10 @@ def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
 
 
 def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarray:
-    """Put the pose coordinates nearest to a pose into the closure's variables."""
+    """Put the pose coordinates nearest to a pose into the closure's variables; as they are where it has none."""
     closure, values = build_closure(mechanism), values.copy()
+    if not closure.role("pose"):
+        return values
     numbers, _ = pose_coordinates(mechanism, pose)
     begin = closure.slices[closure.role("pose")[0].name].start
     values[begin : begin + len(numbers)] = numbers
@@ -223,7 +285,7 @@ class JointsOfPose:
     """Solves for all joints, actuated and passive, at given poses."""
 
     def __init__(self, closure: Closure) -> None:
-        unknowns, known = closure.role("actuated", "passive"), closure.role("pose")
+        unknowns, known = closure.role("actuated", "passive", "body"), closure.role("pose")
         self.width = sum(c.width for c in unknowns)
         unknown = closure.variables[: self.width]
         pose = closure.variables[self.width : self.width + sum(c.width for c in known)]

@@ -21,7 +21,7 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.estimate.configurations import known_poses, start_points
+from symkin.calibration.estimate.configurations import is_carried, known_poses, start_points
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings, linearise
 from symkin.spatial.rotation import (
@@ -50,16 +50,18 @@ _MIN_COST_DECREASE = 1e-8
 
 
 def parameters_from_poses(model: ConfigurationModel, measurements: Measurements) -> np.ndarray | None:
-    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, or
-    where frames between mechanism and measurement are unknown."""
+    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, where
+    frames between mechanism and measurement are unknown, and where the joints carry the platform."""
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
+    if is_carried(model.closure):
+        return None
     if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
         return None
     if np.sum(given) > _MAX_POSES:
         some = np.flatnonzero(given)[spread_rows(int(np.sum(given)), _MAX_POSES)]
         return parameters_from_poses(model, measurements.subset(some))
     joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
-    passive = np.flatnonzero([c.role == "passive" for c in model.system.unknowns for _ in range(c.freedom)])
+    passive = np.flatnonzero([c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)])
     with np.errstate(all="ignore"):
         return _fit_parameters(model, z, joints, passive)
 
@@ -170,7 +172,7 @@ def _frame_rotation(problem: CalibrationProblem, p: np.ndarray, frame: str) -> n
 
 def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Quaternions (4, n) of the platform in the base frame: observed ones less the frames of p."""
-    observed = problem.model.poses(z, p)[:, 3:].T
+    observed = problem.model.poses(z, problem.measurements.joints, p)[:, 3:].T
     return np.asarray(
         multiply(
             conjugate(_frame_rotation(problem, p, "world")), multiply(observed, conjugate(_frame_rotation(problem, p, "target")))

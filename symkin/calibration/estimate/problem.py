@@ -16,23 +16,27 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import bound_by_motion, written_freedoms
+from symkin.calibration.data.parameters import (
+    Velocity,
+    bound_by_motion,
+    geometry_parameters,
+    joint_paths,
+    nominal_parameters,
+    written_freedoms,
+)
+from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
 from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.closure.closure import build_closure
 from symkin.computed_once import cached_property, lru_cache
-from symkin.errors import InputError, SymkinError
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
 """Configurations beyond which derivatives are not kept but evaluated part by part, and how many a part has: derivatives of
 10,000 configurations of a hexapod take some 100 MB."""
 
-_COMPARED_CONFIGURATIONS = 24
-"""Random closed configurations at which zeros are compared with the other parameters."""
-_REDUNDANT_SHARE = 1e-7
-"""A zero whose effect differs from one of the other parameters by less than this share is redundant."""
+_NO_RATE = 1e-9
+"""Rates of parameters in a freedom of how the file is written (of the largest) that are rounding."""
 
 
 class NothingReadError(InputError):
@@ -97,9 +101,8 @@ class CalibrationProblem:
 
     @property
     def quaternions(self) -> np.ndarray:
-        """Measured orientations (n, 4), zero where there are none."""
-        q = self.measurements.orientation
-        return np.zeros((len(self.measurements), 4)) if q is None else np.nan_to_num(q)
+        """Measured orientations (n, 4 k), zero where there are none."""
+        return self.measurements.quaternions
 
 
 def build_calibration(
@@ -119,8 +122,8 @@ def build_calibration(
     measurements.check(mechanism)
     if residual not in FORMS:
         raise InputError(f"residual = {residual!r} is unknown; allowed: {', '.join(FORMS)}")
-    names = default_parameters(mechanism) if parameters is None else tuple(parameters)
-    _check_names(mechanism, names, fixed)
+    names = default_parameters(mechanism, measurements.observed) if parameters is None else tuple(parameters)
+    _check_names(mechanism, measurements.observed, names, fixed)
     free = [n for n in names if n not in fixed]
     if not free:
         raise InputError("no parameter is left to identify; name some, or fix fewer")
@@ -140,20 +143,28 @@ def build_calibration(
     )  # fmt: skip
 
 
-def _check_names(mechanism: Mechanism, names: Sequence[str], fixed: Sequence[str]) -> None:
+def _check_names(mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], fixed: Sequence[str]) -> None:
     """Refuse parameters that are named twice or bound by the declared motion, and held ones that are not to be identified."""
-    bound = bound_by_motion(mechanism)
+    bound = bound_by_motion(mechanism, read)
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"parameters: {name!r} is named twice")
         if name in bound and name not in fixed:
-            raise InputError(
-                f"parameter {name!r} is bound by the platform's {mechanism.motion} motion: moved alone, its limb could not carry "
-                "the platform through that motion; leave it out of the parameters to identify, hold it, or declare the motion spatial"
-            )
+            raise InputError(f"parameter {name!r} is bound by {_binding(mechanism)}")
     for name in fixed:
         if name not in names:
             raise InputError(f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})")
+
+
+def _binding(mechanism: Mechanism) -> str:
+    """What binds parameters, why, and what to do."""
+    leave = "leave it out of the parameters to identify, hold it"
+    if mechanism.motion == "spatial":
+        return f"a loop that is planar or spherical, which could no longer move with it alone changed; {leave}"
+    return (
+        f"the platform's {mechanism.motion} motion: moved alone, its limb could not carry the platform through that motion; "
+        f"{leave}, or declare the motion spatial"
+    )
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
@@ -175,42 +186,44 @@ def _split_rows(readings: Readings) -> list[np.ndarray]:
 
 
 @lru_cache(maxsize=64)
-def default_parameters(mechanism: Mechanism) -> tuple[str, ...]:
-    """Name the closure's parameters that matter, in its order: without those that a declared motion binds, and without one
-    for each freedom in how the file is written."""
-    bound, closure = bound_by_motion(mechanism), build_closure(mechanism)
-    values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
-    dropped: set[str] = set()
-    for _, velocity in written_freedoms(mechanism, values):
-        open_ = {n: abs(v) for n, v in velocity.items() if n in values and n not in bound and n not in dropped and abs(v) > 1e-12}
-        if open_:
-            dropped.add(max(open_, key=lambda n: open_[n]))
-    kept = [n for n in closure.parameter_names if n not in bound and n not in dropped]
-    return tuple(n for n in kept if n not in _redundant_zeros(mechanism, kept))
+def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Name the parameters that matter, in the closure's order: without those that a declared motion binds, and without one for each
+    freedom in how the file is written. `read` names what is read beside actuated joints and the platform."""
+    bound, values = bound_by_motion(mechanism, read), geometry_parameters(mechanism, read)
+    free = {name: k for k, name in enumerate(name for name in values if name not in bound)}
+    table, size = nominal_parameters(mechanism, read), mechanism.characteristic_length
+    units = np.array([1.0 if table[name][1] == "length" else size for name in free])
+    dropped = _Dropped(free, units)
+    for _, velocity in written_freedoms(mechanism, values, read):
+        dropped.take(velocity)
+    zeros = [f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.actuated]
+    for _, velocity in reference_motions(mechanism, values, read):
+        if not any(abs(v) > _NO_RATE for name, v in velocity.items() if name in bound):
+            dropped.take(velocity, first=zeros)
+    return tuple(name for name in free if name not in dropped.names)
 
 
-def _redundant_zeros(mechanism: Mechanism, names: list[str]) -> set[str]:
-    """Find the zeros of actuated joints among the names whose effect on closure and pose is that of the other parameters."""
-    zeros = [n for n in names if n.endswith(".zero")]
-    if not zeros:
-        return set()
-    try:
-        workspace, rng = Workspace.about(mechanism), np.random.default_rng(0)
-        made = workspace.draw(workspace.inclinations(_COMPARED_CONFIGURATIONS, rng), rng, held=False)
-    except SymkinError:
-        return set()
-    poses = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
-    model = build_model(mechanism, poses, names)
-    z = np.ascontiguousarray(made.values[:, len(mechanism.actuated) :])
-    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
-    follow = e.following
-    effect = np.concatenate([e.readings_p + e.readings_z @ follow, e.rows_p + e.rows_z @ follow], axis=1).reshape(-1, len(names))
-    redundant, others = set[str](), [k for k, n in enumerate(names) if n not in zeros]
-    for zero in zeros:
-        column, basis = effect[:, names.index(zero)], effect[:, others]
-        left = column - basis @ np.linalg.lstsq(basis, column, rcond=1e-10)[0]
-        if np.linalg.norm(left) <= _REDUNDANT_SHARE * np.linalg.norm(column):
-            redundant.add(zero)
-        else:
-            others.append(names.index(zero))
-    return redundant
+class _Dropped:
+    """Parameters left out of a set (`free`, with their places), one for each freedom in how a file is written: by elimination, so
+    that what is left out tells the freedoms apart."""
+
+    def __init__(self, free: dict[str, int], units: np.ndarray) -> None:
+        self.free, self.units = free, units
+        self.names: list[str] = []
+        self._rows: list[np.ndarray] = []
+
+    def take(self, velocity: Velocity, first: Sequence[str] = ()) -> None:
+        """Leave out a parameter that moves in a freedom: one of the `first`, else the one that moves most."""
+        row = np.zeros(len(self.free))
+        for name, rate in velocity.items():
+            if name in self.free:
+                row[self.free[name]] = rate * self.units[self.free[name]]
+        most = float(np.max(np.abs(row), initial=0.0))
+        for name, earlier in zip(self.names, self._rows, strict=True):
+            row = row - row[self.free[name]] / earlier[self.free[name]] * earlier
+        left = {name: abs(row[k]) for name, k in self.free.items() if abs(row[k]) > _NO_RATE * most}
+        if not most > 0.0 or not left:
+            return
+        chosen = [name for name in first if name in left]
+        self.names.append(chosen[0] if chosen else max(left, key=lambda name: left[name]))
+        self._rows.append(row)

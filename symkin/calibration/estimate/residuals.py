@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configuration_model import ANGULAR, ConfigurationModel
+from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 
@@ -28,9 +28,9 @@ _ROUNDING_RESIDUAL = 1e-9
 FORMS: tuple[Form, ...] = ("means", "differences", "maximum likelihood")
 
 
-def only_rounding(kind: str, values: np.ndarray | float, size: float) -> bool:
-    """Tell whether residuals of a kind (radians or length unit) are no more than what arithmetic leaves."""
-    return bool(np.all(np.abs(values) < _ROUNDING_RESIDUAL * (1.0 if kind in ANGULAR else size)))
+def only_rounding(values: np.ndarray | float, unit: float) -> bool:
+    """Tell whether residuals are no more than what arithmetic leaves; `unit` is 1 for angles (radians), the size for lengths."""
+    return bool(np.all(np.abs(values) < _ROUNDING_RESIDUAL * unit))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,8 @@ class Readings:
 def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
     count, size = len(measurements), model.closure.characteristic_length
     values, sigma, known = [], [], True
-    for kind in dict.fromkeys(k for k, _ in model.columns if k != "distance"):
+    others = {o.name for o in model.read}
+    for kind in dict.fromkeys(k for k, _ in model.columns if k != "distance" and k not in others):
         width = sum(k == kind for k, _ in model.columns)
         if kind == "group":
             read = np.where(_in_group(measurements)[:, None], 0.0, np.nan) * np.ones(2)
@@ -122,12 +123,16 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
         known = known and d.sigma is not None
         values.append(d.values[:, None])
         sigma.append(np.broadcast_to(np.asarray(1.0 if d.sigma is None else d.sigma, dtype=float), (count,))[:, None])
+    for o, reading in zip(model.read, measurements.readings, strict=True):
+        known = known and reading.sigma is not None
+        unit = np.full((count, len(o.components)), 1.0 / size if o.angular else 1.0)
+        values.append(0.0 * reading.values[:, :3] if o.kind == "orientation" else reading.values)
+        sigma.append(unit if reading.sigmas is None else reading.sigmas)
     table = np.hstack(values) if values else np.zeros((count, 0))
     spread = np.where(np.isfinite(table), np.hstack(sigma) if sigma else table, np.inf)
-    turning = np.array([kind in ("group", "inclination") for kind, _ in model.columns], dtype=bool)
     grouped = np.array([kind == "group" for kind, _ in model.columns], dtype=bool)
     group, first = _groups(measurements)
-    return Readings(values=table, sigma=spread, turning=turning, grouped=grouped, group=group, first=first, known=known)
+    return Readings(values=table, sigma=spread, turning=model.turning, grouped=grouped, group=group, first=first, known=known)
 
 
 def _in_group(measurements: Measurements) -> np.ndarray:
@@ -234,12 +239,15 @@ def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linear
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
-    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero."""
+    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where the covariance is not."""
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
     spread = np.where(taken, readings.sigma, 1.0) ** 2
     s = np.where(both, covariance, 0.0) + spread[:, :, None] * np.eye(taken.shape[1])
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(s)) * taken[:, :, None])
+    try:
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(s)) * taken[:, :, None])
+    except np.linalg.LinAlgError:
+        return np.full(s.shape, np.nan)
 
 
 def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray) -> Linearised:

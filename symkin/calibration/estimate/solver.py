@@ -104,7 +104,9 @@ def _minimise(
     status, iterations = search.run(limit)
     best = closed_state(problem, search.best.p, search.best.z, form, covariance)
     result = Estimate(best, status, iterations, null_space)
-    there = status == "ok" or is_rounding(problem, best)
+    # an iteration that finds no lower cost may stand at the minimum all the same
+    at_minimum = status == "stalled" and Descent(problem=problem, form=form, covariance=covariance, state=best).is_minimum
+    there = status == "ok" or at_minimum or is_rounding(problem, best)
     return finish_by_descent(problem, result, form, covariance) if there else result
 
 

@@ -20,6 +20,7 @@ from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
+    is_carried,
     known_poses,
     newton_configurations,
     solve_configurations,
@@ -27,8 +28,10 @@ from symkin.calibration.estimate.configurations import (
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.workspace import home_pose, states_reference
+from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
+from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler, wrapped
 
 _MAX_READING_GAP = 0.05
@@ -60,6 +63,8 @@ def with_starts(mechanism: Mechanism, measurements: Measurements, *, posed: bool
     the rest from the nearest configuration (in the joints) whose pose is whole, else from home. Readings are no starts where
     they are seen through unknown frames (not `posed`), nor parts of a pose where readings are judged (not `completed`): begun
     at a wrong one, a configuration would end in the mode that fits it best."""
+    if is_carried(build_closure(mechanism)):
+        return measurements
     home = home_pose(mechanism)
     bare = np.array([pose is None or not posed for pose in known_poses(measurements)])
     if measurements.starts is not None:
@@ -123,8 +128,9 @@ def start_configurations(problem: CalibrationProblem, p: np.ndarray, *, seed: in
             return configurations
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
-            whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
-            return _choose_modes(problem, p, configurations, judged & ~(whole & configurations.solved))
+            # a whole measured pose is where the direct problem began, and so tells the mode
+            begun = np.array([pose is not None and not is_carried(model.closure) for pose in known_poses(m, measured=True)])
+            return _choose_modes(problem, p, configurations, judged & ~(begun & configurations.solved))
         if problem.readings.groups and (not has_home(problem.mechanism) or not configurations.solved.all()):
             return _choose_branch(problem, p, configurations)
     return configurations
@@ -239,13 +245,17 @@ def _all_modes(problem: CalibrationProblem, p: np.ndarray, rows: np.ndarray) -> 
 
 def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarray) -> np.ndarray:
     """List the unknowns (k, width) of the modes at joint readings; none where they cannot be listed."""
-    given = [mechanism.angle_out(float(v)) if c.is_angular else float(v) for v, c in zip(joints, mechanism.actuated, strict=True)]
+    given = {
+        c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
+        for v, c in zip(joints, mechanism.actuated, strict=True)
+    }
     try:
         found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS)
     except SymkinError:
         return np.zeros((0, model.system.width))
-    names = [c.name for c in model.system.unknowns]
-    rows = [np.concatenate([np.atleast_1d(s.values[name]) for name in names]) for s in found]
+    closure = build_closure(mechanism, model.closure.partition)
+    count = len(mechanism.actuated)
+    rows = [variables_elsewhere(closure, s)[count:] for s in found]
     return np.array(rows, dtype=float).reshape(len(rows), model.system.width)
 
 
@@ -270,7 +280,8 @@ def _choose_branch(problem: CalibrationProblem, p: np.ndarray, configurations: S
 
 
 def _height(problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations) -> float:
-    return float(np.mean(problem.model.poses(configurations.z[configurations.solved], p)[:, 2]))
+    solved, joints = configurations.solved, problem.measurements.joints
+    return float(np.mean(problem.model.poses(configurations.z[solved], joints[solved], p)[:, 2]))
 
 
 def _branch(problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray) -> SolvedConfigurations:

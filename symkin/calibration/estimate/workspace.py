@@ -4,7 +4,7 @@ A configuration is drawn as a pose: the middle of the platform's joint points wi
 orientation R = Rz(gamma) Ry(beta) Rx(alpha) R_home with |alpha|, |beta| <= `tilt` and |gamma| <= `spin`. Home is the
 reference pose, or that of the worked example where the reference is much nearer to a singularity. Configurations that share
 (alpha, beta) have the same inclination R^T e_z. Platforms that cannot take the pose take the nearest one with that
-inclination; serial arms are drawn by their joints.
+inclination; serial arms, and mechanisms whose joints carry the platform, are drawn by their joints.
 """
 
 from __future__ import annotations
@@ -17,21 +17,26 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.observables import judged_link
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model, solve_systems
 from symkin.calibration.estimate.configurations import (
+    ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
     JointsOfPose,
     all_coordinates,
     closed_points,
     determinant_signs,
+    follow_joints,
+    is_carried,
     with_pose,
 )
+from symkin.closure.branches import edges_of
 from symkin.closure.closure import build_closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.bar import Bar
 from symkin.model.joint import Coordinate
-from symkin.model.limb import RodLimb
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
@@ -42,6 +47,8 @@ DEFAULT_TILT = math.radians(20)
 """Default range (radians) of each inclination and of the turn about z."""
 _ARM_SWING = math.radians(60)
 """Half range (radians) of an arm's angle that has no limits."""
+_SAME_PLACE = 1e-4
+"""Unknown coordinates (length unit over the size, radians) that differ by less are the same."""
 _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
 """Least number of configurations drawn at once, and draws without a new configuration after which the drawing is given up."""
 
@@ -65,7 +72,7 @@ class Workspace:
     start: Pose | None = None
 
     def __post_init__(self) -> None:
-        require_limbs(self.mechanism, "calibrate", "describe the machine by limbs")
+        require_mechanism(self.mechanism)
         half = np.asarray(self.half, dtype=float)
         if half.shape != (3,) or not np.all(np.isfinite(half)) or np.any(half < 0) or min(self.tilt, self.spin) < 0:
             raise InputError(f"workspace: half widths {half.tolist()} and angles must be three numbers and not negative")
@@ -133,6 +140,8 @@ class Workspace:
     ) -> tuple[ClosedConfigurations, np.ndarray]:
         """Draw closed configurations near given ones, moved by `scale` of the workspace, no further than its borders; and the
         numbers of those they are near to."""
+        if self.carried:
+            return self._joints_near(around, inclinations, scale, rng)
         at_home, moved = self.home.apply(self.centre), np.array(around.values)
         for k, row in enumerate(around.poses):
             pose = Pose(row[:3], row[3:])
@@ -146,17 +155,32 @@ class Workspace:
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
-    def at(self, poses: np.ndarray, inclinations: np.ndarray | None) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close the configurations at poses (n, 7), turned to inclinations where they are given, and tell which of them are
-        good; limits do not count."""
+    def _joints_near(
+        self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
+    ) -> tuple[ClosedConfigurations, np.ndarray]:
+        low, high = self._joint_ranges
+        moved = around.joints + 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
+        starts = self.solver.at_joints(np.clip(moved, low, high), around.values)
+        made, good = self.solver.close(starts, inclinations)
+        kept = np.flatnonzero(good)
+        return made.take(kept), kept
+
+    def at(
+        self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
+    ) -> tuple[ClosedConfigurations, np.ndarray]:
+        """Close the configurations at poses (n, 7), or at joints (n, a) where these carry the platform, turned to inclinations where
+        they are given, and tell which of them are good; limits do not count."""
         reference = build_closure(self.mechanism).reference
-        starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
+        if self.carried:
+            starts = self.solver.at_joints(joints, np.tile(reference, (len(joints), 1)))
+        else:
+            starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
         return self.solver.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Tell which configurations of a platform have their middle within the box (n,); an arm's workspace is its joints'
-        range."""
-        if self.mechanism.serial:
+        """Tell which configurations of a platform have their middle within the box (n,); where joints are drawn, their range is the
+        workspace."""
+        if self.drawn_by_joints:
             return np.ones(len(made), dtype=bool)
         at_home = self.home.apply(self.centre)
         middles = np.array([Pose(row[:3], row[3:]).apply(self.centre) for row in made.poses])
@@ -165,10 +189,14 @@ class Workspace:
     def _starts(self, inclinations: np.ndarray, rng: np.random.Generator, edge: float) -> np.ndarray:
         closure = build_closure(self.mechanism)
         starts = np.tile(closure.reference, (len(inclinations), 1))
-        if self.mechanism.serial:
-            for c in closure.role("actuated"):
-                low, high = c.limits or _default_range(c, self.mechanism.characteristic_length)
-                starts[:, closure.slices[c.name]] = rng.uniform(low, high, (len(starts), 1))
+        if self.drawn_by_joints:
+            low, high = self._joint_ranges
+            drawn = np.column_stack(
+                [np.zeros((len(starts), 0)), *(rng.uniform(a, b, len(starts)) for a, b in zip(low, high, strict=True))]
+            )
+            if self.carried:
+                return self.solver.at_joints(drawn, starts)
+            starts[:, : drawn.shape[1]] = drawn
             return self.solver.with_tool(starts)
         at_home = self.home
         for k, (alpha, beta) in enumerate(inclinations):
@@ -179,6 +207,23 @@ class Workspace:
             starts[k] = with_pose(self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
         return starts
 
+    @property
+    def carried(self) -> bool:
+        """Whether the platform's pose follows from the joints, and no coordinates of its own."""
+        return is_carried(build_closure(self.mechanism))
+
+    @property
+    def drawn_by_joints(self) -> bool:
+        """Whether configurations are drawn by their joints and not by the platform's pose."""
+        return self.mechanism.serial or self.carried
+
+    @property
+    def _joint_ranges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ranges (a,) from which actuated joints are drawn: their limits, else about the reference."""
+        size = self.mechanism.characteristic_length
+        ranges = np.array([c.limits or _default_range(c, size) for c in self.mechanism.actuated]).reshape(-1, 2)
+        return ranges[:, 0], ranges[:, 1]
+
 
 def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
     reach = _ARM_SWING if c.is_angular else DEFAULT_REACH * size
@@ -186,12 +231,19 @@ def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
-    """List the joint points of the platform in its frame (n, 3): ends of rods, and the last joint of each other limb."""
-    points = [np.array(limb.platform) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    inverse = mechanism.reference_pose.inverse()  # points of joints are given at the reference
-    for limb in mechanism.limbs:
-        if not isinstance(limb, RodLimb):
-            points += [np.array(rod.platform) for rod in limb.rods] or [inverse.apply(mechanism.places[limb.joints[-1].name])]
+    """List the joint points of the platform, or of the link judged in its place, in its frame (n, 3): ends of rods, joints and named
+    points."""
+    link, points = judged_link(mechanism), []
+    frame = mechanism.reference_pose if mechanism.platform_link is not None else Pose.identity()
+    inverse = frame.inverse()  # points of joints are given at the reference
+    for edge in sorted(edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)):
+        part = edge.elements[0].part
+        if link in edge.ends and isinstance(part, Bar):
+            end = (part.start, part.end)[edge.ends.index(link)]
+            points.append(np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point)))
+        elif link in edge.ends:
+            points.append(inverse.apply(mechanism.places[edge.elements[0].name]))
+    points += [inverse.apply(np.array(p.point)) for p in mechanism.link_points if p.link == link]
     return np.array(points)
 
 
@@ -217,7 +269,7 @@ class ClosureSolver:
             values, closed = closed_points(self._whole if inclinations is None else self._held, values, known)
             z, joints = self.split(values)
             _, rows_z = self._model.rows(z, joints, np.zeros(0))
-            made = ClosedConfigurations(values, joints, self._model.poses(z, np.zeros(0)))
+            made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
             good = closed & self._regular(rows_z)
             if limits:
                 good &= self._within_limits(values)
@@ -227,6 +279,19 @@ class ClosureSolver:
         """Split the closure's variables into the unknown coordinates of the direct problem, and the actuated joints."""
         count = len(self.mechanism.actuated)
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
+
+    def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
+        is lost on the way, or does not come back to where it began: it has passed into another assembly mode."""
+        nothing, size = np.zeros(0), self.closure.characteristic_length
+        start, begin = self.split(values)
+        start = follow_joints(self._model, start, begin, begin, nothing)
+        z = follow_joints(self._model, start, begin, joints, nothing)
+        rows, _ = self._model.rows(z, joints, nothing)
+        back = follow_joints(self._model, z, joints, begin, nothing)
+        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
+        lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
+        return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
         """Put the pose of an arm's tool at its joints into the variables."""
@@ -284,7 +349,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
 def states_reference(mechanism: Mechanism) -> bool:
     """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
     origin."""
-    return any(mechanism.platform_position) or not all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
+    return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
 def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:

@@ -84,10 +84,10 @@ def build_result(measurements: Measurements, found: Fit, screening: Screening, *
         p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees) if known and model.degrees > 0 else None,
         identifiability=identified, outliers=screening.outliers, unchecked=screening.unchecked,
         used=tuple(found.used.tolist()), unsolved=tuple(found.unsolved.tolist()), changed_mode=tuple(crossed.tolist()),
-        poses=problem.model.poses(state.z, state.p), status=found.result.status, iterations=found.result.iterations,
+        poses=problem.model.poses(state.z, problem.measurements.joints, state.p), status=found.result.status, iterations=found.result.iterations,
         given_up=screening.given_up, silent=tuple(found.silent.tolist()), refused=written.reason,
     )  # fmt: skip
-    left_out = [n for n in problem.names if not is_writable(mechanism, n)]
+    left_out = [n for n in problem.names if not is_writable(n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     curved = [
         n for n, share in zip(problem.names, curvature(problem, state, spread), strict=True) if not share < DOUBTFUL_CURVATURE
@@ -116,7 +116,7 @@ def _parameters(problem: CalibrationProblem, state: State, free: np.ndarray, has
         Parameter(name=name, kind=kind, nominal=float(nominal), value=float(value), sigma=float(sigma) if has_sigma else None)
         for name, kind, nominal, value, sigma in zip(model.names, model.kinds, model.nominal, state.p, sigmas, strict=True)
     ]
-    table = nominal_parameters(problem.mechanism)
+    table = nominal_parameters(problem.mechanism, problem.measurements.observed)
     return (
         *found,
         *(
@@ -153,6 +153,7 @@ def _residuals(
                 value=float(raw[i, k]),
                 sigma=float(readings.sigma[i, k]),
                 normalised=normal,
+                angular=bool(problem.model.angular[k]),
             )
         )
     return tuple(rows)
@@ -178,17 +179,16 @@ class WrittenGeometry:
 def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
     """Write the mechanism at a state, read it, and compare its direct problems at the measured rows with the state's."""
     values = dict(zip(problem.names, map(float, state.p), strict=True))
+    read_besides = problem.measurements.observed
     try:
         found = parse(with_parameters(problem.mechanism, values).to_toml())
-        table = nominal_parameters(found)
+        table = nominal_parameters(found, read_besides)
     except SymkinError as error:
         return WrittenGeometry(state, f"the file with the identified geometry cannot be read ({error})")
-    nominal = {name: float(value) for name, (value, *_) in nominal_parameters(problem.mechanism).items()}
+    nominal = {name: float(value) for name, (value, *_) in nominal_parameters(problem.mechanism, read_besides).items()}
     read = {name: float(value) for name, (value, *_) in table.items()}
     factors = _vector_lengths(nominal | values, read)
-    p = np.array(
-        [read[n] * factors.get(_vector(n), 1.0) if is_writable(problem.mechanism, n) else values[n] for n in problem.names]
-    )
+    p = np.array([read[n] * factors.get(_vector(n), 1.0) if is_writable(n) else values[n] for n in problem.names])
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
         here = closed_state(problem, p, state.z, problem.form, noise)
@@ -215,7 +215,7 @@ def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[st
 def _difference(problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]) -> str | None:
     """Say the first thing in which the file is not what was fitted, None where there is none."""
     m = problem.measurements
-    beside = {n: v for n, v in values.items() if not is_writable(problem.mechanism, n)}
+    beside = {n: v for n, v in values.items() if not is_writable(n)}
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
     inside_out = next(_negative_rods(found, m, _actuated_values(found, m, beside)), None)
     if inside_out is not None:

@@ -17,7 +17,7 @@ from itertools import combinations, permutations
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configurations import joints_at_poses, known_poses, newton_configurations, start_points
+from symkin.calibration.estimate.configurations import first_points, joints_at_poses, known_poses, newton_configurations
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.judge.statistics import rms_of_better_part
@@ -263,6 +263,6 @@ def _nominal_inclinations(mechanism: Mechanism, measurements: Measurements) -> t
     problem = build_calibration(mechanism, with_starts(mechanism, measurements))
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
+        z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
         e = model.evaluate(np.nan_to_num(z), m.joints, model.nominal, problem.quaternions)
     return np.nan_to_num(e.readings)[:, problem.readings.columns], np.where(solved, problem.readings.group, -1)

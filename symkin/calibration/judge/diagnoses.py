@@ -12,12 +12,13 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
-from itertools import permutations
+from itertools import combinations, permutations
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configurations import newton_configurations, start_points
+from symkin.calibration.data.measurements import Measurements, Reading, spread_rows
+from symkin.calibration.data.observables import is_angular, observables
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.residuals import linearise
@@ -147,7 +148,7 @@ def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Seq
         return math.inf
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, start_points(model, m), m.joints, model.nominal)
+        z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
         p = fit_measuring_frames(problem, np.nan_to_num(z), model.nominal, solved)
         squares = np.zeros(len(m))
         for rows, part in problem.parts:
@@ -161,8 +162,10 @@ def nominal_misfit(mechanism: Mechanism, measurements: Measurements, frames: Seq
 
 def _without_sigmas(m: Measurements) -> Measurements:
     """Without standard deviations: residuals are then in the length unit."""
-    distances = tuple(replace(d, sigma=None) for d in m.distances)
-    return replace(m, distances=distances, group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None)
+    return replace(
+        m, distances=[replace(d, sigma=None) for d in m.distances], readings=[replace(r, sigma=None) for r in m.readings],
+        group_sigma=None, inclination_sigma=None, position_sigma=None, orientation_sigma=None,
+    )  # fmt: skip
 
 
 # --- what the readings alone show ------------------------------------------------------------------------------------
@@ -281,6 +284,40 @@ def _unit_of_distances(case: Case) -> Iterator[Finding]:
         yield f"the distances look {text}", replace(m, distances=[replace(d, values=factor * d.values) for d in m.distances])
 
 
+def _with_readings(case: Case, changed: dict[str, np.ndarray]) -> Measurements:
+    """The measurements with other values of some readings."""
+    m = case.measurements
+    return replace(m, readings=[replace(r, values=changed.get(r.name, r.values)) for r in m.readings])
+
+
+def _encoders(case: Case) -> list[Reading]:
+    """Readings of passive joints."""
+    known = observables(case.mechanism)
+    return [r for r in case.measurements.readings if known[r.name].kind == "joint"]
+
+
+def _reversed_encoders(case: Case) -> Iterator[Finding]:
+    for r in _encoders(case):
+        yield f"the sign of {r.name} looks reversed", _with_readings(case, {r.name: -r.values})
+
+
+def _exchanged_encoders(case: Case) -> Iterator[Finding]:
+    for one, other in combinations(_encoders(case), 2):
+        if is_angular(case.mechanism, one.name) == is_angular(case.mechanism, other.name):
+            changed = _with_readings(case, {one.name: other.values, other.name: one.values})
+            yield f"the columns {one.name} and {other.name} look exchanged", changed
+
+
+def _units_of_readings(case: Case) -> Iterator[Finding]:
+    """One reading of a joint, a point, a distance or a link's place in another unit."""
+    known = observables(case.mechanism)
+    for r in case.measurements.readings:
+        o = known[r.name]
+        factors = {} if r.is_orientation else _ANGLE_UNITS if o.angular else _LENGTH_UNITS
+        for factor, text in factors.items():
+            yield f"the readings of {r.name} look {text}", _with_readings(case, {r.name: factor * r.values})
+
+
 def _exchanged_inclinations(case: Case) -> Iterator[Finding]:
     if (inclination := case.measurements.inclination) is not None:
         yield "the columns alpha and beta look exchanged", replace(case.measurements, inclination=inclination[:, ::-1])
@@ -323,6 +360,9 @@ RULES = (
     Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
     Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
     Rule("distances in another unit", Stage.CORRECTION, _unit_of_distances),
+    Rule("the sign of a passive joint's encoder reversed", Stage.CORRECTION, _reversed_encoders),
+    Rule("two encoders exchanged", Stage.CORRECTION, _exchanged_encoders),
+    Rule("readings of joints, points and links in another unit", Stage.CORRECTION, _units_of_readings),
     Rule("alpha and beta exchanged", Stage.CORRECTION, _exchanged_inclinations),
     Rule("joint columns in another order, with other signs", Stage.ORDER, _reordered_joints),
     Rule("position columns in another order", Stage.POSITION, _exchanged_positions),

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.columns import SEQUENCES
+from symkin.calibration.data.column_names import SEQUENCES
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configurations import newton_configurations, start_points
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.solver import estimate
@@ -242,7 +242,7 @@ def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict
     first = parameters_from_poses(model, measurements)
     p = model.nominal if first is None else first
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, start_points(model, measurements), measurements.joints, p)
+        z, solved = newton_configurations(model, first_points(model, measurements, p), measurements.joints, p)
         p = fit_measuring_frames(problem, z, p, solved)
         gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
     gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)

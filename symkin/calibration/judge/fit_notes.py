@@ -46,7 +46,9 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
 def is_exact(fit: Calibration) -> bool:
     """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
     size = fit.mechanism.characteristic_length
-    return fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.kind, r.value, size) for r in fit.residuals)
+    return (
+        fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.value, 1.0 if r.angular else size) for r in fit.residuals)
+    )
 
 
 # --- configurations --------------------------------------------------------------------------------------------------

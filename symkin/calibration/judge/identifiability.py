@@ -177,7 +177,7 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     advice = []
     kinds = {kind for kind, _ in problem.model.columns}
     unusual = [text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text]
-    poses = problem.model.poses(state.z, state.p)
+    poses = problem.model.poses(state.z, problem.measurements.joints, state.p)
     if problem.readings.groups and unusual:
         heads = inclinations(poses[problem.readings.first])
         if _largest_range(heads) < _SAME_ANGLE:
@@ -187,11 +187,11 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     if kinds <= {"group", "inclination"} and unusual and _largest_range(_yaws(poses)[:, None]) < _SAME_ANGLE:
         advice.append("the yaw (rotation about the vertical) is the same in all postures; vary the yaw within each group")
     if any(text.startswith("size of") for text in unobservable):
-        advice.append("no reading fixes the size: hold one factor, or measure a distance, a position or a known length")
+        advice.append("no reading fixes the size: hold one length or factor, or measure a distance, a position or a known length")
     if any("frame" in text for text in unobservable):
         advice.append(
             "frames are free: they are chosen by the least change, by `fixed` parameters, or measured by positions and "
-            "orientations of the platform"
+            "orientations of the platform or of links, or by positions of points"
         )
     if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(unobservable):
         advice.append(f"{problem.readings.count} independent readings for {len(problem.names)} parameters; add postures")

@@ -7,37 +7,74 @@ identification Jacobian is what the readings cannot tell, and has a name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from operator import matmul
 
 import numpy as np
 
-from symkin.calibration.data.parameters import AXES, Velocity, vector_values, vector_velocity, written_freedoms
+from symkin.calibration.data.observables import observables_named, point_path
+from symkin.calibration.data.parameters import (
+    AXES,
+    MEASURING_FRAMES,
+    Velocity,
+    geometry_parameters,
+    joint_paths,
+    nominal_parameters,
+    vector_values,
+    vector_velocity,
+    written_freedoms,
+)
+from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.model.dh import DHTable
-from symkin.model.joint import Joint
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
 
 _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
 
+_HELD_STILL = 1e-9
+"""A change leaves held parameters where they are when they move by less than this share of it."""
 NEARLY_PARALLEL = 0.01
 """Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly determine their offsets."""
 
 
 def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield (name, scaled direction over the model's parameters) of every known change at p, most telling first. A change
-    that would need a parameter that is held is left out."""
-    values = dict(zip(model.names, p, strict=True))
-    for name, velocity in _all_motions(model.mechanism, all_values(model, p)):
-        moved = {k: v for k, v in velocity.items() if abs(v) > 1e-14}
-        if not moved or any(k not in values for k in moved):
-            continue
-        direction = np.array([moved.get(n, 0.0) for n in model.names]) / model.scales
-        yield name, direction / np.linalg.norm(direction)
+    """Yield (name, scaled direction over the model's parameters) of every known change at p, most telling first. What a change would
+    need of parameters that are held is made up for by freedoms in how the file is written; a change that cannot be so is left out."""
+    values, read = all_values(model, p), tuple(o.name for o in model.read)
+    names, free = list(values), np.isin(list(values), model.names)
+    order = [names.index(name) for name in model.names]
+    table, size = nominal_parameters(model.mechanism, read), model.closure.characteristic_length
+    units = np.array([1.0 if table.get(name, (0.0, "length"))[1] == "length" else size for name in names])
+
+    def row(velocity: Mapping[str, float]) -> np.ndarray:
+        return np.asarray(units * np.array([velocity.get(name, 0.0) for name in names]))
+
+    freedoms = [(text, row(velocity)) for text, velocity in _description_freedoms(model.mechanism, values, read)]
+    basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
+    motions = [(text, row(velocity)) for text, velocity in _all_motions(model.mechanism, values, read)]
+    for text, direction in (*motions, *freedoms):
+        made = direction - basis @ _made_up(basis[~free], direction[~free])
+        length = float(np.linalg.norm(made))
+        if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
+            yield text, made[order] / length
+
+
+def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Shares of freedoms that move the held parameters as a change does; none where it does not move them."""
+    if not np.any(wanted) or not held.size:
+        return np.zeros(held.shape[1])
+    return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
+
+
+def _description_freedoms(
+    mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str]
+) -> Iterator[tuple[str, Velocity]]:  # fmt: skip
+    yield from written_freedoms(mechanism, values, read)
+    yield from reference_motions(mechanism, values, read)
 
 
 def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
@@ -46,37 +83,35 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 
 
 def _nominal_values(model: ConfigurationModel) -> Velocity:
-    from symkin.closure.closure import build_closure
-
-    closure = build_closure(model.mechanism)
-    table = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
-    for c in model.mechanism.actuated:
-        table[f"{c.name}.scale"] = 1.0
-    return table
+    read = tuple(o.name for o in model.read)
+    table = {**geometry_parameters(model.mechanism, read)}
+    return table | {
+        name: value for name, (value, _) in nominal_parameters(model.mechanism, read).items() if name.endswith(".scale")
+    }
 
 
-def _all_motions(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
+def _all_motions(mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]) -> Iterator[tuple[str, Velocity]]:
     if mechanism.dh is None:
         yield from _frames(mechanism, values)
-    yield from written_freedoms(mechanism, values)
     yield from _measuring(mechanism, values)
-    yield "size of the whole mechanism", _stretched(mechanism, values)
-    scales = {n: v for n, v in values.items() if n.endswith(".scale")}
+    stretched = _stretched(mechanism, values, read)
+    yield "size of the whole mechanism", stretched
     lengths = {f"{c.name}.scale": 1.0 for c in mechanism.actuated if not c.is_angular}
-    if scales and lengths:
-        yield "size of the whole mechanism with the factors of all length readings", _stretched(mechanism, values) | lengths
+    lengths |= {f"{o.name}.scale": 1.0 for o in observables_named(mechanism, read) if o.kind == "joint" and not o.angular}
+    if lengths:
+        yield "size of the whole mechanism with the factors of all length readings", stretched | lengths
 
 
 # --- frames --------------------------------------------------------------------------------------------------------
 
 
 def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    for frame, move in (("base frame", _base_moved), ("platform frame", _platform_moved)):
-        label = frame if frame == "base frame" or not mechanism.serial else "tool frame"
+    for frame, move in ((BASE, _base_moved), (mechanism.frame_name, _platform_moved)):
+        label = f"{frame} frame"
         for k, axis in enumerate(AXES):
             yield f"{label} translation {axis}", move(mechanism, values, np.eye(3)[k], np.zeros(3))
         for k, turn in enumerate(_TURNS):
-            text = turn if frame == "base frame" else f"rotation about {AXES[k]}"
+            text = turn if frame == BASE else f"rotation about {AXES[k]}"
             yield f"{label} {text}", move(mechanism, values, np.zeros(3), np.eye(3)[k])
 
 
@@ -177,31 +212,34 @@ def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray
     def direction(path: str) -> None:
         _put(velocity, path, np.cross(w, vector_values(values, path)))
 
-    for limb in mechanism.limbs:
-        if isinstance(limb, RodLimb):
-            point(f"{limb.name}.base")
-            continue
-        _each_joint(mechanism, limb, point, direction)
-        for k in range(1, len(limb.rods) + 1):
-            point(f"{limb.name}.rod{k}.from")
-    frame = "tool" if mechanism.serial else "platform"
+    for path in _base_points(mechanism):
+        point(path)
+    for path, joint in joint_paths(mechanism):
+        for key in ("axis", "axis2"):
+            if getattr(joint, key) is not None:
+                direction(f"{path}.{key}")
+    frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
         _put(velocity, f"{frame}.position", t + np.cross(w, vector_values(values, f"{frame}.position")))
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         _put(velocity, f"{frame}.quaternion", 0.5 * np.asarray(multiply(np.array([0.0, *w]), q)), "wxyz")
-    return {k: v for k, v in velocity.items() if k in values or abs(v) > 1e-14}
+    return velocity
+
+
+def _base_points(mechanism: Mechanism) -> Iterator[str]:
+    """Key paths of all points that are given in the base frame."""
+    for path, _ in joint_paths(mechanism):
+        yield f"{path}.point"
+    yield from (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if not end.in_platform_frame)
+    yield from map(point_path, mechanism.link_points)
 
 
 def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
     """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the other way."""
     velocity: Velocity = {}
-    for limb in mechanism.limbs:
-        paths = [f"{limb.name}.platform"] if isinstance(limb, RodLimb) else []
-        if isinstance(limb, Limb):
-            paths = [f"{limb.name}.rod{k}.platform" for k in range(1, len(limb.rods) + 1)]
-        for path in paths:
-            _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
-    frame = "tool" if mechanism.serial else "platform"
+    for path in (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if end.in_platform_frame):
+        _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
+    frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         _put(velocity, f"{frame}.position", np.asarray(rotate(q / np.linalg.norm(q), t)))
@@ -209,29 +247,11 @@ def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.nda
     return velocity
 
 
-def _stretched(mechanism: Mechanism, values: Mapping[str, float]) -> Velocity:
+def _stretched(mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]) -> Velocity:
     """Stretch every length in proportion."""
-    turning = {j.name for _, j in mechanism.joints if j.type in ("R", "H")}
-
-    def is_length(name: str) -> bool:
-        pieces = name.split(".")
-        if pieces[-1] == "zero":
-            return pieces[-2] not in turning
-        if pieces[-1] in ("theta", "alpha", "scale") or pieces[0] in ("world", "target"):
-            return False
-        return pieces[-2] not in ("axis", "axis2", "quaternion")
-
-    return {name: value for name, value in values.items() if is_length(name)}
-
-
-def _each_joint(mechanism: Mechanism, limb: Limb, point: Callable[[str], None], direction: Callable[[str], None]) -> None:
-    joints: list[Joint] = list(limb.joints)
-    for joint in joints:
-        path = joint.name if mechanism.serial else f"{limb.name}.{joint.name}"
-        point(f"{path}.point")
-        for key in ("axis", "axis2"):
-            if getattr(joint, key) is not None:
-                direction(f"{path}.{key}")
+    table = nominal_parameters(mechanism, read)
+    lengths = {name for name, (_, kind) in table.items() if kind == "length" and name not in MEASURING_FRAMES}
+    return {name: value for name, value in values.items() if name in lengths}
 
 
 def _put(velocity: Velocity, path: str, value: np.ndarray, letters: str = "xyz") -> None:

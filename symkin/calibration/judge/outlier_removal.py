@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, newton_configurations, start_points
+from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, first_points, newton_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import deviations
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
@@ -125,7 +125,7 @@ def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level
     trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
     if not trials[0].scale < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
-        begin, closed = newton_configurations(model, start_points(model, rows), rows.joints, model.nominal)
+        begin, closed = newton_configurations(model, first_points(model, rows, model.nominal), rows.joints, model.nominal)
         trials += [robust_estimate(found.problem, model.nominal, begin, "cauchy")] if closed.all() else []
     trials = [t for t in trials if np.isfinite(t.scale)]
     best = min(trials, key=lambda t: t.scale, default=None)
@@ -211,7 +211,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     configuration does not close."""
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
-    begin = start_points(problem.model, measurements)
+    begin = first_points(problem.model, measurements, found.result.state.p)
     begin[found.used] = state.z
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(problem.model, begin, measurements.joints, state.p, tolerance=1e2 * SOLVED_TOLERANCE)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.calibration.estimate.configuration_model import ANGULAR
+from symkin.calibration.data.observables import is_angular
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.statistics import LinearModel, chi_square_tail, f_tail
@@ -84,7 +84,10 @@ def screen_readings(
         if judged.statistic[m] < share * max((o.statistic for o in found), default=0.0):
             break
         outlier = _outlier(problem, model, judged, m, probability)
-        if only_rounding(outlier.kind, np.array(outlier.shift), problem.mechanism.characteristic_length):
+        if only_rounding(
+            np.array(outlier.shift),
+            1.0 if is_angular(problem.mechanism, outlier.kind) else problem.mechanism.characteristic_length,
+        ):
             break
         if len(found) >= most or model.degrees <= least:
             return Screening((), unchecked, tuple(found))
@@ -177,7 +180,7 @@ def describe_outlier(
     """Describe an outlier in a sentence; `columns` are those of the readings, the statistic counts in variances."""
     label = problem.measurements.labels[configuration]
     names = [problem.model.columns[k][1] for k in columns]
-    angular = kind in ANGULAR
+    angular = is_angular(problem.mechanism, kind)
     unit = "deg" if angular else problem.mechanism.length_unit
     shown = np.degrees(shift) if angular else shift
     text = ", ".join(f"{name} {v:+.3g} {unit}" for name, v in zip(names, shown, strict=True))

@@ -27,7 +27,6 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, newton_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
@@ -179,7 +178,7 @@ def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
     fifths."""
     squares: dict[int, float] = {}
     for r in residuals:
-        squares[r.configuration] = squares.get(r.configuration, 0.0) + (r.value * (size if r.kind in ANGULAR else 1.0)) ** 2
+        squares[r.configuration] = squares.get(r.configuration, 0.0) + (r.value * (size if r.angular else 1.0)) ** 2
     return rms_of_better_part(np.array(list(squares.values())))
 
 
@@ -214,12 +213,13 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     model = problem.model
     rows = spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
-    fitted = platform_poses(problem, state.p, state.z[rows])
+    joints = problem.measurements.joints
+    fitted = judged_poses(problem, state.p, state.z[rows], joints[rows])
     whole = np.all(np.isfinite(fitted), axis=1)
     rows, fitted = rows[whole], fitted[whole]
     if not len(rows):
         return Departure(share=1.0, position=0.0, angle=0.0, unclosed=0, configurations=0)
-    joints = problem.measurements.joints[rows]
+    joints = joints[rows]
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(model, state.z[rows], joints, model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE)
     length, centre = lever(problem.mechanism), np.mean(platform_points(problem.mechanism), axis=0)
@@ -229,7 +229,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
         return Departure(
             share=0.0 if np.any(closed) else 1.0, position=0.0, angle=0.0, unclosed=int(np.sum(~closed)), configurations=len(rows)
         )
-    there = _PoseSet.at(platform_poses(problem, model.nominal, z[closed]), centre, length)
+    there = _PoseSet.at(judged_poses(problem, model.nominal, z[closed], joints[closed]), centre, length)
     off = _aligned_difference(here.take(closed), there)
     squares = np.concatenate([np.sum(off**2, axis=1), np.full(int(np.sum(~closed)), spread**2)])
     return Departure(
@@ -239,10 +239,11 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     )  # fmt: skip
 
 
-def platform_poses(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the poses (n, 7) of the platform in the base frame; measuring frames among the parameters are left out."""
+def judged_poses(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Return the poses (n, 7) of the platform, or of the link judged in its place, in the base frame; measuring frames among the
+    parameters are left out."""
     measuring = np.array([name.startswith(("world.", "target.")) for name in problem.names], dtype=bool)
-    return problem.model.poses(z, np.where(measuring, 0.0, p))
+    return problem.model.poses(z, joints, np.where(measuring, 0.0, p))
 
 
 @dataclass(frozen=True, eq=False)

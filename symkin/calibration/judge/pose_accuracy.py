@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
+from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried, solve_configurations
 from symkin.calibration.estimate.starting import has_home
+from symkin.calibration.estimate.transfer import variables_in
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
-from symkin.calibration.judge.plausibility import platform_poses
+from symkin.calibration.judge.plausibility import judged_poses
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError, SymkinError
@@ -68,6 +70,8 @@ def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
         about_home = (
             None if drawn is None else _pose_sigma_at(fit, identified, drawn, f"{_ACCURACY_POSES} random poses about home")
         )
+    if identified.platform_link is None:
+        where = f"of link {judged_link(identified)}, {where}"
     return replace(_pose_sigma_at(fit, identified, made, where), about_home=about_home)
 
 
@@ -96,7 +100,9 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
     if identified.serial:
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (_ACCURACY_POSES, joints.shape[1]))
         return _at_joints(identified, drawn, None), _REGION_TEXT
-    poses = platform_poses(fit.problem, fit.state.p, fit.state.z)
+    if is_carried(build_closure(identified)):
+        return _followed_between(identified, fit, rng)
+    poses = judged_poses(fit.problem, fit.state.p, fit.state.z, fit.problem.measurements.joints)
     turns = poses[:, 3:]
     near = np.sum((turns @ (turns.T @ turns)) * turns, axis=1)  # of each the sum of squared cosines to all
     central = poses[int(np.argmax(near))]
@@ -106,9 +112,29 @@ def _measured_region(identified: Mechanism, fit: Calibration, seed: int) -> tupl
     return (made.take(kept), _REGION_TEXT) if len(kept) else (_at_joints(identified, joints, poses), "the postures measured")
 
 
+def _followed_between(
+    identified: Mechanism, fit: Calibration, rng: np.random.Generator
+) -> tuple[ClosedConfigurations, str]:  # fmt: skip
+    """Configurations followed from measured ones part of the way to the joints of others."""
+    observing = build_closure(identified, fit.problem.model.closure.partition)
+    joints = fit.problem.measurements.joints
+    measured = variables_in(build_closure(identified), observing, np.hstack([joints, fit.state.z]))
+    first, second = rng.integers(len(joints), size=(2, _DRAWN_POSES))
+    solver = ClosureSolver(identified, home_pose(identified))
+    towards = joints[first] + rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)) * (joints[second] - joints[first])
+    made, good = solver.close(solver.at_joints(towards, measured[first]), None, limits=False)
+    kept = np.flatnonzero(good)[:_ACCURACY_POSES]
+    if not len(kept):
+        made, kept = solver.close(measured, None, limits=False)[0], np.arange(len(measured))
+    return made.take(kept), _REGION_TEXT if good.any() else "the postures measured"
+
+
 def _between_measured(fit: Calibration, rng: np.random.Generator) -> np.ndarray:
     """Variables of the closure (k, width) between pairs of measured configurations, quaternions by the shorter way."""
-    measured = np.hstack([fit.problem.measurements.joints, fit.state.z])
+    model = fit.problem.model
+    measured = variables_in(
+        build_closure(fit.mechanism), model.closure, np.hstack([fit.problem.measurements.joints, fit.state.z])
+    )
     first, second = measured[rng.integers(len(measured), size=(2, _DRAWN_POSES))]
     share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
     closure = build_closure(fit.mechanism)
@@ -138,7 +164,7 @@ def _at_joints(mechanism: Mechanism, joints: np.ndarray, starts: np.ndarray | No
     model = build_model(mechanism, m, ())
     configurations = solve_configurations(model, m, np.zeros(0))
     z, joints = configurations.z[configurations.solved], joints[configurations.solved]
-    return ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, np.zeros(0)))
+    return ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, joints, np.zeros(0)))
 
 
 def pose_sigma(calibration: Calibration, joints: np.ndarray, starts: np.ndarray | None = None) -> np.ndarray:
@@ -159,7 +185,7 @@ def pose_sigma(calibration: Calibration, joints: np.ndarray, starts: np.ndarray 
         raise InputError(
             f"the direct problem of joint readings {int(np.argmin(configurations.solved)) + 1} has no solution near its start"
         )
-    poses = model.poses(configurations.z, p)
+    poses = model.poses(configurations.z, joints, p)
     by_p = model.evaluate(configurations.z, joints, p, poses[:, 3:]).slopes
     free = calibration.covariance[: len(p), : len(p)] / np.outer(model.scales, model.scales)
     covariance = by_p @ free @ by_p.transpose(0, 2, 1)

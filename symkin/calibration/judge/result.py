@@ -10,7 +10,6 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import ParameterKind, with_parameters
-from symkin.calibration.estimate.configuration_model import ANGULAR
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.identifiability import Identifiability
@@ -53,6 +52,7 @@ class Residual:
     value: float
     sigma: float
     normalised: float | None
+    angular: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,7 +195,7 @@ class Calibration(Result):
         """The residuals in JSON, one by one."""
         labels, out = self.measurements.labels, self.mechanism.angle_out
         for r in self.residuals:
-            value = out(r.value) if r.kind in ANGULAR else r.value
+            value = out(r.value) if r.angular else r.value
             yield {
                 "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": finite(r.normalised)
             }  # fmt: skip

@@ -1,0 +1,213 @@
+"""Name what can be read of a mechanism beside its actuated joints and its platform's pose.
+
+follower                     a passive joint coordinate, by an encoder
+point.toe                    a named point, in the base frame
+distance.toe.hip             the distance of two named points
+coupler.position|orientation|inclination
+                             the pose of a link other than the platform's: its displacement from the reference configuration
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import permutations
+from typing import Literal
+
+import casadi as ca
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.closure.link_frames import link_frames
+from symkin.closure.partition import Partition
+from symkin.computed_once import lru_cache
+from symkin.errors import InputError
+from symkin.model.graph import LinkPoint
+from symkin.model.graph_checks import links_of
+from symkin.model.joint import BASE
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.backend import dot
+from symkin.spatial.pose import Pose
+from symkin.text import shown
+
+ObservableKind = Literal["joint", "point", "distance", "position", "orientation", "inclination"]
+PLATFORM_ANGULAR = ("group", "inclination", "orientation")
+"""Kinds of readings of the platform that are angles (radians); the others are lengths."""
+LINK_COLUMNS: dict[str, tuple[str, ...]] = {
+    "position": ("x", "y", "z"), "orientation": ("qw", "qx", "qy", "qz"), "inclination": ("alpha", "beta")
+}  # fmt: skip
+"""Columns of what is read of a link's pose, without the link's name."""
+
+
+@dataclass(frozen=True)
+class Observable:
+    """What may be read: its `name`, its kind, and what it is `of` (a coordinate, points, a link); its columns in a file, those of
+    its standard deviations (without `sigma_`), and the components of its residuals."""
+
+    name: str
+    kind: ObservableKind
+    of: tuple[str, ...]
+    columns: tuple[str, ...]
+    sigmas: tuple[str, ...]
+    components: tuple[str, ...]
+    angular: bool
+
+    @property
+    def width(self) -> int:
+        """Count of numbers of one reading."""
+        return len(self.columns)
+
+    @property
+    def turning(self) -> bool:
+        """Whether its numbers are angles modulo a turn."""
+        return self.angular and self.kind != "orientation"
+
+
+@lru_cache(maxsize=64)
+def observables(mechanism: Mechanism) -> dict[str, Observable]:
+    """All that can be read of a mechanism by name, distances in both orders of their points."""
+    found = [
+        _single(c.name, "joint", (c.name,), "angle" if c.is_angular else "length")
+        for c in mechanism.coordinates
+        if c.role == "passive" and c.kind != "quaternion"
+    ]
+    points = [point.name for point in mechanism.link_points]
+    for name in points:
+        columns = tuple(f"point.{name}.{k}" for k in "xyz")
+        found.append(Observable(f"point.{name}", "point", (name,), columns, columns, ("x", "y", "z"), angular=False))
+    found += [_single(f"distance.{a}.{b}", "distance", (a, b), "length") for a, b in permutations(points, 2)]
+    for link in links_of(mechanism):
+        if link not in (BASE, mechanism.platform_link):
+            found += [_of_link(link, "position"), _of_link(link, "orientation"), _of_link(link, "inclination")]
+    return {o.name: o for o in found}
+
+
+def _single(name: str, kind: ObservableKind, of: tuple[str, ...], component: str) -> Observable:
+    return Observable(name, kind, of, (name,), (name,), (component,), angular=component == "angle")
+
+
+def _of_link(link: str, kind: Literal["position", "orientation", "inclination"]) -> Observable:
+    columns = tuple(f"{link}.{k}" for k in LINK_COLUMNS[kind])
+    if kind == "orientation":
+        return Observable(f"{link}.{kind}", kind, (link,), columns, (f"{link}.{kind}",), ("x", "y", "z"), angular=True)
+    return Observable(f"{link}.{kind}", kind, (link,), columns, columns, LINK_COLUMNS[kind], angular=kind == "inclination")
+
+
+def observables_named(mechanism: Mechanism, names: Sequence[str]) -> tuple[Observable, ...]:
+    """The observables of some names. Raises InputError for a name that nothing has, with the nearest ones."""
+    known = observables(mechanism)
+    for name in names:
+        if name not in known:
+            raise InputError(f"readings: {unknown_observable(mechanism, name)}")
+        if names.count(name) > 1:
+            raise InputError(f"readings: {name!r} stands twice")
+    return tuple(known[name] for name in names)
+
+
+def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] = ()) -> str:
+    """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be; `besides` are names of what else
+    is read."""
+    if any(c.name == name and c.kind == "quaternion" for c in mechanism.coordinates):
+        return f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of its link"
+    known = [*besides, *(o.name for o in observables(mechanism).values())]
+    near = get_close_matches(name, known, 3)
+    guess = f"; the nearest names are {', '.join(near)}" if near else ""
+    allowed = [n for n in known if not n.startswith("distance.")]
+    between = ["distance.A.B of two points"] if len(allowed) < len(known) else []
+    listed = (
+        f"; allowed: {', '.join([*allowed, *between])}" if known else ": it has no passive joints, named points or other links"
+    )
+    return f"nothing of {mechanism.name} is read as {shown(name)}{guess}{listed}"
+
+
+def is_angular(mechanism: Mechanism, kind: str) -> bool:
+    """Tell whether readings of a kind, of the platform or by the name of an observable, are angles."""
+    known = observables(mechanism)
+    return kind in PLATFORM_ANGULAR or (kind in known and known[kind].angular)
+
+
+def partition_of(mechanism: Mechanism, names: Sequence[str]) -> Partition:
+    """What the closure must hold for the joints that are read: their coordinates."""
+    joints = {o.of[0] for o in observables_named(mechanism, names) if o.kind == "joint"}
+    return Partition(kept=frozenset(joints))
+
+
+def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:
+    """The closure that holds the joints that are read."""
+    return build_closure(mechanism, partition_of(mechanism, names))
+
+
+def judged_link(mechanism: Mechanism) -> str:
+    """The link by whose poses a geometry is judged: the platform's; of a mechanism without one that of the first named point, else
+    one that no joint or rod holds to the base, else the last."""
+    if mechanism.platform_link is not None:
+        return mechanism.platform_link
+    pointed = [point.link for point in mechanism.link_points if point.link != BASE]
+    pairs = [tuple(e.links) for e in (*mechanism.link_joints, *mechanism.link_rods, *mechanism.limbs)]
+    held = {link for pair in pairs if BASE in pair for link in pair}
+    placed = link_frames(build_closure(mechanism)).placed  # not those that may turn idly
+    inner = [link for link in links_of(mechanism) if link not in held and link in placed]
+    return [*pointed, *inner, *(link for link in reversed(links_of(mechanism)) if link in placed)][0]
+
+
+# --- expressions -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """What is read, as expressions of the variables of a closure and the `geometry` (symbol and nominal value by key path): `values`
+    by name (a joint's coordinate, a distance; else a point (3), or a link's pose), `pose` that of the judged link, or of its platform
+    frame."""
+
+    values: dict[str, ca.SX | Pose]
+    pose: Pose
+    geometry: dict[str, tuple[ca.SX, float]]
+
+
+@lru_cache(maxsize=64)
+def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
+    """The expressions of some observables over the closure that holds their joints. Raises InputError for links that may turn
+    idly, and for joints that may."""
+    closure = observing_closure(mechanism, names)
+    wanted = observables_named(mechanism, names)
+    if not wanted and mechanism.platform_link is not None:
+        return Observed({}, closure.pose, {})
+    links = link_frames(closure)
+    poses = {link: Pose(links.frames[link][:3], links.frames[link][3:]) for link in links.placed}
+    places, geometry = _points(mechanism, poses)
+    values: dict[str, ca.SX | Pose] = {}
+    for o in wanted:
+        match o.kind:
+            case "joint":
+                if o.name not in closure.slices:
+                    raise InputError(f"readings: {o.name!r} turns idly between spherical joints: nothing is told by reading it")
+                values[o.name] = closure.variables[closure.slices[o.name]]
+            case "point":
+                values[o.name] = places[o.of[0]]
+            case "distance":
+                gap = places[o.of[0]] - places[o.of[1]]
+                values[o.name] = ca.sqrt(dot(gap, gap))
+            case _:
+                if o.of[0] not in poses:
+                    raise InputError(
+                        f"readings: link {o.of[0]!r} turns idly between its spherical joints; read one of its points"
+                    )
+                values[o.name] = poses[o.of[0]]
+    pose = closure.pose if mechanism.platform_link is not None else poses[judged_link(mechanism)]
+    return Observed(values, pose, links.geometry | geometry)
+
+
+def _points(mechanism: Mechanism, poses: dict[str, Pose]) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:
+    """Where the named points are, and their own coordinates, which are parameters."""
+    places: dict[str, ca.SX] = {}
+    geometry: dict[str, tuple[ca.SX, float]] = {}
+    for point in mechanism.link_points:
+        symbols = [ca.SX.sym(f"{point_path(point)}.{k}") for k in "xyz"]
+        geometry |= {str(s): (s, float(v)) for s, v in zip(symbols, point.point, strict=True)}
+        places[point.name] = poses[point.link].apply(ca.vertcat(*symbols))
+    return places, geometry
+
+
+def point_path(point: LinkPoint) -> str:
+    """The key path of a named point."""
+    return f"{point.link}.points.{point.name}"

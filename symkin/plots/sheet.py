@@ -1,0 +1,48 @@
+"""A page in pixels, y upward, on which sketches are drawn, and the texts on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_DPI = 150
+_APART = 8.0
+"""Pixels below which two symbols stand at one place."""
+
+
+def make_sheet(width: float, height: float) -> tuple[Figure, Any]:
+    """A figure whose axes are its pixels."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set(xlim=(0.0, width), ylim=(0.0, height))
+    ax.set_axis_off()
+    return figure, ax
+
+
+def text_extent(figure: Any, ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
+    """Width and height of a text in pixels."""
+    drawn = ax.text(0, 0, text, fontsize=font, parse_math=False, **look)
+    box = drawn.get_window_extent(figure.canvas.get_renderer())
+    drawn.remove()
+    return float(box.width), float(box.height)
+
+
+def symbol_size(centres: np.ndarray, share: float, least: float, most: float) -> float:
+    """Pixels of a joint's symbol: the share of the distance of the nearest two of the centres (n, 2) that are apart, within bounds."""
+    gaps = np.linalg.norm(centres[:, None] - centres[None], axis=2)
+    apart = gaps[gaps > _APART]
+    return float(np.clip(share * (apart.min() if apart.size else most), least, most))
+
+
+def direction(vector: np.ndarray) -> np.ndarray:
+    """The unit vector along one in the picture; upward where it has no length."""
+    length = float(np.linalg.norm(vector))
+    return vector / length if length > 1e-9 else np.array([0.0, 1.0])

@@ -1,0 +1,253 @@
+"""Pictures of what a sweep's modes do: the paths of named points in the plane of their largest extents, or joints over what is swept.
+
+Every mode is a dot, coloured by the first swept value. Along one swept value the assembly that the mechanism file describes is drawn
+as a line: from the mode nearest to the reference on, sample by sample, as far as one mode is beyond doubt the nearest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symkin.model.file import parse
+from symkin.model.mechanism import Mechanism
+from symkin.plots.style import COLOURS, drawing
+from symkin.plots.sweep_text import axis_text, write_title
+from symkin.sweeps.drawable import check_drawable
+from symkin.sweeps.layout import labels
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LINES = (COLOURS["platform edge"], COLOURS["accent"], "#3a7d44", "#7a4b9e", "#b03a48", COLOURS["link"])
+"""Colours of the lines of several points or joints."""
+_NEAREST = 0.5
+"""A mode goes on to the nearest one of the next sample where it is nearer than this share of the distance of the second."""
+_HALF_TURN = {"deg": 180.0, "rad": np.pi}
+"""Difference of two neighbouring angles beyond which a whole turn is between them, by unit."""
+_MOST_DOTS = 200_000
+"""Modes that are drawn."""
+_LEAST_AREA, _LARGEST_AREA, _ALL_DOTS = 3.0, 14.0, 4000.0
+"""Areas of dots (points squared): few dots are larger, so that all of them cover about as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Modes:
+    """The modes of n points: which of the places (n, modes) hold one, `swept` values (n,) by name and unit of the first axis, and
+    `line` (n,), the place of the mode that the line goes through, -1 where there is none."""
+
+    data: Any
+    there: np.ndarray
+    first: tuple[str, str, np.ndarray]
+    line: np.ndarray
+    fixed: tuple[str, ...]
+
+
+def figure_of_values(attributes: Mapping[str, Any], data: Any, names: Sequence[str], slices: Mapping[str, float]) -> Figure:
+    """The picture of named points, or of joints. Raises InputError for a name that the sweep does not have."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    mechanism = parse(attributes["mechanism_file"])
+    points = check_drawable(mechanism, attributes["quantity"], list(attributes["axes"]), names)
+    modes = _modes(mechanism, attributes, data, slices, points)
+    with drawing():
+        figure = Figure(figsize=(7.4, 6.0 if points else 4.8), facecolor="white", layout="constrained")
+        FigureCanvasAgg(figure)
+        ax: Any = figure.add_subplot()
+        if points:
+            _paths(figure, ax, modes, attributes, names)
+        else:
+            _curves(ax, modes, attributes, names)
+        write_title(figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
+    return figure
+
+
+def _kind(modes: _Modes, points: bool) -> str:
+    """What the picture shows, for its title."""
+    if not points:
+        return "Values"
+    return "Path" if (modes.line >= 0).any() else "Positions"
+
+
+# --- what is drawn -------------------------------------------------------------------------------------------------
+
+
+def _modes(mechanism: Mechanism, attributes: Mapping[str, Any], data: Any, slices: Mapping[str, float], points: bool) -> _Modes:
+    """All modes, or those at the slices; of joints, over the axis of most values alone."""
+    names = list(attributes["axes"])
+    sampled = attributes["sample"] is not None
+    by_label = dict(zip(names, labels(names), strict=True))
+    cuts = dict(slices)
+    free = [n for n in names if n not in cuts]
+    first = max(free, key=lambda n: data[by_label[n]].size)
+    if not sampled and not points:
+        middle = {n: float(data[by_label[n]].values[(data[by_label[n]].size - 1) // 2]) for n in free if n != first}
+        cuts |= middle
+    fixed = []
+    for n, value in cuts.items():
+        place = int(np.argmin(np.abs(data[by_label[n]].values - value)))
+        data = data.isel({by_label[n]: place})
+        fixed.append(f"{n} = {float(data[by_label[n]]):.5g} {data[by_label[n]].attrs['units']}")
+    swept = [n for n in free if n not in cuts]
+    order = data["count"].dims
+    data = data.transpose(*order, "mode", ...)
+    values = data[by_label[first]].broadcast_like(data["count"]).transpose(*order).values.ravel()
+    count = np.maximum(data["count"].values.ravel(), 0)
+    there = np.arange(data.sizes.get("mode", 0)) < count[:, None]
+    line = np.full(len(count), -1)
+    if not sampled and len(swept) == 1:
+        line = _line(mechanism, data, there, _nearest_sample(mechanism, first, values))
+    return _Modes(data, there, (first, data[by_label[first]].attrs["units"], values), line, tuple(fixed))
+
+
+def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
+    """An array (n, modes, ...) of all modes."""
+    array = modes.data[name].values
+    return np.asarray(array.reshape(*modes.there.shape, *array.shape[array.ndim - width :]))
+
+
+def _nearest_sample(mechanism: Mechanism, name: str, values: np.ndarray) -> int:
+    """The sample nearest to the reference; the first where a coordinate of the pose is swept."""
+    known = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
+    if name not in known:
+        return 0
+    c = known[name]
+    reference = mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+    return int(np.argmin(np.abs(values - reference)))
+
+
+def _line(mechanism: Mechanism, data: Any, there: np.ndarray, begin: int) -> np.ndarray:
+    """The place of one mode at each sample, from the one nearest to the reference on in both directions; -1 where it is in doubt."""
+    units = data["joint_units"].values.tolist()
+    features = _features(mechanism, data["joints"].values, units)
+    reference = _features(mechanism, _reference(mechanism, data["joint"].values.tolist()), units)
+    found = np.full(len(there), -1)
+    if not there.size or not there[begin].any():
+        return found
+    found[begin] = int(np.argmin(np.linalg.norm(features[begin][there[begin]] - reference, axis=1)))
+    for step in (1, -1):
+        place, i = found[begin], begin + step
+        while 0 <= i < len(there) and there[i].any():
+            away = np.linalg.norm(features[i][there[i]] - features[i - step, place], axis=1)
+            order = np.argsort(away)
+            if len(order) > 1 and away[order[0]] > _NEAREST * away[order[1]]:
+                break
+            found[i] = place = int(order[0])
+            i += step
+    return found
+
+
+def _reference(mechanism: Mechanism, labels_of_joints: Sequence[str]) -> np.ndarray:
+    """Values of joints at the reference, in the mechanism's units."""
+    values: dict[str, float] = {}
+    for c in mechanism.coordinates:
+        if c.kind == "quaternion":
+            values |= {f"{c.name}.{axis}": v for axis, v in zip("wxyz", c.reference, strict=True)}
+        else:
+            values[c.name] = mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+    return np.array([values[label] for label in labels_of_joints])
+
+
+def _features(mechanism: Mechanism, joints: np.ndarray, units: Sequence[str]) -> np.ndarray:
+    """Joints (..., joints) so that equal configurations are equal: cosines and sines of angles, lengths over the size."""
+    columns = []
+    for k, unit in enumerate(units):
+        value = joints[..., k]
+        if unit == mechanism.angle_unit:
+            columns += [np.cos(mechanism.angle_in(1.0) * value), np.sin(mechanism.angle_in(1.0) * value)]
+        else:
+            columns.append(value if unit == "1" else value / mechanism.characteristic_length)
+    return np.stack(columns, axis=-1)
+
+
+# --- drawing -------------------------------------------------------------------------------------------------------
+
+
+def _paths(figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Named points in the two directions in which they move most."""
+    listed = modes.data["named_point"].values.tolist()
+    all_points = _numbers(modes, "points", 2)
+    points = all_points[:, :, [listed.index(name) for name in names]]
+    span = np.nan_to_num([np.ptp(points[modes.there][..., k], axis=None) if modes.there.any() else 0.0 for k in range(3)])
+    across = sorted(np.argsort(-span, kind="stable")[:2].tolist())
+    unit = modes.data["points"].attrs["units"]
+    name, swept_unit, values = modes.first
+    owner = np.nonzero(modes.there)[0][:_MOST_DOTS]
+    for k, point in enumerate(names):
+        flat = points[:, :, k][modes.there][:_MOST_DOTS]
+        drawn = ax.scatter(
+            flat[:, across[0]],
+            flat[:, across[1]],
+            c=values[owner],
+            s=_dot_area(len(owner)),
+            cmap="viridis",
+            linewidths=0,
+            rasterized=True,
+        )
+        if (modes.line >= 0).any():
+            path = _along(points[:, :, k], modes.line)
+            ax.plot(
+                path[:, across[0]],
+                path[:, across[1]],
+                color=_LINES[k % len(_LINES)],
+                linewidth=1.6,
+                label=f"{point}, assembly of the file",
+            )
+    bar = figure.colorbar(drawn, ax=ax, pad=0.02)
+    bar.set_label(axis_text(attributes, name, swept_unit), color=COLOURS["quiet"], parse_math=False)
+    bar.ax.tick_params(colors=COLOURS["quiet"])
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel(f"{'xyz'[across[0]]} ({unit})", color=COLOURS["quiet"])
+    ax.set_ylabel(f"{'xyz'[across[1]]} ({unit})", color=COLOURS["quiet"])
+    _legend(ax)
+
+
+def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Joints over the swept values."""
+    listed = modes.data["joint"].values.tolist()
+    joints, units = _numbers(modes, "joints", 1), modes.data["joint_units"].values
+    name, unit, values = modes.first
+    owner = np.nonzero(modes.there)[0][:_MOST_DOTS]
+    for k, joint in enumerate(names):
+        place, colour = listed.index(joint), _LINES[k % len(_LINES)]
+        flat = joints[:, :, place][modes.there][:_MOST_DOTS]
+        ax.scatter(values[owner], flat, color=colour, s=_dot_area(len(owner)), alpha=0.6, linewidths=0, rasterized=True)
+        if (modes.line >= 0).any():
+            path = _along(joints[:, :, [place]], modes.line)[:, 0]
+            x, y = _without_turns(values, path, _HALF_TURN.get(units[place], np.inf))
+            ax.plot(x, y, color=colour, linewidth=1.6, label=f"{joint}, assembly of the file")
+        else:
+            ax.plot([], [], ".", color=colour, label=joint)
+    ax.set_xlabel(axis_text(attributes, name, unit), color=COLOURS["quiet"], parse_math=False)
+    ax.set_ylabel(
+        ", ".join(dict.fromkeys(f"{n} ({units[listed.index(n)]})" for n in names)), color=COLOURS["quiet"], parse_math=False
+    )
+    ax.grid(True)
+    _legend(ax)
+
+
+def _without_turns(x: np.ndarray, y: np.ndarray, half_turn: float) -> tuple[np.ndarray, np.ndarray]:
+    """A line that is broken where an angle goes on a whole turn away."""
+    turns = np.flatnonzero(np.abs(np.diff(y)) > half_turn) + 1
+    return np.insert(x, turns, np.nan), np.insert(y, turns, np.nan)
+
+
+def _along(values: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Values (n, width) of the modes that a line goes through; NaN where it does not."""
+    return np.where((line >= 0)[:, None], values[np.arange(len(line)), np.maximum(line, 0)], np.nan)
+
+
+def _dot_area(count: int) -> float:
+    return float(np.clip(_ALL_DOTS / max(1, count), _LEAST_AREA, _LARGEST_AREA))
+
+
+def _legend(ax: Any) -> None:
+    handles, texts = ax.get_legend_handles_labels()
+    if handles:
+        legend = ax.legend(handles, texts, frameon=False, fontsize=9, labelcolor=COLOURS["text"], loc="best")
+        for text in legend.get_texts():
+            text.set_parse_math(False)

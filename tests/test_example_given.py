@@ -1,0 +1,57 @@
+"""A worked example may give values by name, as `--given` does."""
+
+from __future__ import annotations
+
+import pytest
+
+import symkin
+from helpers.command_line import run_json
+from helpers.samples import three_rps
+from symkin import MechanismError
+from symkin.model.file import parse
+
+
+def with_example(mechanism: symkin.Mechanism, values: str) -> str:
+    return mechanism.to_toml() + f"\n[example]\ngiven = {values}\n"
+
+
+def test_the_example_is_used_where_nothing_is_given(capsys):
+    """A suspension whose one motor leaves it a freedom: rack and height of the wheel are its example."""
+    found = symkin.modes(symkin.load("five_link_suspension"))
+    assert found.given == {"rack": 5.0, "z": 330.0}
+    status, told = run_json(capsys, "modes", "five_link_suspension")
+    assert (status, told["given"]) == (0, {"rack": 5.0, "z": 330.0})
+    assert symkin.solve(symkin.load("five_link_suspension")).status == "ok"
+
+
+def test_limbs_may_have_such_an_example():
+    """Height and tilt of a 3-RPS, which are no direct and no inverse problem."""
+    mechanism = parse(with_example(three_rps(), "{ z = 300.0, azimuth = 0.2, tilt = 0.1 }"))
+    found = symkin.modes(mechanism)
+    assert found.given == {"z": 300.0, "azimuth": 0.2, "tilt": 0.1}
+    for mode in found:
+        assert mode.position[2] == pytest.approx(300.0, abs=1e-6)
+
+
+def test_it_is_read_as_it_is_written():
+    text = with_example(three_rps(), "{ z = 300.0, azimuth = 0.2, tilt = 0.1 }")
+    assert parse(parse(text).to_toml()) == parse(text)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ("{ height = 3.0 }", "example.given.height"),
+        ("{ z = nan }", "nan"),
+        ("3.0", "example.given"),
+        ('{ z = "a" }', "example.given.z"),
+    ],
+)
+def test_mistakes_are_named(values, said):
+    with pytest.raises(MechanismError, match=said):
+        parse(with_example(three_rps(), values))
+
+
+def test_it_stands_alone():
+    with pytest.raises(MechanismError, match="exactly one of joints, pose and given"):
+        parse(with_example(three_rps(), "{ z = 300.0 }") + "joints = [300.0, 300.0, 300.0]\n")
