@@ -4,6 +4,7 @@ dead points by elementary geometry, limits of any joint, files and mistakes."""
 from __future__ import annotations
 
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -195,6 +196,15 @@ def test_loops_that_close_to_a_files_digits_are_followed_by_least_squares(tmp_pa
     assert any("least squares" in note for note in found.trajectory.notes)
     here = symkin.singularity(found.end.solution, given=["input"])
     assert (here.kinds, here.generic.freedoms) == ((), 1)
+
+
+def test_a_track_travels(tmp_path: Path) -> None:
+    """Pickled and read again, with a closure that holds a joint for its limits: the same samples, stop and distances."""
+    found = symkin.track(limited(tmp_path, "follower_pin", -170.0, 30.0), given={"crank": [60.0, 90.0]}, samples=3)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.problem.closure.partition == found.problem.closure.partition
+    assert again.to_dict() == found.to_dict()
+    assert again.end.solution.joints == found.end.solution.joints
 
 
 # --- starts and forms of the path -----------------------------------------------------------------------------------------
