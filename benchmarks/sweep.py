@@ -1,6 +1,6 @@
 """A sweep beside the same enumeration in one process: time per point and core, and memory; then what a point of a grid takes.
 
-    python benchmarks/sweep.py [--points 10000] [--workers 2] [--seed 0] [--chunk 500] [--directory DIR] [--grids 1.0]
+    python benchmarks/sweep.py [--points 10000] [--workers 2] [--seed 0] [--chunk 500] [--directory DIR] [--grids 1.0] [--named 10000]
 
 Random leg lengths of `zhang2009` (+-40 mm about its example), all modes. The reference enumerates some of the same chunks in
 this process and stores nothing, half of them before the sweep and half after it, so that a busy machine slows both. "wall":
@@ -11,6 +11,10 @@ points on two processors must take at most 1.3 times the reference's, and all pr
 Grids over two joints of a five-bar, a planar 3-RRR and two hexapods (28 and 40 paths), in this process, storing included: time a
 point in T, `numpy.linalg.solve` on 40 complex 8 x 8 systems, measured before and after each; `--grids` scales their sizes, 0
 leaves them out. On a busy machine the processor's time in T says more.
+
+Graphs of links by coordinates told by name (`--named` points each, 0: none): a four-bar by its crank and by its follower, a Jansen leg,
+an ankle both ways, a five-link suspension; the processor's time a point and a mode, storing included, in T too, the peak of memory, and how
+many of some points have other counts of modes than `symkin.modes` finds (none is allowed).
 """
 
 from __future__ import annotations
@@ -36,6 +40,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 LIMIT, MEMORY_MB = 1.3, 1024.0
 """Most that a point may cost, of the reference, and most memory of all processes."""
+NAMED: list[tuple[str, dict[str, tuple[float, float]]]] = [
+    ("four_bar", {"crank": (0.0, 360.0)}),
+    ("four_bar", {"follower": (-90.0, 90.0)}),
+    ("jansen_leg", {"crank": (0.0, 360.0)}),
+    ("ankle", {"ankle.1": (-40.0, 40.0), "ankle.2": (-40.0, 40.0)}),
+    ("ankle", {"upper_motor": (-40.0, 40.0), "lower_motor": (-40.0, 40.0)}),
+    ("five_link_suspension", {"rack": (-20.0, 20.0), "z": (290.0, 330.0)}),
+]
+"""Graphs, and the ranges of what is given (mm, deg)."""
 ABOUT_MM = 40.0
 REFERENCE_POINTS, MODES_POINTS = 10_000, 50
 """Points of the reference and of `symkin.modes`."""
@@ -47,6 +60,8 @@ def main() -> None:
         time_sample(options)
     for grid in grids(options.grids) if options.grids else []:
         time_grid(grid)
+    for name, ranges in NAMED if options.named else []:
+        time_named(name, ranges, options.named)
 
 
 def time_sample(options: argparse.Namespace) -> None:
@@ -146,6 +161,30 @@ def time_grid(grid: Grid) -> None:
     )
 
 
+def time_named(name: str, ranges: dict[str, tuple[float, float]], points: int) -> None:
+    """Sweep coordinates told by name once, after a small sweep that prepares all."""
+    mechanism, kernel = symkin.load(name), ReferenceKernel()
+    count = round(points ** (1.0 / len(ranges)))
+    given = {coordinate: np.linspace(low, high, count, endpoint=False) for coordinate, (low, high) in ranges.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        sweep(mechanism, directory=Path(folder) / "first", given={n: v[:2] for n, v in given.items()}, workers=0)
+        before, cpu = kernel.seconds(100), time.process_time()
+        found = sweep(mechanism, directory=Path(folder) / "s", given=given, workers=0)
+        cpu = time.process_time() - cpu
+        counts = found.open()["count"].values
+    unit = 0.5 * (before + kernel.seconds(100)) * found.points
+    places = np.random.default_rng(0).integers(0, counts.shape, (MODES_POINTS, counts.ndim))
+    rows = [{n: float(v[k]) for (n, v), k in zip(given.items(), place, strict=True)} for place in places]
+    other = sum(len(symkin.modes(mechanism, given=row)) != counts[tuple(place)] for row, place in zip(rows, places, strict=True))
+    modes = sum(number * many for number, many in found.points_by_count.items())
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KILO
+    print(
+        f"{name} by {', '.join(given)}: {found.points} points, {modes} modes: {1e6 * cpu / found.points:.0f} us a point, "
+        f"{1e6 * cpu / modes:.1f} us a mode (cpu), {cpu / unit:.2f} T a point; peak {peak:.0f} MB; "
+        f"other counts than symkin.modes: {other} of {MODES_POINTS}: {verdict(not other)}"
+    )
+
+
 KILO = 1024.0 * (1024.0 if sys.platform == "darwin" else 1.0)
 """What `ru_maxrss` counts in, of a megabyte."""
 
@@ -157,6 +196,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--chunk", type=int, default=500)
     parser.add_argument("--grids", type=float, default=1.0, help="size of the grids; 0 leaves them out")
+    parser.add_argument("--named", type=int, default=10_000, help="points of each graph by name; 0 leaves them out")
     parser.add_argument("--directory", help="where the folder is left; default: a temporary one")
     return parser.parse_args()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -78,6 +79,53 @@ def test_loci_of_limbs_by_coordinates_of_the_pose() -> None:
             [abs(math.hypot(x - pivot, y) - reach) for pivot in (0.0, 100.0) for reach in (20.0, 140.0)] for x, y in curve.points
         ]
         assert np.min(far, axis=1).max() < 1e-6
+
+
+def test_all_dead_points_of_a_four_bar_over_its_follower() -> None:
+    """Crank 40 and coupler 101 in line, the rocker 61 above or below the base 110: four angles by the cosine theorem."""
+    here = symkin.solve(symkin.load("four_bar")).solution
+    assert here is not None
+    inner = [math.acos((110.0**2 + 61.0**2 - far**2) / (2 * 110.0 * 61.0)) for far in (141.0, 61.0)]
+    angles = [sign * (math.pi - angle) - math.atan2(60.0, -11.0) for angle in inner for sign in (1.0, -1.0)]
+    expected = sorted(math.degrees(math.remainder(angle, 2 * math.pi)) for angle in angles)
+    loci = symkin.singular_loci(here, ["follower"], given=["follower"], ranges=[(-180.0, 180.0)], starts=60)
+    assert [float(point.points[0, 0]) for point in loci.curves] == pytest.approx(expected, abs=1e-6)
+    assert "type 2 at -27.99869" in str(loci)
+
+
+def test_modes_change_at_singular_points_only() -> None:
+    """Between neighbouring singular points of the Stephenson six-bar over its crank the count of modes is one, at each it changes."""
+    mechanism = symkin.load("stephenson_six_bar")
+    here = symkin.solve(mechanism).solution
+    assert here is not None
+    loci = symkin.singular_loci(here, ["crank"], ranges=[(-180.0, 180.0)])
+    ends = [-180.0, *(float(point.points[0, 0]) for point in loci.curves), 180.0]
+    counts = [
+        [len(symkin.modes(mechanism, given={"crank": a + share * (b - a)})) for share in (0.1, 0.5, 0.9)]
+        for a, b in pairwise(ends)
+    ]
+    assert all(len(set(count)) == 1 for count in counts)
+    assert all(abs(a[0] - b[0]) >= 1 for a, b in pairwise(counts))
+    assert counts[0][0] == counts[-1][0]
+
+
+def test_the_command_lists_and_draws_points(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = [
+        "--given",
+        "piston=75",
+        "--plane",
+        "piston",
+        "--range",
+        "-200:200",
+        "--starts",
+        "60",
+        "--plot",
+        str(tmp_path / "p.png"),
+    ]
+    status, found = run_json(capsys, "singularities", "slider_crank", *options)
+    assert (status, found["plane"], found["ranges"]) == (0, ["piston"], [[-200.0, 200.0]])
+    assert [curve["points"][0][0] for curve in found["curves"]] == pytest.approx([-125.0, -45.0, 45.0, 125.0])
+    assert (tmp_path / "p.png").stat().st_size > 1000
 
 
 def test_the_command_draws_loci_of_given_coordinates(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:

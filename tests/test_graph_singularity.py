@@ -224,6 +224,14 @@ def test_limbs_driven_by_their_platform() -> None:
     assert (polar.kinds, polar.inputs) == (("type 1",), ({"azimuth": 1.0},))
 
 
+def test_a_pose_that_drives_a_platform_on_rods_alone() -> None:
+    """Where nothing but the platform moves it is the output: a wheel's travel and the rack decide its pose."""
+    here = at("five_link_suspension", rack=2.0, z=335.0)
+    found = symkin.singularity(here, given=["rack", "z"])
+    assert found.kinds == ()
+    assert min(found.distances.values()) > 1e-3
+
+
 def test_fewer_given_than_the_mobility_are_said() -> None:
     """A motor of two: one freedom is left everywhere, and that is a note and no kind."""
     found = symkin.singularity(
@@ -257,10 +265,14 @@ def test_json_and_text_and_picture(capsys: pytest.CaptureFixture[str], tmp_path)
         (["four_bar", "--given", "crank=10", "--output", "x"], "no platform link"),
         (["four_bar", "--given", "crank=10", "--output", "coupler"], "or joints by name"),
         (["four_bar", "--given", "crank=10", "--output", "crank"], "crank is given"),
-        (["four_bar", "--given", "crank=10", "--plane", "crank,follower"], "over one coordinate"),
-        (["four_bar", "--plane", "crank,follower", "--range", "0:1,0:1"], "track stops at each"),
-        (["ankle", "--plane", "x,y"], "allowed: two of upper_motor, lower_motor"),
-        (["ankle", "--given", "ankle.1=0,ankle.2=0", "--plane", "ankle.1,upper_motor"], "allowed: two of ankle.1, ankle.2"),
+        (
+            ["four_bar", "--given", "crank=10", "--plane", "crank,follower"],
+            "allowed: one or two of the coordinates that are given, crank",
+        ),
+        (["four_bar", "--plane", "crank,crank"], "one or two different coordinates"),
+        (["four_bar", "--plane", "crank", "--range", "0:1,0:1"], "one is needed, for crank"),
+        (["ankle", "--plane", "x,y"], "given, upper_motor, lower_motor"),
+        (["ankle", "--given", "ankle.1=0,ankle.2=0", "--plane", "ankle.1,upper_motor"], "given, ankle.1, ankle.2"),
         (["triad"], "no joint is actuated"),
         (["ankle", "--given", "azimuth=3,tilt=2", "--output", "x"], "coordinates of the platform drive"),
     ],

@@ -163,6 +163,23 @@ def test_limits_of_any_joint_stop_the_path(tmp_path: Path, joint: str) -> None:
     assert symkin.track(mechanism, given={"crank": [90.0, 150.0]}, limits=False).reached
 
 
+def test_loops_that_close_to_a_files_digits_are_followed_by_least_squares(tmp_path: Path) -> None:
+    """A Bennett loop with a point off by 0.0003: its joints move as those of the exact one, to that misfit, and it is said."""
+    exact = (MECHANISMS / "bennett.toml").read_text()
+    (tmp_path / "off.toml").write_text(exact.replace("[20.0, 50.0, -20.0]", "[20.0003, 50.0001, -20.0002]"))
+    given = {"input": [10.0, 40.0]}
+    mechanism = symkin.load(tmp_path / "off.toml")
+    found, true = (symkin.track(m, given=given, samples=3) for m in (mechanism, symkin.load("bennett")))
+    assert found.reached
+    assert 1e-6 < found.residual < 1e-2
+    for a, b in zip(found.samples, true.samples, strict=True):
+        assert list(a.joints.values()) == pytest.approx(list(b.joints.values()), abs=1e-2)
+    assert "close only to the digits" in found.ground
+    assert any("least squares" in note for note in found.trajectory.notes)
+    here = symkin.singularity(found.end.solution, given=["input"])
+    assert (here.kinds, here.generic.freedoms) == ((), 1)
+
+
 # --- starts and forms of the path -----------------------------------------------------------------------------------------
 
 
@@ -288,6 +305,7 @@ def test_a_stop_names_block_and_loop(capsys: pytest.CaptureFixture[str]) -> None
         (["four_bar", "--given", "crank=0"], "nothing moves"),
         (["four_bar", "--given", "crank"], "has no values"),
         (["four_bar", "--given", "crank=0:1:2"], "is no path"),
+        (["ankle", "--given", "ankle.1=0:1,ankle.2=0", "--poses"], "both --given and --poses"),
         (["four_bar", "--given", "crank=0:x"], "given crank"),
         (["four_bar", "--given", "crank=0:1,crank=2"], "given twice"),
         (["four_bar", "--given", "crank=0:60", "--from", "1"], "give one of them"),

@@ -14,6 +14,7 @@ from symkin.position.given_by_name import named_given, problem_of
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 SEARCH = Search.of(None)
+PLATFORM = symkin.load("zhang2009")
 
 
 def known_of(name, given):
@@ -81,6 +82,19 @@ def test_rows_of_joints_are_the_modes_of_each():
         if not len(found):
             assert found.smallest_residual == pytest.approx(alone.smallest_residual, rel=1e-6)
     assert {len(found) for found in many} > {0}
+
+
+def test_columns_by_name_are_many_inputs():
+    """A column for each name, or one value for all; joints of limbs by name too. Columns of different lengths are refused."""
+    ankle = symkin.load("ankle")
+    many = symkin.modes(ankle, given={"ankle.1": [3.0, 5.0, -2.0], "ankle.2": 4.0})
+    for angle, found in zip([3.0, 5.0, -2.0], many, strict=True):
+        alone = symkin.modes(ankle, given={"ankle.1": angle, "ankle.2": 4.0})
+        assert [mode.joints for mode in found] == [pytest.approx(mode.joints, abs=1e-8) for mode in alone]
+    legs = dict(zip((c.name for c in PLATFORM.actuated), PLATFORM.example.joints, strict=True))
+    assert [len(found) for found in symkin.modes(PLATFORM, given=legs | {"leg1": [legs["leg1"], legs["leg1"] + 1.0]})] == [4, 4]
+    with pytest.raises(symkin.InputError, match=r"ankle\.1 2, ankle\.2 3"):
+        symkin.modes(ankle, given={"ankle.1": [3.0, 5.0], "ankle.2": [1.0, 2.0, 3.0]})
 
 
 def test_random_starts_of_an_input_do_not_depend_on_others():

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -140,6 +141,23 @@ def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
 
 
 @pytest.mark.slow
+def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
+    """A Bennett linkage written with six digits: at each point the configuration of least squares, said as sampled, as `modes` has it."""
+    text = (MECHANISMS / "bennett.toml").read_text()
+    path = tmp_path / "nearly.toml"
+    path.write_text(
+        re.sub(r"(point = \[)([-\d.]+)", lambda m: f"{m[1]}{float(m[2]) + (3e-4 if float(m[2]) == 20.0 else 0.0)}", text)
+    )
+    nearly = symkin.load(path)
+    data = sweep(nearly, directory=tmp_path / "s", given={"input": [20.0, 40.0]}, workers=0).open().load()
+    alone = symkin.modes(nearly, given={"input": 40.0})
+    assert data["count"].values.tolist() == [1, 1]
+    assert data["completeness"].attrs["flag_meanings"][int(data["completeness"][1])] == alone.completeness
+    assert float(data["residual"][1, 0]) == pytest.approx(alone[0].residual, rel=1e-6)
+    assert alone[0].residual > 1e-6
+
+
+@pytest.mark.slow
 def test_poses_of_a_graph_are_swept(tmp_path):
     """A spherical wrist by rotation vectors: eight working modes at each, with that orientation."""
     grid = {"rx": [-8.0, 8.0], "rz": [0.0, 5.0, 10.0]}
@@ -176,14 +194,18 @@ def test_processes_compute_the_same_arrays(tmp_path):
 
 @pytest.mark.parametrize("quantity", ["conditioning", "reach"])
 def test_other_quantities_of_a_graph(tmp_path, quantity):
-    """Conditions are those of the modes; where the follower cannot stand nothing is reached."""
+    """Conditions and distances from singularities are those of the modes; where the follower cannot stand nothing is reached."""
     four_bar, angles = symkin.load("four_bar"), [-80.0, 10.0, 45.0]
     data = sweep(four_bar, directory=tmp_path / "s", given={"follower": angles}, quantity=quantity, workers=0).open()
     if quantity == "reach":
         assert data["reached"].values.tolist() == [0, 1, 1]
         return
     alone = symkin.modes(four_bar, given={"follower": 45.0})
-    assert "distance_type_1" not in data
+    for place, mode in enumerate(alone):
+        alone_there = symkin.singularity(mode, given=["follower"]).distances
+        assert float(data["distance_type_2"][2, place]) == pytest.approx(alone_there["type 2"], rel=1e-6)
+        assert float(data["distance_increased"][2, place]) == pytest.approx(alone_there["increased"], rel=1e-6)
+    assert np.isnan(data["distance_type_1"].values).all()
     assert float(data["least_condition"][2]) == pytest.approx(min(mode.condition for mode in alone), rel=1e-6)
     assert np.isnan(float(data["least_condition"][0]))
 
@@ -269,7 +291,7 @@ def test_a_table_of_what_each_point_has(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("name", "given", "of", "axes"),
     [
-        ("jansen_leg", {"crank": np.linspace(0, 360, 181)}, ["foot"], ("x (mm)", "y (mm)")),
+        ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x (mm)", "y (mm)")),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": 2.0}, ["toe", "heel"], None),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)}, ["upper_motor"], ("ankle.1 (deg)", "upper_motor (deg)")),
         ("four_bar", {"follower": np.linspace(-80, 80, 9)}, "crank", ("follower (deg)", "crank (deg)")),

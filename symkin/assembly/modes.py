@@ -19,7 +19,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many
-from symkin.position.given_by_name import Values, any_given, many_given, named_given, problem_of
+from symkin.position.given_by_name import Columns, Values, any_given, has_columns, many_given, named_given, problem_of
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -48,8 +48,8 @@ def modes(
 @overload
 def modes(
     mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None, method: str | None = None, progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    pose: Sequence[Sequence[float] | Pose] | None = None, given: Columns | None = None, choose: Sequence[int] = (),
+    method: str | None = None, progress: Progress | None = None, **random: Unpack[RandomStarts],
 ) -> tuple[Modes, ...]: ...  # fmt: skip
 @overload
 def modes(
@@ -62,7 +62,7 @@ def modes(
     *,
     joints: Any = None,
     pose: Any = None,
-    given: Values | None = None,
+    given: Any = None,
     choose: Sequence[int] = (),
     method: str | None = None,
     progress: Progress | None = None,
@@ -73,7 +73,8 @@ def modes(
     `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
     qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
     a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform, or its whole "pose"; as many as the mobility. Modes for given values are found block by block (see
+    torsion of the platform, or its whole "pose"; as many as the mobility; of n inputs a column for each name, one value where all
+    have the same. Modes for given values are found block by block (see
     `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
 
     `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
@@ -90,8 +91,8 @@ def modes(
     """
     require_mechanism(mechanism)
     search = Search.of(method, **random)
-    if given is None and (are_many(joints) or are_many(pose)):
-        return _found(mechanism, many_given(mechanism, joints, pose), search, choose, progress)
+    if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
+        return _found(mechanism, many_given(mechanism, joints, pose, given), search, choose, progress)
     one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
     return _found(mechanism, [one], search, choose, progress)[0]
 

@@ -42,7 +42,7 @@ def singularities(
         typer.Option(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
-            "configuration's orientation), two actuated joints, or two coordinates of --given, others held.",
+            "configuration's orientation), two actuated joints, or two coordinates of --given (one: points), others held.",
         ),
     ] = None,
     window: Annotated[
@@ -122,7 +122,7 @@ def singularities(
 
 
 def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
-    """Two pairs low:high."""
+    """Pairs low:high."""
     if text is None:
         return None
     pairs = []

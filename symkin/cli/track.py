@@ -67,6 +67,8 @@ def track(
         from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
+    if given is not None and poses:
+        raise InputError("both --given and --poses are given; --given names the coordinates of the path")
     if csv is not None:
         if begin is not None or end is not None:
             raise InputError("both --csv and --from or --to are given; give one of them")

@@ -24,6 +24,7 @@ from symkin.following.station import Station, along_parameter, interval_of, redu
 from symkin.following.step_certificate import Interval, Tube
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.determination import DIGITS
 from symkin.position.problem import Problem
 
 Ending = Literal["reached", "singular", "limit", "open", "unproved"]
@@ -51,6 +52,9 @@ _AT_TURNING_POINT = 1e-9
 _AT_BIFURCATION = 1e-4
 """So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad), to which no tube leads, the
 branch stops."""
+_MORE_MISFIT = 100.0
+"""A path that begins at a configuration of least squares, in loops of redundant constraints that close only to the digits of a file, is
+followed while its misfit is below this many times that of its start."""
 SAME_PLACE = 1e-9
 """Blocks that stop within this share of an interval stop at the same place."""
 
@@ -74,7 +78,8 @@ class BlockFollower:
 
     `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images fill at most `tightest`; `link` is
     the last one, `curves` are the cubics of the present interval. `redundant_bound` bounds redundant rows at the ends of steps
-    (length unit); `is_clear`: the last search has found no singular point ahead."""
+    (length unit); `is_clear`: the last search has found no singular point ahead; `closed` is the largest closure error (length unit)
+    of closed loops."""
 
     system: PathSystem
     trajectory: Trajectory
@@ -90,14 +95,24 @@ class BlockFollower:
     stop: BlockStop | None = None
     passed: list[Station] = field(default_factory=list)
     redundant_bound: float = 0.0
+    closed: float = 0.0
 
     @staticmethod
     def begin(system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray) -> BlockFollower:
         """Stand at the first sample, whose unknowns (in radians and the length unit) are given."""
-        interval = interval_of(system, trajectory, 0)
-        return BlockFollower(
+        interval, size = interval_of(system, trajectory, 0), system.problem.closure.characteristic_length
+        follower = BlockFollower(
             system, trajectory, watch, interval, station_near(interval, 0, unknown[system.places] / system.scale, 0.0)
         )
+        left, follower.closed = follower._closure_error(follower.station), CLOSURE_TOLERANCE * size
+        if follower.closed < left <= DIGITS * size:
+            follower.closed = min(_MORE_MISFIT * left, DIGITS * size)
+        return follower
+
+    @property
+    def is_of_least_squares(self) -> bool:
+        """Whether loops that close only to the digits of a file are followed."""
+        return self.closed > CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length
 
     def enter(self, row: int) -> None:
         """Stand at the beginning of an interval, where the branch may have a corner."""
@@ -160,7 +175,7 @@ class BlockFollower:
             self.station = station_near(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))
             self.stop = BlockStop("limit", self.station.u, limit=met[1])
         left = self._closure_error(self.station)
-        if left > CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length:
+        if left > self.closed:
             self.station = self._opening(before, self.station)
             self.stop = BlockStop("open", self.station.u, residual=left)
         self._record()
@@ -182,7 +197,7 @@ class BlockFollower:
         low, high = closed.u, opened.u
         for _ in range(_HALVINGS):
             middle = station_near(self.interval, closed.row, closed.z, 0.5 * (low + high))
-            if self._closure_error(middle) <= CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length:
+            if self._closure_error(middle) <= self.closed:
                 closed, low = middle, middle.u
             else:
                 high = middle.u

@@ -146,9 +146,16 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
     return (
         f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the motion that removes some, where "
         f"there is one); in each of {steps} ball arithmetic shows at most one "
-        f"solution for every input (margin {1 - branch.tightest:.2g}), and the residual, at most {residual:.1e} "
-        f"{length_unit}, that there is one" + _redundant_rows(branch, length_unit)
+        f"solution for every input (margin {1 - branch.tightest:.2g}), and {_existence(branch, residual, length_unit)}"
+        + _redundant_rows(branch, length_unit)
     )
+
+
+def _existence(branch: Branch, residual: float, length_unit: str) -> str:
+    """What speaks for a solution where rows are redundant."""
+    if any(block.is_of_least_squares for block in branch.blocks):
+        return f"it is one of least squares: loops that close only to the digits of the description stay open by up to {residual:.1e} {length_unit}"
+    return f"the residual, at most {residual:.1e} {length_unit}, that there is one"
 
 
 def _redundant_rows(branch: Branch, length_unit: str) -> str:

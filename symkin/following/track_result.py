@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,14 +12,13 @@ from symkin.computed_once import cached_property
 from symkin.following.sample import Sample, listed_joints
 from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
-from symkin.model.joint import Coordinate
 from symkin.plain_number import NOTHING, plain
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.singularities.classification import classify
 
 _MOST_COLUMNS = 7
-"""Joints in the table at most."""
+"""Joints and coordinates of the pose in the table at most."""
 _MOST_ROWS = 11
 """Rows of the table at most; the dict and the CSV hold all samples."""
 
@@ -119,13 +119,13 @@ class Track(Result):
         if not self.samples:
             return Summary(above, below=below)
         most = _MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS)
-        chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int))
+        chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int)).tolist()
         header = ["path", *self._header, "sigma", "residual"]
         legend = (
             "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
             f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
         )
-        return Summary(above, header, [self._row(self.samples[k]) for k in chosen], [legend, *below])
+        return Summary(above, header, self._rows(chosen), [legend, *below])
 
     @property
     def _shows_pose(self) -> bool:
@@ -133,27 +133,51 @@ class Track(Result):
         return self.samples[0].has_platform and self.trajectory.kind != "given"
 
     @property
-    def _shown_joints(self) -> list[Coordinate]:
-        """The joints along which the path is told, then others, as many as a table takes."""
-        known = {c.name for c in self.problem.known_coordinates}
-        scalars = [c for c in listed_joints(self.problem) if c.kind != "quaternion"]
-        return sorted(scalars, key=lambda c: c.name not in known)[:_MOST_COLUMNS]
+    def _shown(self) -> list[tuple[str, np.ndarray, float]]:
+        """Title, values (samples,) and scale of the columns: what is told along the path, other joints, and where the platform is, as
+        many as a table takes."""
+        mechanism, problem = self.trajectory.mechanism, self.problem
+        unit, angle, size = mechanism.length_unit, mechanism.angle_unit, mechanism.characteristic_length
+        found: dict[str, tuple[str, np.ndarray, float]] = {}
+        values = np.array([sample.values for sample in self.samples])
+        for c in problem.known_coordinates:
+            if c.role == "given":
+                column = values[:, problem.closure.slices[c.name].start]
+                shown = np.array([mechanism.angle_out(float(v)) for v in column]) if c.is_angular else column
+                found[c.name] = (f"{c.name} [{angle if c.is_angular else unit}]", shown, 1.0 if c.is_angular else size)
+        known = {c.name for c in problem.known_coordinates}
+        for c in sorted(listed_joints(problem), key=lambda c: c.name not in known):
+            if c.kind != "quaternion":
+                column = np.array([sample.joints[c.name] for sample in self.samples])
+                found[c.name] = (f"{c.name} [{angle if c.is_angular else unit}]", column, 1.0 if c.is_angular else size)
+        if self.samples[0].has_platform:
+            places = np.array([np.asarray(sample.pose.position) for sample in self.samples])
+            for k, name in enumerate("xyz"):
+                found.setdefault(name, (f"{name} [{unit}]", places[:, k], size))
+        return list(found.values())[:_MOST_COLUMNS]
 
     @property
     def _header(self) -> list[str]:
-        mechanism = self.trajectory.mechanism
-        unit, angle = mechanism.length_unit, mechanism.angle_unit
+        unit = self.trajectory.mechanism.length_unit
         if self._shows_pose:
             return [f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz"]
-        return [f"{c.name} [{angle if c.is_angular else unit}]" for c in self._shown_joints]
+        return [title for title, _, _ in self._shown]
 
-    def _row(self, sample: Sample) -> list[str]:
-        size, sigma = self.trajectory.mechanism.characteristic_length, sample.smallest_singular_value
+    def _rows(self, chosen: Sequence[int]) -> list[list[str]]:
         if self._shows_pose:
-            cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
-            cells += [f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(sample.pose.quaternion)]
-        else:
-            cells = [f"{plain(sample.joints[c.name], 1.0 if c.is_angular else size):.6g}" for c in self._shown_joints]
+            size = self.trajectory.mechanism.characteristic_length
+            return [self._row(self.samples[k], _pose_cells(self.samples[k], size)) for k in chosen]
+        shown = self._shown
+        return [self._row(self.samples[k], [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]) for k in chosen]
+
+    def _nearest_line(self, near: Sample) -> str:
+        """How near the path comes to a singularity, between samples too."""
+        sigma = plain(near.smallest_singular_value, 1.0)
+        distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in self.distances.items())
+        return f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; distance: {distances}"
+
+    def _row(self, sample: Sample, cells: list[str]) -> list[str]:
+        size, sigma = self.trajectory.mechanism.characteristic_length, sample.smallest_singular_value
         return [
             f"{sample.parameter:.6f}",
             *cells,
@@ -161,11 +185,10 @@ class Track(Result):
             f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
         ]
 
-    def _nearest_line(self, near: Sample) -> str:
-        """How near the path comes to a singularity, between samples too."""
-        sigma = plain(near.smallest_singular_value, 1.0)
-        distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in self.distances.items())
-        return f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; distance: {distances}"
+
+def _pose_cells(sample: Sample, size: float) -> list[str]:
+    cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
+    return [*cells, *(f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(sample.pose.quaternion))]
 
 
 def _told(row: Any) -> Any:

@@ -135,8 +135,8 @@ def _by_name(mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[f
             return _by_joints(mechanism, joint_rows(mechanism, columns), times, limits)
         case "inverse":
             return _by_poses(mechanism, [row["pose"] for row in rows], times, limits)
-    read = []
-    for k, row in enumerate(rows, start=1):
+    read = [given_by_name(mechanism, rows[0])]
+    for k, row in enumerate(rows[1:], start=2):
         try:
             read.append(given_by_name(mechanism, row))
         except InputError as error:

@@ -29,7 +29,7 @@ def figure_of_loci(loci: Loci) -> Figure:
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(7.4, 7.2), facecolor="white", layout="constrained")
+        figure = Figure(figsize=(7.4, 7.2 if len(loci.ranges) == 2 else 2.6), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         draw_curves(axes, loci)
@@ -48,6 +48,9 @@ def figure_of_loci(loci: Loci) -> Figure:
 def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`: curves of other working
     modes thin."""
+    if len(loci.ranges) == 1:
+        _draw_points(axes, loci)
+        return
     for curve in loci.curves:
         _curve(axes, curve, emphasise)
         ends = curve.loose_ends(loci.ranges)
@@ -70,9 +73,23 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     axes.grid(color=COLOURS["grid"], lw=0.6)
 
 
+def _draw_points(axes: Any, loci: Loci) -> None:
+    """The singular points over one coordinate, on a line."""
+    for curve in loci.curves:
+        axes.plot(curve.points[:, 0], [0.0], "D", color=KIND_COLOURS[curve.kind], ms=7, label=curve.kind, zorder=4)
+    axes.plot([_out(loci, 0)], [0.0], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+    axes.axhline(0.0, color=COLOURS["grid"], lw=1.0, zorder=1)
+    axes.set(xlim=loci.ranges[0], ylim=(-1.0, 1.0), yticks=[])
+    axes.set_xlabel(f"{loci.plane.names[0]} [{loci.units[0]}]" + _caption(loci), color=COLOURS["text"], parse_math=False)
+
+
 def _caption(loci: Loci) -> str:
     """Below the axes, where no curve is: that some may be missing."""
-    return "\ncurves may be missing; raise --starts" if {MISSING, NONE_MET} & set(loci.notes) else ""
+    return (
+        f"\n{'curves' if len(loci.ranges) == 2 else 'points'} may be missing; raise --starts"
+        if {MISSING, NONE_MET} & set(loci.notes)
+        else ""
+    )
 
 
 def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:

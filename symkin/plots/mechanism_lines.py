@@ -162,8 +162,9 @@ def _finish(
     """From the last joint to the platform: by rods, to the tool, or along what slides there."""
     rods = limb.bars(mechanism.reference_pose)
     if not rods:
-        if slides or mechanism.serial:
-            _walk(lines, last_link.apply(_end_point(mechanism, limb, places)), slides)
+        end = _end_point(mechanism, limb, places)
+        if end is not None:
+            _walk(lines, last_link.apply(end), slides)
         lines.ends = [lines.points[-1]]
         return
     starts = [last_link.apply(np.array(rod.start.point)) for rod in rods]
@@ -199,22 +200,21 @@ def _base_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.nda
         return places[first.name]
     held = [joint for joint in limb.joints if joint.type != "P"]
     leading = limb.joints[: limb.joints.index(held[0])] if held else limb.joints
-    target = places[held[0].name] if held else _end_point(mechanism, limb, places)
+    starts = [rod.start.point for rod in limb.bars(mechanism.reference_pose)]
+    end = np.asarray(np.mean(starts, axis=0)) if starts else np.array(mechanism.platform_position)
+    target = places[held[0].name] if held else end
     return _beside(mechanism.places[first.name], target, leading)
 
 
-def _end_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Where the limb ends at the reference: the middle of its rods, the tool, the last joint, or behind P joints the
-    point of their rails nearest the platform's origin."""
-    starts = [rod.start.point for rod in limb.bars(mechanism.reference_pose)]
-    if starts:
-        return np.asarray(np.mean(starts, axis=0))
+def _end_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """Where a limb without rods ends at the reference: the tool, or behind P joints the point of their rails nearest the platform's
+    origin; None where it ends at its last joint."""
     origin = np.array(mechanism.platform_position)
     held = [joint for joint in limb.joints if joint.type != "P"]
     if mechanism.serial or not held:
         return origin
     trailing = limb.joints[limb.joints.index(held[-1]) + 1 :]
-    return _beside(origin, places[held[-1].name], trailing) if trailing else places[held[-1].name]
+    return _beside(origin, places[held[-1].name], trailing) if trailing else None
 
 
 def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:

@@ -30,8 +30,8 @@ _HALF_TURN = {"deg": 180.0, "rad": np.pi}
 """Difference of two neighbouring angles beyond which a whole turn is between them, by unit."""
 _MOST_DOTS = 200_000
 """Modes that are drawn."""
-_DOT_AREA = 3.0
-"""Area of a dot (points squared)."""
+_LEAST_AREA, _LARGEST_AREA, _ALL_DOTS = 3.0, 14.0, 4000.0
+"""Areas of dots (points squared): few dots are larger, so that all of them cover about as much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,13 @@ def _paths(figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any]
     for k, point in enumerate(names):
         flat = points[:, :, k][modes.there][:_MOST_DOTS]
         drawn = ax.scatter(
-            flat[:, across[0]], flat[:, across[1]], c=values[owner], s=_DOT_AREA, cmap="viridis", linewidths=0, rasterized=True
+            flat[:, across[0]],
+            flat[:, across[1]],
+            c=values[owner],
+            s=_dot_area(len(owner)),
+            cmap="viridis",
+            linewidths=0,
+            rasterized=True,
         )
         if (modes.line >= 0).any():
             path = _along(points[:, :, k], modes.line)
@@ -209,7 +215,7 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
     for k, joint in enumerate(names):
         place, colour = listed.index(joint), _LINES[k % len(_LINES)]
         flat = joints[:, :, place][modes.there][:_MOST_DOTS]
-        ax.scatter(values[owner], flat, color=colour, s=_DOT_AREA, alpha=0.6, linewidths=0, rasterized=True)
+        ax.scatter(values[owner], flat, color=colour, s=_dot_area(len(owner)), alpha=0.6, linewidths=0, rasterized=True)
         if (modes.line >= 0).any():
             path = _along(joints[:, :, [place]], modes.line)[:, 0]
             x, y = _without_turns(values, path, _HALF_TURN.get(units[place], np.inf))
@@ -233,6 +239,10 @@ def _without_turns(x: np.ndarray, y: np.ndarray, half_turn: float) -> tuple[np.n
 def _along(values: np.ndarray, line: np.ndarray) -> np.ndarray:
     """Values (n, width) of the modes that a line goes through; NaN where it does not."""
     return np.where((line >= 0)[:, None], values[np.arange(len(line)), np.maximum(line, 0)], np.nan)
+
+
+def _dot_area(count: int) -> float:
+    return float(np.clip(_ALL_DOTS / max(1, count), _LEAST_AREA, _LARGEST_AREA))
 
 
 def _legend(ax: Any) -> None:

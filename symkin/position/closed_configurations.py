@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
+from symkin.computed_once import lru_cache
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
@@ -16,6 +17,7 @@ _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
 """Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take long, fewer."""
 
 
+@lru_cache(maxsize=128)
 def whole_system(closure: Closure) -> System:
     """The closure with every coordinate unknown."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)

@@ -9,7 +9,7 @@ from collections import Counter
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
-from symkin.position.describe_parts import heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
 from symkin.position.mobility import mobility
 from symkin.position.mobility_result import Mobility
 from symkin.position.platform_motion import fewer_rows
@@ -54,12 +54,8 @@ def _rod(bar: Bar) -> str:
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:
-    closure = found.closure
-    lines = ["Closure F(q, x, X, p) = 0"]
-    for role, text in (("actuated", "q, actuated"), ("passive", "x, passive"), ("pose", "X, pose")):
-        names = [c.name for c in closure.role(role)]
-        lines.append(f"  {text} ({sum(c.freedom for c in closure.role(role))}): {', '.join(names) or 'none'}")
-    lines.append(f"  p, geometry: {len(closure.parameter_names)} parameters")
+    lines = coordinates_text(found.closure)
+    lines.append(f"  p, geometry: {len(found.closure.parameter_names)} parameters")
     for kind in ("direct", "inverse"):
         system = build_problem(mechanism, kind).system
         lines.append(f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns")

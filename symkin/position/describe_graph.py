@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from symkin.model.graph import Coupling, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.describe_parts import heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
 from symkin.position.mobility_result import Mobility
 
 
@@ -84,12 +84,7 @@ def _loops(m: Mobility) -> str:
 
 def _closure(m: Mobility) -> str:
     closure = m.closure
-    lines = ["Closure F(q, x, X, p) = 0"]
-    roles = (("actuated", "q, actuated"), ("passive", "x, passive"), ("body", "x, poses of floating links"), ("pose", "X, pose"))
-    for role, text in roles:
-        coordinates = closure.role(role)
-        if coordinates or role in ("actuated", "passive"):
-            lines.append(f"  {text} ({sum(c.freedom for c in coordinates)}): {_names(coordinates)}")
+    lines = coordinates_text(closure)
     vanishing = f", and {_count(closure.vanishing, 'row')} that vanish everywhere" if closure.vanishing else ""
     lines.append(f"  {_count(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: {len(closure.parameter_names)} parameters")
     if closure.idle:
@@ -117,10 +112,6 @@ def _platform(m: Mobility) -> str:
     lines += rows_text("  constraints (force; moment about the origin)", m.platform_constraints)
     lines += rows_text("  twists left (angular velocity; velocity at the origin)", m.platform_twists)
     return "\n".join(lines)
-
-
-def _names(coordinates: Sequence[Coordinate]) -> str:
-    return ", ".join(c.name for c in coordinates) or "none"
 
 
 def _count(number: int, word: str) -> str:

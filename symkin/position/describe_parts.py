@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.closure.closure import Closure
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
 from symkin.position.mobility_result import Mobility
@@ -28,6 +29,18 @@ def heading(mechanism: Mechanism, kind: str) -> str:
     return "\n".join(
         [*lines, f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {size}"]
     )
+
+
+def coordinates_text(closure: Closure) -> list[str]:
+    """The closure's coordinates by their roles; poses only where there are any."""
+    roles = (("actuated", "q, actuated"), ("passive", "x, passive"), ("body", "x, poses of floating links"), ("pose", "X, pose"))
+    lines = ["Closure F(q, x, X, p) = 0"]
+    for role, text in roles:
+        coordinates = closure.role(role)
+        if coordinates or role in ("actuated", "passive"):
+            names = ", ".join(c.name for c in coordinates) or "none"
+            lines.append(f"  {text} ({sum(c.freedom for c in coordinates)}): {names}")
+    return lines
 
 
 def ranks_text(found: Mobility, rows: str) -> list[str]:

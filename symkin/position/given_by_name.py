@@ -19,6 +19,8 @@ from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import shown
 
 Values = Mapping[str, float | Sequence[float]]
+Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
+"""Values by name of many inputs: columns, and one value where all inputs have the same."""
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
@@ -156,12 +158,30 @@ def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given:
     return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
 
 
-def many_given(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
-    """What is given of many inputs, as `any_given` has one."""
+def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | None) -> list[Given]:
+    """What is given of many inputs, as `any_given` has one: rows of joints or of poses, or by name a column or one value each."""
+    if given is not None:
+        return [any_given(mechanism, joints, pose, row) for row in _rows(given)]
     if pose is not None and mechanism.platform_link is None:
         return [named_given(mechanism, joints, pose, None)]
     many = given_many(mechanism, joints, pose)
-    return [told_by_name(mechanism, one) for one in many] if mechanism.is_graph else many
+    plain = plain_case(mechanism, joints, pose, None) is not None
+    return many if plain else [told_by_name(mechanism, one) for one in many]
+
+
+def has_columns(given: Any) -> bool:
+    """Whether values by name are those of several inputs: some are a column, of whole poses several rows."""
+    return isinstance(given, Mapping) and any(np.ndim(value) > (name == "pose") for name, value in given.items())
+
+
+def _rows(given: Columns) -> list[dict[str, Any]]:
+    """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
+    lengths = {name: len(value) for name, value in given.items() if np.ndim(value) > (name == "pose")}  # type: ignore[arg-type]
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")
+    columns = {name: value if name in lengths else [value] * max(lengths.values()) for name, value in given.items()}
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def problem_of(mechanism: Mechanism, given: Given) -> Problem:

@@ -17,7 +17,7 @@ def held_motions(closure: Closure, values: np.ndarray, roles: Roles, tolerance: 
     """Independent motions with F_x x' = 0 as rates of joints by name in the mechanism's units, the largest of each 1. Motions of
     spherical joints and links alone are none."""
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
-    rows = row_basis(jacobian, tolerance)
+    rows = row_basis(jacobian, max(tolerance, roles.dependent_rows))
     driven = set(roles.input_columns(closure))
     free = [k for k in range(jacobian.shape[1]) if k not in driven]
     left = null_space(rows[:, free], tolerance)

@@ -84,7 +84,7 @@ def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float, r
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
     outputs, inputs = roles.output_columns(closure), roles.input_columns(closure)
     # parts that loops share lose rank together at a configuration that is known to half of its digits only
-    dependent = tolerance if roles.by_name else RANK_TOLERANCE
+    dependent = max(tolerance, roles.dependent_rows) if roles.by_name else RANK_TOLERANCE
     limbs = [
         eliminated(block.limb, row_basis(jacobian[block.rows], dependent), outputs, inputs, block.passive, tolerance)
         for block in limb_blocks(closure, roles)

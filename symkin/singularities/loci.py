@@ -43,7 +43,7 @@ class Loci(Result):
     """
 
     plane: Plane
-    ranges: tuple[tuple[float, float], tuple[float, float]]
+    ranges: tuple[tuple[float, float], ...]
     curves: tuple[Locus, ...]
     starts: int
     seed: int
@@ -59,11 +59,10 @@ class Loci(Result):
         return tuple(curve for curve in self.curves if curve.kind == kind)
 
     @property
-    def units(self) -> tuple[str, str]:
-        """The units of the plane's two coordinates."""
+    def units(self) -> tuple[str, ...]:
+        """The units of the plane's coordinates."""
         m = self.plane.mechanism
-        first, second = (m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates)
-        return first, second
+        return tuple(m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates)
 
     @property
     def angles(self) -> str | None:
@@ -104,8 +103,10 @@ class Loci(Result):
             lines.append(f"and {len(self.curves) - most_rows} more")
         lines += [] if self.curves else [self.without_curves]
         lines += [_THIN] if any(not curve.in_mode.all() for curve in self.curves if not curve.is_point) else []
-        lines.append(f"{self.starts} starts, seed {self.seed}; a curve that no start reaches is not listed")
-        return Summary([*lines, *(f"note: {note}" for note in self.notes)])
+        what = "curve" if len(self.ranges) == 2 else "point"
+        lines.append(f"{self.starts} starts, seed {self.seed}; a {what} that no start reaches is not listed")
+        notes = self.notes if what == "curve" else tuple(note.replace("curve", "point") for note in self.notes)
+        return Summary([*lines, *(f"note: {note}" for note in notes)])
 
     @property
     def without_curves(self) -> str:
@@ -134,6 +135,8 @@ class Loci(Result):
 
 def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
     head = curve.kind + (f" of {curve.limb}" if curve.limb else "")
+    if len(ranges) == 1:
+        return f"{head} at {_place(curve.points[0])}, met by {curve.hits} start{'' if curve.hits == 1 else 's'}"
     if curve.is_point:
         what = "a motion with both coordinates held" if curve.self_motion else "curves that nearly touch or cross"
         return f"{head}, {what}, at {_place(curve.points[0])}"
@@ -144,5 +147,5 @@ def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
 
 
 def _place(point: np.ndarray) -> str:
-    u, v = (plain(float(x)) for x in point)
-    return f"({u:.9g}, {v:.9g})"
+    numbers = ", ".join(f"{plain(float(x)):.9g}" for x in point)
+    return f"({numbers})" if len(point) > 1 else numbers

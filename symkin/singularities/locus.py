@@ -23,7 +23,7 @@ _SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Locus:
-    """One curve: `points` (n, 2) in the plane and `configurations` (n, width of the unknowns `names`), every one a zero.
+    """One curve, or one point over a single coordinate: `points` (n, 2), (1, 1), in the plane and `configurations` (n, width of the unknowns `names`), every one a zero.
 
     Where passive joints alone lose the rank, the kind is "passive". `hits` counts the starts. Curves of
     other working modes and mirror images with the same picture are not listed again.
@@ -99,7 +99,7 @@ def make_locus(system: LocusSystem, curve: Curve, cusps: np.ndarray, in_mode: np
         configurations=curve.points[:, : system.uv.stop],
         largest_row=float(np.max(np.abs(values))),
         hits=hits,
-        self_motion=is_one_place(points) and has_self_motion(system, curve.points[len(points) // 2]),
+        self_motion=points.shape[1] == 2 and is_one_place(points) and has_self_motion(system, curve.points[len(points) // 2]),
     )
 
 

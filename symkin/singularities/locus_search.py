@@ -22,6 +22,8 @@ _CLOSED = 1e-8
 _OTHER_VECTORS = 3
 """Beside the null vector of the smallest singular value a start tries one of so many next ones: of joints that are nearly
 parallel everywhere, or of units far apart, the smallest one never leads to a curve."""
+_SAME_VALUE = 1e-7
+"""Zeros over one coordinate are one place where they are within this (rad, or of the size): they are known to 1e-11."""
 _FINENESS = 1 / 150
 """Longest step of a curve in the plane, of the window's sides."""
 
@@ -79,7 +81,7 @@ def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np
     begin = np.tile(system.centre, (starts, 1))
     radii = np.resize(_RADII, starts)[:, None] * part.characteristic_length
     begin = part.move(begin, radii * rng.normal(size=(starts, part.freedom)))
-    begin[:, system.uv] = rng.uniform(window[:, 0], window[:, 1], (starts, 2))
+    begin[:, system.uv] = rng.uniform(window[:, 0], window[:, 1], (starts, len(window)))
     if not part.rows.shape[0]:
         return begin
     batch = levenberg_marquardt(part, begin, np.zeros(0), max_iterations=60)
@@ -118,6 +120,8 @@ def traced_curves(system: LocusSystem, found: Seeds, window: np.ndarray) -> tupl
     """Curves through the seeds, and how many starts ended on none. Seeds in the configuration's working mode come first, inexact
     ones (multiple zeros) last. Those at which more than one rank is lost and no curve is found are tried again at the end, with
     w free to move in one place: most are on other seeds' curves by then."""
+    if len(system.plane.coordinates) == 1:
+        return _points(system, found), 0
     traced: list[Traced] = []
     seeds, view = found.points, _tracing_window(system, window)
     modes = same_mode(system, np.array(seeds)) if seeds else np.zeros(0, dtype=bool)
@@ -136,6 +140,26 @@ def traced_curves(system: LocusSystem, found: Seeds, window: np.ndarray) -> tupl
                 met.starts.add(found.starts[k])
         left = missed
     return traced, len({found.starts[k] for k in left})
+
+
+def _points(system: LocusSystem, found: Seeds) -> list[Traced]:
+    """The zeros over one coordinate, one for each value of it: seeds are zeros already."""
+    traced: list[Traced] = []
+    for z, start in zip(found.points, found.starts, strict=True):
+        same = next(
+            (t for t in traced if np.abs(t.curve.points[0, system.uv] - z[system.uv])[0] <= _SAME_VALUE * _scale(system)), None
+        )
+        if same is None:
+            alone = Curve(z[None], np.zeros((1, system.curve.freedom)), closed=False)
+            same = Traced(system, alone, np.zeros(0, dtype=int), np.ones(1, dtype=bool), set())
+            traced.append(same)
+        same.starts.add(start)
+    return sorted(traced, key=lambda t: float(t.curve.points[0, system.uv][0]))
+
+
+def _scale(system: LocusSystem) -> float:
+    """What differences of the first coordinate are relative to: rad, or the size."""
+    return 1.0 if system.plane.coordinates[0].is_angular else system.closed.characteristic_length
 
 
 def _curve_through(system: LocusSystem, seed: np.ndarray, view: Window, again: bool) -> Traced | None:

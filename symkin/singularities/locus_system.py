@@ -1,4 +1,4 @@
-"""Build the equations of a singularity locus over a plane of two coordinates (u, v).
+"""Build the equations of a singularity locus over a plane of two coordinates (u, v), or over one.
 
 With the closure F(q, x, X) = 0, all coordinates but the plane's two and those that they leave free held at a configuration,
 and J the part of dF/d(q, x, X) that must not lose rank,
@@ -9,7 +9,7 @@ describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, fo
 columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Where J w = 0 has solutions
 everywhere, w shows a loss of the generic rank in another way (`rank_loss`). Every equation is solved, also where J is not
 square, so that points of the curve are true zeros. Where known coordinates are told by name, the plane's are two of them, and type 2
-has all columns but theirs.
+has all columns but theirs; over one coordinate the zeros are points.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ LocusKind = Literal["type 1", "type 2"]
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Two coordinates that vary, all others of their family held: pose coordinates, actuated joints, or known coordinates by name.
+    """Two coordinates that vary (or one), all others of their family held: pose coordinates, actuated joints, or known coordinates by name.
 
     `known` are the names of the family where they are told, `problem` is the one for which they are known; `here` are the closure's
     variables at the solution. `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
@@ -53,8 +53,8 @@ class Plane:
     problem: Problem
     solution: Solution
     here: np.ndarray
-    names: tuple[str, str]
-    coordinates: tuple[Coordinate, Coordinate]
+    names: tuple[str, ...]
+    coordinates: tuple[Coordinate, ...]
     symbols: ca.SX
     values: ca.SX
     free: tuple[Coordinate, ...]
@@ -107,30 +107,24 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
     """The plane of two named coordinates through a configuration; `known` are all coordinates that are given, of which they are two.
     Raises InputError for names that do not fit."""
     mechanism = solution.mechanism
-    if len(names) != 2 or names[0] == names[1]:
-        raise InputError(f"plane = {', '.join(names)!r}; two different coordinates are needed")
     told = tuple(c.name for c in mechanism.actuated) if known is None else checked_names(mechanism, known, "given")
-    if plain_kind(mechanism, told) is None and (known is not None or mechanism.is_graph):
-        return _plane_of_known(solution, names, told)
-    return _plane_of_limbs(solution, names)
+    by_name = plain_kind(mechanism, told) is None and (known is not None or mechanism.is_graph)
+    if not (1 if by_name else 2) <= len(names) <= 2 or len(set(names)) < len(names):
+        raise InputError(f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are needed")
+    return _plane_of_known(solution, names, told) if by_name else _plane_of_limbs(solution, names)
 
 
 def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, ...]) -> Plane:
-    """A plane of two coordinates of those that are told by name."""
+    """A plane of two coordinates of those that are told by name, or a line of one."""
     problem = problem_of_names(solution.mechanism, known)
-    if len(known) == 1:
-        raise InputError(
-            f"plane = {', '.join(names)!r}; {known[0]} alone is given, and over one coordinate singular configurations are no curves: "
-            "track stops at each"
-        )
     if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
         raise InputError(
-            f"plane = {', '.join(names)!r}; allowed: two of {', '.join(known) or 'none'}, the coordinates that are given"
+            f"plane = {', '.join(names)!r}; allowed: one or two of the coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
-    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", 2)
+    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = _known_values(problem, here, names, u)
-    return Plane(problem, solution, here, (names[0], names[1]), coordinates, u, values, problem.system.unknowns, of_pose=False)
+    return Plane(problem, solution, here, tuple(names), coordinates, u, values, problem.system.unknowns, of_pose=False)
 
 
 def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
@@ -149,7 +143,7 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
     here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", 2)
     values, coordinates = _pose_values(problem.closure, solution, names, u) if of_pose else _known_values(problem, here, names, u)
     free = problem.closure.role("actuated", "passive") if of_pose else problem.closure.role("passive", "pose")
-    return Plane(problem, solution, here, (names[0], names[1]), coordinates, u, values, free, of_pose)
+    return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)
 
 
 def _pose_values(
@@ -174,16 +168,14 @@ def _pose_kind(name: str, names: Sequence[str]) -> Kind:
     return "angle" if name == "gamma" else "length"
 
 
-def _known_values(
-    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
-) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
+def _known_values(problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX) -> tuple[ca.SX, tuple[Coordinate, ...]]:
     closure, made = problem.closure, {}
     values = ca.SX(closure.variables)
     for c in problem.known_coordinates:
         now = float(here[closure.slices[c.name].start])
         values[closure.slices[c.name]] = u[names.index(c.name)] if c.name in names else now
         made[c.name] = Coordinate(f"plane.{c.name}", c.kind, "actuated", (now,), least=c.least)
-    return values, (made[names[0]], made[names[1]])
+    return values, tuple(made[name] for name in names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,13 +199,13 @@ class LocusSystem:
     def uv(self) -> slice:
         """Where (u, v) stand in a point of the curve."""
         width = sum(c.width for c in self.free)
-        return slice(width, width + 2)
+        return slice(width, width + len(self.plane.coordinates))
 
     @property
     def uv_columns(self) -> slice:
         """Where (u, v) stand in a tangent of the curve."""
         freedom = sum(c.freedom for c in self.free)
-        return slice(freedom, freedom + 2)
+        return slice(freedom, freedom + len(self.plane.coordinates))
 
     @property
     def centre(self) -> np.ndarray:

@@ -9,8 +9,14 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.determination import determination
 from symkin.position.given_by_name import given_coordinates, plain_kind, pose_names, unknown_name
 from symkin.position.problem import build_problem
+
+_OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
+"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows, up to a share of
+the largest."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,15 @@ class Roles:
     def names_output(self) -> bool:
         """Whether the output is less than all that is not driven."""
         return not self.by_name or self.outputs is not None
+
+    @property
+    def dependent_rows(self) -> float:
+        """Singular value of rows, over the largest, below which rows of names follow from others: more than rounding where loops of
+        redundant constraints close only to the digits of a file."""
+        if self.inputs is None:
+            return RANK_TOLERANCE
+        misfit = determination(build_problem(self.mechanism, "given", self.inputs)).misfit
+        return max(RANK_TOLERANCE, min(_OPEN_RANK * misfit / self.mechanism.characteristic_length, _MOST_OPEN))
 
     def input_columns(self, closure: Closure) -> list[int]:
         """Columns of the closure's Jacobian by rates of what is driven."""
@@ -85,7 +100,9 @@ def roles_of(mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs:
             raise InputError(f"output = {', '.join(wanted)}: {', '.join(both)} is given, and drives the mechanism")
         return Roles(mechanism, driven, wanted)
     pose_drives = any(name in POSE_CONDITIONS and name not in _joint_names(mechanism) for name in driven)
-    platform = mechanism.platform_link is not None and not pose_drives and not any(n.startswith("pose.") for n in driven)
+    pose_drives = pose_drives or any(name.startswith("pose.") for name in driven)
+    others = any(c.kind != "quaternion" and c.name not in driven for c in mechanism.coordinates)
+    platform = mechanism.platform_link is not None and not (pose_drives and others)
     return Roles(mechanism, driven, pose_names(mechanism) if platform else None)
 
 

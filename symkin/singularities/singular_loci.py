@@ -40,7 +40,7 @@ def singular_loci(
     starts: int = DEFAULT_STARTS,
     seed: int = 0,
 ) -> Loci:
-    """Find the curves of singular configurations over two coordinates, all others as in `solution`.
+    """Find the curves of singular configurations over two coordinates, or the points over one, all others as in `solution`.
 
     A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w, with J the part of dF/d(q, x, X)
     that loses rank: type 2 for all unknowns of the direct problem, type 1 for one limb's joints (Gosselin and Angeles 1990).
@@ -52,8 +52,8 @@ def singular_loci(
     pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought;
     `starts` (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
 
-    `given` names all coordinates that are known, as many as the mobility; the plane's are then two of them, and the curves (type 2) are
-    where they do not decide the others. For a graph of links these are the actuated joints, if none are named.
+    `given` names all coordinates that are known, as many as the mobility; the plane's are then two of them, or one, and the curves, or
+    points, are where they do not decide the others (type 2). For a graph of links these are the actuated joints, if none are named.
 
         >>> import symkin
         >>> platform = symkin.load("zhang2009")
@@ -64,6 +64,10 @@ def singular_loci(
         >>> corner = loci.given(loci.curves[0].points[0])
         >>> symkin.singularity(platform, **corner).kinds
         ('type 2',)
+        >>> slider = symkin.solve(symkin.load("slider_crank")).solution
+        >>> dead = symkin.singular_loci(slider, ["piston"], given=["piston"], ranges=[(0.0, 200.0)], starts=50)
+        >>> [round(float(point.points[0, 0]), 6) for point in dead.curves]
+        [45.0, 125.0]
     """
     chosen = plane_of(solution, plane, given)
     _check(chosen, kinds, starts, seed)
@@ -74,16 +78,16 @@ def singular_loci(
         found, said = _curves(system, window, starts, np.random.default_rng(seed))
         curves.extend(found)
         notes.extend(said)
-    u_range, v_range = (
+    sides = tuple(
         (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
     )
-    kept = merged(curves, np.ptp([u_range, v_range], axis=1))
-    if any(curve.hits <= _FEW_HITS and not curve.is_point for curve in kept):
+    kept = merged(curves, np.ptp(sides, axis=1))
+    if any(curve.hits <= _FEW_HITS and (not curve.is_point or len(sides) == 1) for curve in kept):
         notes.append(MISSING)
     if not kept and not any(note.endswith(LOST_OVER_PLANE) for note in notes):
         notes.append(NONE_MET)
-    return Loci(chosen, (u_range, v_range), curves=kept, starts=starts, seed=seed, notes=tuple(dict.fromkeys(notes)))
+    return Loci(chosen, sides, curves=kept, starts=starts, seed=seed, notes=tuple(dict.fromkeys(notes)))
 
 
 def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
@@ -109,14 +113,17 @@ def _check_pose(plane: Plane) -> None:
 
 
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
-    """Sides (2, 2) in inside units."""
+    """Sides (2, 2), or (1, 2) over one coordinate, in inside units."""
     if ranges is None:
         half = [np.pi if c.is_angular else 0.5 * plane.closure.characteristic_length for c in plane.coordinates]
         sides = np.array([[m - h, m + h] for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)])
     else:
-        sides = np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == 2 else np.zeros((0, 2))
-        if len(sides) != 2:
-            raise InputError(f"ranges: {len(ranges)} given, two are needed, one for each of {', '.join(plane.names)}")
+        sides = (
+            np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == len(plane.names) else np.zeros((0, 2))
+        )
+        if len(sides) != len(plane.names):
+            needed = "two are needed, one for each of" if len(plane.names) == 2 else "one is needed, for"
+            raise InputError(f"ranges: {len(ranges)} given, {needed} {', '.join(plane.names)}")
     for k, c in enumerate(plane.coordinates):
         if c.least is not None:
             sides[k, 0] = max(sides[k, 0], c.least) + 0.0

@@ -1,8 +1,8 @@
 """What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
 
 `modes`: all of them, with the named points of links; `conditioning`: their distances from singularities of type 1 and type 2 (see
-`symkin.singularities.singularity_result`) where the inputs or the pose are what is given, their condition numbers, and the least
-and largest of these at each point; `reach`: how many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
+`symkin.singularities.singularity_result`) with what is given as what drives, their condition numbers, and the least and largest of
+these at each point; `reach`: how many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
 modes of any point, and filled up with its `fill`.
 """
 
@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.problem import Problem
+from symkin.position.transfer import many_elsewhere
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
+from symkin.singularities.roles import Roles, roles_of
 
 QUANTITIES = ("modes", "conditioning", "reach")
 
@@ -50,7 +50,7 @@ def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable,
         found += _points(mechanism.length_unit) if mechanism.link_points else []
         found += _modes(mechanism.length_unit) + (_certificates(mechanism.length_unit) if certify else [])
     elif quantity == "conditioning":
-        found += (_DISTANCES if problem.kind != "given" else []) + _CONDITIONING
+        found += [*_DISTANCES, *([_INCREASED] if problem.kind == "given" else []), *_CONDITIONING]
     else:
         found += _REACH
     return tuple(found)
@@ -58,7 +58,17 @@ def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable,
 
 def all_names() -> frozenset[str]:
     """Names of the arrays of all quantities."""
-    found = (*_COMMON, *_platform(""), *_points(""), *_modes(""), *_certificates(""), *_DISTANCES, *_CONDITIONING, *_REACH)
+    found = (
+        *_COMMON,
+        *_platform(""),
+        *_points(""),
+        *_modes(""),
+        *_certificates(""),
+        *_DISTANCES,
+        _INCREASED,
+        *_CONDITIONING,
+        *_REACH,
+    )
     return frozenset(v.name for v in found)
 
 
@@ -82,15 +92,23 @@ _CONDITION = _variable("condition", "float64", np.nan, "mode", long_name="condit
 _WITHIN = _variable("within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits")
 _DISTANCES = [
     _variable(
-        f"distance_type_{k}",
+        f"distance_{kind.replace(' ', '_')}",
         "float64",
         np.nan,
         "mode",
         units="1",
-        long_name=f"distance from a singularity of type {k} (0: singular; rows of unit length, angles times the size)",
+        long_name=f"distance from a singularity of {kind} (0: singular; rows of unit length, angles times the size)",
     )
-    for k in (1, 2)
+    for kind in ("type 1", "type 2")
 ]
+_INCREASED = _variable(
+    "distance_increased",
+    "float64",
+    np.nan,
+    "mode",
+    units="1",
+    long_name="distance from configurations of more freedoms (0: there; singular value of all rows over their largest)",
+)
 _CONDITIONING = [
     _CONDITION,
     _WITHIN,
@@ -134,8 +152,7 @@ def _certificates(length_unit: str) -> list[Variable]:
 def arrays_of(found: ModeTable, quantity: str, certify: bool, problem: Problem) -> dict[str, np.ndarray]:
     """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
     chosen = variables(quantity, certify, problem)
-    measured = _DISTANCES[0] in chosen
-    derived = _derived(found) | (_distances(found, problem.mechanism) if measured else {})
+    derived = _derived(found) | (_distances(found, problem) if quantity == "conditioning" else {})
     arrays = {}
     for v in chosen:
         values = derived.get(v.name, getattr(found, v.name, None))
@@ -172,8 +189,13 @@ def _derived(found: ModeTable) -> dict[str, np.ndarray]:
     }
 
 
-def _distances(found: ModeTable, mechanism: Mechanism) -> dict[str, np.ndarray]:
+def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     """Of each mode; NaN for a kind that the mechanism cannot have."""
-    closure, generic = build_closure(mechanism), generic_ranks(mechanism)
-    rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE), generic) for values in found.values]
-    return {f"distance_type_{k}": np.array([row.get(f"type {k}", np.nan) for row in rows]) for k in (1, 2)}
+    mechanism = problem.mechanism
+    names = list(dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates))
+    roles = roles_of(mechanism, names) if problem.kind == "given" else Roles(mechanism)
+    closure, generic = roles.closure, generic_ranks(mechanism, None, roles if roles.by_name else None)
+    there = found.values if closure is problem.closure else many_elsewhere(closure, problem.closure, found.values)
+    rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles) for values in there]
+    kinds = {"distance_type_1": "type 1", "distance_type_2": "type 2", "distance_increased": "increased"}
+    return {name: np.array([row.get(kind, np.nan) for row in rows]) for name, kind in kinds.items()}

@@ -94,7 +94,7 @@ def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
     """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
     name = header.partition("[")[0].strip()
     bare, known = name.removeprefix("sigma_"), observables(mechanism).values()
-    columns = [column for o in known for column in (*o.columns, *o.sigmas)]
+    columns = list(dict.fromkeys(column for o in known for column in (*o.columns, *o.sigmas)))
     near = get_close_matches(bare, columns, 1, _MISSPELT)
     links = {f"{o.of[0]}." for o in known if o.kind in LINK_COLUMNS}
     if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):

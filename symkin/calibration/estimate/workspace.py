@@ -36,7 +36,6 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.joint import Coordinate
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
@@ -362,8 +361,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
 def states_reference(mechanism: Mechanism) -> bool:
     """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
     origin."""
-    rods_alone = not mechanism.link_joints and all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    return any(mechanism.platform_position) or not rods_alone
+    return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
 def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:

@@ -1,0 +1,1 @@
+"""Robots as others write them: MJCF, URDF and SDF, read into a graph of links."""
