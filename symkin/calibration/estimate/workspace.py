@@ -127,13 +127,20 @@ class Workspace:
                 if found[chosen[row]] is None:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
         if missing:
-            text = ", ".join(f"{math.degrees(a):g}" for a in inclinations[missing[0]])
             raise InputError(
                 f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of {len(inclinations)} postures were found in "
-                f"{drawn} draws within joint limits and away from singularities (none for alpha, beta = {text} deg); use a smaller "
-                "workspace or inclinations that the platform can take"
+                f"{drawn} draws within joint limits and away from singularities {self._why_none(inclinations[missing[0]], held)}"
             )
         return ClosedConfigurations.joined([c for c in found if c is not None])
+
+    def _why_none(self, inclination: np.ndarray, held: bool) -> str:
+        """What to do where postures are not found."""
+        if self.carried and not held:
+            rows, freedom = self.solver.rows_and_unknowns
+            redundant = f"; {rows} rows for {freedom} unknowns close at special geometry alone" if rows > freedom else ""
+            return f"about the reference; give joints limits within which it moves{redundant}"
+        text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
+        return f"(none for alpha, beta = {text} deg); use a smaller workspace or inclinations that the platform can take"
 
     def near(
         self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
@@ -279,6 +286,11 @@ class ClosureSolver:
         """Split the closure's variables into the unknown coordinates of the direct problem, and the actuated joints."""
         count = len(self.mechanism.actuated)
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
+
+    @property
+    def rows_and_unknowns(self) -> tuple[int, int]:
+        """Counts of closure rows and of the freedoms of the unknown coordinates."""
+        return int(self._model.system.rows.shape[0]), self._model.system.freedom
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
