@@ -58,4 +58,16 @@ def _mjcf(path: Path) -> Robot:
     return read_mjcf(path)
 
 
-_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf}
+def _urdf(path: Path) -> Robot:
+    from symkin.formats.urdf import read_urdf
+
+    return read_urdf(path)
+
+
+def _sdf(path: Path) -> Robot:
+    from symkin.formats.sdf import read_sdf
+
+    return read_sdf(path)
+
+
+_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}
