@@ -92,7 +92,7 @@ def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corn
     away = _centre(axes, view) * side
     axes.set_position((*((foot - away) / size), *(side / size)))
     _strip(axes)
-    if not body.serial:
+    if body.has_platform:
         _spokes(axes, body, scale)
         _colour_limbs(axes, body, view, scale)
 

@@ -66,6 +66,19 @@ def test_plan_simulate_fit(capsys, tmp_path):
     assert {r["kind"] for r in report["residuals"]} == {"follower", "point.pen", "distance.pen.mark"}
 
 
+def test_a_geometry_that_does_not_move_is_said_to(capsys, tmp_path):
+    """A Bennett loop with one link's twist off is a structure: no posture is found, and the redundant rows are named."""
+    loop, bent = symkin.load("bennett"), tmp_path / "bent.toml"
+    joints = [e.joint for e in loop.link_joints]
+    axis = np.array(joints[2].axis) + [0.02, 0.0, 0.03]
+    bent.write_text(loop.to_toml().replace(f"axis = {list(joints[2].axis)}", f"axis = {axis.tolist()}"))
+    status, _, complaint = run(
+        capsys, "calibrate", "simulate", "bennett", "--truth", bent, "-o", tmp_path / "new.csv", "--readings", joints[1].name
+    )
+    assert status == 2
+    assert "close at special geometry alone" in complaint
+
+
 def test_readings_of_the_true_machine_are_simulated(capsys, tmp_path):
     """A point of the machine that is measured lies where that machine's file has it."""
     nominal, true = four_bars(tmp_path)

@@ -12,7 +12,7 @@ import pytest
 import symkin
 from helpers.csv_cells import rewritten
 from symkin import InputError
-from symkin.calibration.data.columns import SEQUENCES
+from symkin.calibration.data.column_names import SEQUENCES
 from symkin.calibration.data.files import read_measurements, write_measurements
 from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
 from symkin.calibration.estimate.workspace import Workspace

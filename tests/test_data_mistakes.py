@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import symkin
 from helpers import hexapod_log
 from helpers.hexapods import matrices
 from symkin.calibration.data.measurements import Distance, Measurements
@@ -71,12 +72,57 @@ MISTAKES = {
 }  # fmt: skip
 
 
+LINKAGE = symkin.load("stephenson_six_bar")
+ENCODERS = ("rocker", "output")
+
+
+@pytest.fixture(scope="module")
+def encoders() -> Measurements:
+    """What encoders on the two rockers of a six-bar read."""
+    rng, groups, noise = np.random.default_rng(4), np.full(24, -1), Noise(0.0, 0.0)
+    made = random_configurations(Workspace.about(LINKAGE), groups, noise, rng)
+    return simulate_readings(LINKAGE, made, groups, ENCODERS, noise, rng)
+
+
+def with_readings(change):
+    return lambda m: replace(m, readings=change(list(m.readings)))
+
+
+MISTAKES_OF_ENCODERS = {
+    "the sign of a passive joint's encoder reversed": (
+        with_readings(lambda read: [read[0], replace(read[1], values=-read[1].values)]), "the sign of output looks reversed"
+    ),
+    "two encoders exchanged": (
+        with_readings(lambda read: [replace(read[0], values=read[1].values), replace(read[1], values=read[0].values)]),
+        "the columns rocker and output look exchanged",
+    ),
+    "readings of joints, points and links in another unit": (
+        with_readings(lambda read: [replace(read[0], values=np.degrees(read[0].values)), read[1]]), "the readings of rocker look"
+    ),
+}  # fmt: skip
+
+
+def test_right_encoders_are_not_suspected(encoders: Measurements) -> None:
+    assert diagnose(LINKAGE, encoders) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", MISTAKES_OF_ENCODERS)
+def test_a_mistake_of_encoders_is_named_by_its_rule(encoders: Measurements, mistake: str) -> None:
+    spoil, words = MISTAKES_OF_ENCODERS[mistake]
+    spoilt = spoil(encoders)
+    said = diagnose(LINKAGE, spoilt)
+    assert any(words in sentence for sentence in said), said
+    rule = next(rule for rule in RULES if rule.mistake == mistake)
+    assert any(words in sentence for sentence, _ in rule.find(Case(LINKAGE, spoilt)))
+
+
 def test_right_readings_are_not_suspected(poses: Measurements) -> None:
     assert diagnose(MACHINE, poses) == ()
 
 
 def test_every_rule_of_the_table_has_a_case_here() -> None:
-    assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == set(MISTAKES)
+    assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == {*MISTAKES, *MISTAKES_OF_ENCODERS}
     assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
 
 

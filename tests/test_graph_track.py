@@ -4,6 +4,7 @@ dead points by elementary geometry, limits of any joint, files and mistakes."""
 from __future__ import annotations
 
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -141,6 +142,23 @@ def test_a_bifurcation_of_a_redundant_loop_is_found() -> None:
     assert "increased" in found.stop.kinds
 
 
+@pytest.mark.parametrize(("step", "count"), [((100.0, 30.0, -300.0), 1), ((0.0, 0.0, -300.0), 3)])
+def test_a_path_of_poses_stops_where_motors_are_at_dead_points(step: tuple[float, ...], count: int) -> None:
+    """A delta lowered as far as an arm reaches, or straight down, as far as all three do: type 1, and each motor's own block and loops."""
+    mechanism = symkin.load("delta_parallelograms")
+    here = symkin.solve(mechanism).solution
+    assert here is not None
+    found = symkin.track(mechanism, poses=[here.pose, [*(here.position + np.array(step)), *here.quaternion]], start=here)
+    assert found.stop is not None
+    assert (found.stop.kind, found.stop.type) == ("turning point", "type 1")
+    assert "type 1" in found.stop.kinds
+    assert [len(group.unknowns) for group in found.stop.groups] == [1] * count
+    assert found.stop.meeting is not None
+    assert len(found.stop.meeting.others) == 2**count - 1
+    for group in found.stop.groups:
+        assert any(group.unknowns[0] in loop.split(", ") for loop in group.loops)
+
+
 def limited(tmp_path: Path, joint: str, low: float, high: float) -> symkin.Mechanism:
     """The four-bar with limits of one joint."""
     text = (MECHANISMS / "four_bar.toml").read_text()
@@ -178,6 +196,15 @@ def test_loops_that_close_to_a_files_digits_are_followed_by_least_squares(tmp_pa
     assert any("least squares" in note for note in found.trajectory.notes)
     here = symkin.singularity(found.end.solution, given=["input"])
     assert (here.kinds, here.generic.freedoms) == ((), 1)
+
+
+def test_a_track_travels(tmp_path: Path) -> None:
+    """Pickled and read again, with a closure that holds a joint for its limits: the same samples, stop and distances."""
+    found = symkin.track(limited(tmp_path, "follower_pin", -170.0, 30.0), given={"crank": [60.0, 90.0]}, samples=3)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.problem.closure.partition == found.problem.closure.partition
+    assert again.to_dict() == found.to_dict()
+    assert again.end.solution.joints == found.end.solution.joints
 
 
 # --- starts and forms of the path -----------------------------------------------------------------------------------------

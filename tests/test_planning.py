@@ -13,7 +13,8 @@ from symkin import InputError
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, ExchangeSearch
-from symkin.calibration.design.planning import plan_measurements, reading_slopes
+from symkin.calibration.design.planning import plan_measurements
+from symkin.calibration.design.reading_slopes import reading_slopes
 from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.judge.pose_accuracy import pose_slopes

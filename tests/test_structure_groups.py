@@ -14,6 +14,8 @@ import symkin
 from helpers.command_line import run, run_json
 from symkin import InputError
 from symkin.assembly.by_groups import independent_parts
+from symkin.assembly.mode_table import COMPLETENESS
+from symkin.assembly.modes_at_points import make_finder
 from symkin.closure.branches import layout_of
 from symkin.model.file import parse
 from symkin.model.joint import BASE
@@ -21,6 +23,7 @@ from symkin.numeric.rank import Rank
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given_by_name import given_by_name, problem_of
 from symkin.position.groups import structure_groups
+from symkin.position.problem import build_problem
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
@@ -143,6 +146,25 @@ def test_inputs_with_more_modes_than_are_listed_stand_beside_others():
         assert found.total == 2**16
         assert len(found) == 1 + 16
         assert max(mode.residual for mode in found) < 1e-9 * walker.characteristic_length
+
+
+def test_points_with_more_modes_than_are_listed_are_counted_as_such():
+    """A sweep's point of sixteen legs is "too many to list", one of three legs has its eight modes."""
+    for count, expected, said in ((16, -1, "too many to list"), (3, 8, "probability one")):
+        problem = build_problem(legs(count), "given", ("crank",))
+        finder = make_finder(problem, starts=100, seed=0, certify=False)
+        found = finder.find_values(np.radians([[20.0], [35.0]]))
+        assert found.count.tolist() == [expected, expected]
+        assert [COMPLETENESS[code] for code in found.completeness] == [said, said]
+        assert len(found.values) == 2 * max(expected, 0)
+
+
+def test_a_sweep_says_that_there_are_too_many_modes(tmp_path):
+    pytest.importorskip("xarray")
+    swept = symkin.sweep(legs(16), {"crank": [20.0, 35.0]}, tmp_path / "s", workers=0)
+    assert "too many to list: 2" in str(swept)
+    assert "no point" not in str(swept)
+    assert swept.plot().axes[0].texts[0].get_text() == "too many modes to list at every point"
 
 
 def test_choices_and_the_whole_list_agree():

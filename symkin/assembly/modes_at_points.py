@@ -152,7 +152,6 @@ class GroupFinder:
         many = (account.too_many != NOT_KNOWN) | np.array(listed < total, dtype=bool)
         unresolved, complex_counts = account.unresolved, account.complex_count
         unknown = (complex_counts == NOT_KNOWN).any(axis=1) | ~account.whole | many
-        # by their order: "not computed" stands before what is said of lists
         said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[found.statement]
         return table_of(
             self.problem,

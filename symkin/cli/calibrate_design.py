@@ -84,7 +84,7 @@ def simulate(
     """Write measurements as a measuring system would take them, of random postures or those of a plan."""
     import numpy as np
 
-    from symkin.calibration.data.columns import DISTANCE
+    from symkin.calibration.data.column_names import DISTANCE
     from symkin.calibration.data.files import measurements_text, read_measurements
     from symkin.calibration.design.simulation import (
         group_numbers,

@@ -56,7 +56,7 @@ def track(
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Follow one mode along a path of joints or poses, with a proof, up to the first singularity or limit."""
+    """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
     from symkin.formats.load import load

@@ -18,7 +18,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate
 from symkin.numeric.balls import BallFunction, raise_constants
-from symkin.numeric.system import System
+from symkin.numeric.system import System, incidence_of, split_blocks
 from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.pool import Pool
 from symkin.position.problem import Problem
@@ -143,7 +143,14 @@ def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=128)
 def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
     """The rows of each independent block of a problem along an interval; built once for each problem."""
-    return tuple(_path_system(problem, block) for block in problem.blocks)
+    return tuple(_path_system(problem, block) for block in _independent(problem))
+
+
+def _independent(problem: Problem) -> tuple[System, ...]:
+    """The independent parts of a problem; those of coordinates told by name are what rows and checks join."""
+    if problem.kind != "given":
+        return problem.blocks
+    return split_blocks(problem.system, incidence_of(problem.system.errors, problem.system))
 
 
 def _path_system(problem: Problem, system: System) -> PathSystem:

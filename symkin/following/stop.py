@@ -13,10 +13,11 @@ from symkin.following.meeting_modes import Meeting, meeting_modes
 from symkin.following.sample import Sample, make_sample
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
+from symkin.position.transfer import variables_at
 from symkin.singularities.classification import classify
 from symkin.singularities.roles import Roles, roles_of
-from symkin.singularities.singular_groups import SingularGroup
+from symkin.singularities.singular_groups import SingularGroup, singular_groups
 
 _AT_START = 1e-6
 """A singular point found at a smaller parameter than this is that of the start."""
@@ -71,7 +72,7 @@ class Stop:
         place = "" if self.place is None else f" at {self.place.parameter:.12g} of the path"
         kinds = ", ".join(self.kinds or ([self.type] if self.type else []))
         named = f"{self.kind} ({kinds})" if kinds else self.kind
-        named += f" of {self.blocks} limbs at once" if self.blocks > 1 else ""
+        named += f" of {self.blocks} limbs at once" if self.blocks > 1 and not self.groups else ""
         named += f" of {'; '.join(str(group) for group in self.groups)}" if self.groups else ""
         what = {
             "turning point": "the mode ends there",
@@ -124,11 +125,19 @@ def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kep
         text="",
         type=_type(branch),
         kinds=found.kinds,
-        groups=found.groups,
+        groups=_groups(problem, place),
         meeting=meeting_modes(problem, trajectory, branch) if name_modes else None,
         error=None if None in errors else max(e for e in errors if e is not None),
         blocks=len(points),
     )
+
+
+def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
+    """The structure groups of coordinates told by name that are singular at a stop, as `modes` numbers them."""
+    if problem.kind != "given":
+        return ()
+    listed = build_problem(problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates))
+    return singular_groups(listed, variables_at(listed.closure, place.solution))
 
 
 def roles_followed(problem: Problem) -> Roles:

@@ -18,6 +18,8 @@ DIGITS = 1e-5
 """Of the size: loops that stay open by less close to the digits that files are written with."""
 RANK_SHARE = 1e-8
 """Share of the largest singular value below which others count as zero, as for every closure of symkin."""
+_ROUNDING = 1e-14
+"""Of the size: loops of a file that stay open by less are left as they are."""
 _ITERATIONS = 300
 """Steps of one search; those that arrive take 10 to 100."""
 _STALLED = 25
@@ -85,7 +87,10 @@ def nearest_closed(robot: Robot) -> Closed:
     """Close the loops from the file's own configuration, and go along the closed ones to the nearest. Where the first search ends
     open, others begin at random steps from there."""
     tree = Tree(robot)
-    best = _searched(tree, tree.own)
+    best = tree.own
+    if _largest(tree, best) <= _ROUNDING * tree.size:
+        return Closed(tree, best, tree.placed(best), misfits(tree, best), misfits(tree, best))
+    best = _searched(tree, best)
     rng = np.random.default_rng(_SEED)
     for start in _random_starts(tree, rng):
         if _largest(tree, best) <= CLOSED * tree.size:
@@ -181,7 +186,7 @@ def _searched(tree: Tree, start: State) -> State:
             state, values, jacobian, cost = trial, trial_values, trial_jacobian, trial_cost
             damping = max(0.2 * damping, 1e-10)
         else:
-            if cost <= 1e-14 * tree.size:
+            if cost <= _ROUNDING * tree.size:
                 break
             damping *= 5.0
         mark, since = (cost, 0) if cost < 0.9 * mark else (mark, since + 1)

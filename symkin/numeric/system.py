@@ -175,8 +175,8 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
     """Independent parts: the connected components of the graph of rows and unknown coordinates, with places of unknowns
     that stay `together`. A limb whose platform pose is given is one part; its branches are found alone and combined
     afterwards."""
-    errors_of = _incidence(system.errors, system)
-    rows_of = _incidence(system.rows, system)
+    errors_of = incidence_of(system.errors, system)
+    rows_of = incidence_of(system.rows, system)
     groups = components([*rows_of, *together], len(system.unknowns))
     blocks = []
     for group in groups:
@@ -192,12 +192,12 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
 
 def constant_rows(system: System) -> System:
     """The rows that no unknown enters: conditions on the given values alone."""
-    rows = [i for i, used in enumerate(_incidence(system.rows, system)) if not used]
-    errors = [i for i, used in enumerate(_incidence(system.errors, system)) if not used]
+    rows = [i for i, used in enumerate(incidence_of(system.rows, system)) if not used]
+    errors = [i for i, used in enumerate(incidence_of(system.errors, system)) if not used]
     return System((), ca.SX(0, 1), system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
 
 
-def _incidence(rows: ca.SX, system: System) -> list[set[int]]:
+def incidence_of(rows: ca.SX, system: System) -> list[set[int]]:
     """For each row, the unknown coordinates that it contains."""
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(rows, system.unknown), 1)) != 0
     return [{k for k, place in enumerate(system.slices) if pattern[i, place].any()} for i in range(int(rows.shape[0]))]

@@ -153,6 +153,10 @@ def _curve(ax: Any, part: _Slice, name: str) -> None:
     else:
         ax.step(x, values, where="mid", linewidth=1.6, **look)
     empty = np.isnan(values)
+    if name != "least_condition" and empty.all():
+        ax.set_xlim(x.min() - 0.5, x.max() + 0.5)
+        middle = {"ha": "center", "va": "center", "transform": ax.transAxes, "color": COLOURS["quiet"]}
+        ax.text(0.5, 0.5, "too many modes to list at every point", **middle)
     if name == "least_condition" and empty.any():
         margin = 0.05 * float(np.ptp(x)) or 0.5
         ax.set_xlim(x.min() - margin, x.max() + margin)

@@ -91,7 +91,8 @@ def _singular_panel(ax: Any, track: Track, where: np.ndarray) -> None:
         lw=1.6,
         marker="." if len(where) < 40 else None,
     )
-    ax.set_ylim(bottom=0.0)
+    largest = max(s.smallest_singular_value for s in track.samples)
+    ax.set_ylim(0.0, 1.1 * largest if largest > 0.0 else 1.0)
     ax.set_ylabel("smallest\nsingular value")
 
 

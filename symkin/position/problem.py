@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
-from symkin.closure.partition import ALL_JOINTS, Partition
+from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
@@ -138,8 +138,20 @@ class Problem:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
-        names = tuple(c.name for c in self.known_coordinates if c.role != "geometry") if self.kind == "given" else ()
-        return build_problem, (self.mechanism, self.kind, names)
+        if self.kind != "given":
+            return build_problem, (self.mechanism, self.kind)
+        names = tuple(c.name for c in self.known_coordinates if c.role != "geometry")
+        return build_problem, (self.mechanism, self.kind, names, self._held(names))
+
+    def _held(self, names: tuple[str, ...]) -> tuple[str, ...] | None:
+        """What the closure holds beside known coordinates of these names; None where the geometry is known."""
+        partition = self.closure.partition
+        if partition.geometry:
+            return None
+        told = {name for name in names if name.startswith("pose.")}
+        pose = [f"pose.{name}" for name, _ in POSE_COORDINATES[self.mechanism.motion]] if partition.pose and not told else []
+        held = tuple(name for name in (*sorted(partition.kept), *partition.pose_conditions, *pose) if name not in names)
+        return held or (None if names else ())
 
 
 def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None) -> Problem:

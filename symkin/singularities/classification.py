@@ -84,7 +84,7 @@ def singularity(
         False
         >>> slider = symkin.load("slider_crank")
         >>> stretched = symkin.solve(slider, given={"crank": 0.0}).solution
-        >>> symkin.singularity(stretched, given=["crank"]).kinds, symkin.singularity(stretched, given=["slider"]).kinds
+        >>> symkin.singularity(stretched, given=["crank"]).kinds, symkin.singularity(stretched, given=["piston"]).kinds
         ((), ('type 2',))
     """
     described = mechanism.mechanism if isinstance(mechanism, Solution) else mechanism

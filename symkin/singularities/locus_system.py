@@ -28,7 +28,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given_by_name import plain_kind, problem_of_names
+from symkin.position.given_by_name import plain_kind, pose_names, problem_of_names
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_at
@@ -108,7 +108,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
     Raises InputError for names that do not fit."""
     mechanism = solution.mechanism
     told = tuple(c.name for c in mechanism.actuated) if known is None else checked_names(mechanism, known, "given")
-    by_name = plain_kind(mechanism, told) is None and (known is not None or mechanism.is_graph)
+    by_name = plain_kind(mechanism, told) is None and (known is not None or plain_kind(mechanism, pose_names(mechanism)) is None)
     if not (1 if by_name else 2) <= len(names) <= 2 or len(set(names)) < len(names):
         raise InputError(f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are needed")
     return _plane_of_known(solution, names, told) if by_name else _plane_of_limbs(solution, names)

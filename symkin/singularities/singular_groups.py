@@ -73,12 +73,23 @@ def _least_singular_value(group: Problem, values: np.ndarray, tolerance: float) 
 
 
 def _loops_of(groups: tuple[Problem, ...], number: int, values: np.ndarray) -> tuple[str, ...]:
-    """The loops that run through a branch that the group closes, and through nothing that later groups decide."""
+    """The loops that run through a branch that the group closes, and through none that groups close which read its values."""
     closure = groups[number].closure
     own = _edges(groups[number])
-    later = {name for group in groups[number + 1 :] for name in _edges(group)} - own
+    later = {name for group in _readers(groups, number) for name in _edges(group)} - own
     loops = [loop for loop in loops_at(closure, values) if own & set(loop.joints)]
     return tuple(loop.name for loop in ([loop for loop in loops if not later & set(loop.joints)] or loops))
+
+
+def _readers(groups: tuple[Problem, ...], number: int) -> list[Problem]:
+    """The groups that read a group's values, directly or not."""
+    told = {c.name for c in groups[number].system.unknowns}
+    found = []
+    for group in groups[number + 1 :]:
+        if told & {c.name for c in group.known_coordinates}:
+            found.append(group)
+            told |= {c.name for c in group.system.unknowns}
+    return found
 
 
 def _edges(group: Problem) -> set[str]:

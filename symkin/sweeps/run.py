@@ -64,9 +64,10 @@ class Swept(Result):
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """How many points have how many modes, what was computed, and the folder."""
-        counts = ", ".join(f"{count}: {points}" for count, points in self.points_by_count.items())
+        named = {"too many to list" if count < 0 else str(count): points for count, points in self.points_by_count.items()}
+        counts = ", ".join(f"{count}: {points}" for count, points in named.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
-        none = "" if self.most_modes else " (no point has a solution)"
+        none = " (no point has a solution)" if set(self.points_by_count) <= {0} else ""
         one = self.damaged == 1
         what = f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged and {'is' if one else 'are'}"
         again = [f"{what} computed again"] if self.damaged else []

@@ -61,25 +61,25 @@ def built(rng, spread=0.5):
     return {name: np.array(point) + rng.uniform(-spread, spread, 2) for name, point in POINTS.items()}
 
 
-def readings(points, crank, offset=0.0):
+def readings(points, crank, offset=0.0, *, side=1.0):
     """Of cranks (n,) in radians: follower (n,) from the reference on, with an offset; pen (n, 2); distance of pen and mark (n,);
-    turn of the coupler from the reference (n,)."""
+    turn of the coupler from the reference (n,); of side -1, in the other assembly mode."""
     pivot, pin, top, foot, pen, mark = (np.array(points[name], dtype=float) for name in POINTS)
     turned = crank - np.pi / 2
     a = pivot + _turned(np.tile(pin - pivot, (len(crank), 1)), turned)
-    b = _meet(a, np.linalg.norm(top - pin), foot, np.linalg.norm(top - foot))
+    b = _meet(a, np.linalg.norm(top - pin), foot, np.linalg.norm(top - foot), side)
     angle = _angle(b - a) - _angle(top - pin)
     places = a + _turned(np.tile(pen - pin, (len(crank), 1)), angle)
     follower = _wrapped(_angle(b - foot) - _angle(top - foot)) + offset
     return follower, places, np.linalg.norm(places - mark, axis=1), _wrapped(angle)
 
 
-def _meet(a, r, centre, s):
-    """Where circles of radius r about points a (n, 2) meet one of radius s, on the left from a to its centre."""
+def _meet(a, r, centre, s, side):
+    """Where circles of radius r about points a (n, 2) meet one of radius s, on the left from a to its centre (side 1) or right."""
     gap = centre - a
     d = np.linalg.norm(gap, axis=1)
     along = (d**2 + r**2 - s**2) / (2 * d)
-    across = np.sqrt(r**2 - along**2)
+    across = side * np.sqrt(r**2 - along**2)
     unit = gap / d[:, None]
     return a + along[:, None] * unit + across[:, None] * np.column_stack([-unit[:, 1], unit[:, 0]])
 

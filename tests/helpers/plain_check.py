@@ -11,13 +11,19 @@ from symkin.closure.link_poses import joint_readings, link_poses
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "benchmarks"))
 
-from plain_graph import read  # noqa: E402
+from plain_graph import Graph, read  # noqa: E402
 
 MECHANISMS = ROOT / "symkin" / "mechanisms"
 
 
 def plain_gap(path: Path, closure: Closure, values: np.ndarray) -> float:
     """The largest row (share of the size, rad) of the plain graph at full vectors of variables (m, variables) of a closure."""
+    g, x = plain_configurations(path, closure, values)
+    return float(np.max(np.abs(g.closure(x)[0])))
+
+
+def plain_configurations(path: Path, closure: Closure, values: np.ndarray) -> tuple[Graph, np.ndarray]:
+    """The plain graph of a file, and its coordinates (m, all) at full vectors of variables of a closure."""
     g = read(path)
     poses = link_poses(closure, values)
     joints = joint_readings(closure, poses) | {c.name: values[:, closure.slices[c.name].start] for c in closure.role("actuated")}
@@ -27,4 +33,4 @@ def plain_gap(path: Path, closure: Closure, values: np.ndarray) -> float:
         x[:, 7 * i + 3 : 7 * i + 7] = poses[name].quaternion.T
     for k, c in enumerate(g.coordinates):
         x[:, 7 * len(g.names) + k] = joints[c.name] / (1.0 if c.angle else g.size)
-    return float(np.max(np.abs(g.closure(x)[0])))
+    return g, x

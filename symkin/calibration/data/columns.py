@@ -5,82 +5,37 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from difflib import get_close_matches
-from itertools import product
-from typing import Literal
 
 import numpy as np
 
+from symkin.calibration.data.column_names import (
+    DISTANCE,
+    INCLINATION,
+    POSITION,
+    QUATERNION,
+    WEDGE,
+    Measure,
+    columns_of_platform_link,
+    known_readings,
+    measure_of,
+    reading_name,
+    refuse_misspelt,
+    sequenced_columns,
+    unit_of,
+)
 from symkin.calibration.data.measurements import NO_GROUP, Reading
 from symkin.calibration.data.observables import Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
 from symkin.files.csv_table import UNITS, Table
-from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
-SEQUENCES = tuple(
-    "".join(s).upper() if moving else "".join(s)
-    for moving in (True, False)
-    for s in product("xyz", repeat=3)
-    if s[0] != s[1] != s[2]
-)
-"""The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
-INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
-WEDGE = ("wedge_alpha", "wedge_beta")
-"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
-DISTANCE = "distance_"
-"""Prefix of the columns of distances."""
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
-_EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _MAX_LISTED_GROUPS = 5
 """Most groups of one configuration that a message lists."""
-_OBSERVABLE_PREFIXES = ("point.", "distance.")
-"""What columns of named points and of their distances begin with."""
-_MISSPELT = 0.85
-"""Likeness (of difflib) from which an unknown column is taken for a slip of the pen."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
-Measure = Literal["length", "angle"]
-
-
-def unit_of(mechanism: Mechanism, measure: Measure) -> str:
-    """Return the file's unit of lengths or angles."""
-    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
-
-
-def reading_name(mechanism: Mechanism, name: str) -> str:
-    """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
-    return f"platform.{name}" if any(c.name == name for c in mechanism.coordinates if c.width == 1) else name
-
-
-def measure_of(c: Coordinate) -> Measure:
-    """Say whether a coordinate is a length or an angle."""
-    return "angle" if c.is_angular else "length"
-
-
-def _sequenced(table: Table) -> dict[str, str]:
-    """Map columns of Euler angles whose header names the sequence to their names as they are written here. Letters of the
-    sequence say by their size which axes are meant; where the whole header is in capitals they do not."""
-    found = {}
-    for name in table.columns:
-        match = _EULER_HEADER.fullmatch(name)
-        if match is None:
-            continue
-        place, word, sequence, number = match.groups()
-        if word.isupper() and sequence.isupper():
-            raise InputError(
-                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
-                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
-            )
-        if sequence not in SEQUENCES:
-            raise InputError(
-                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
-                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
-            )
-        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
-    return found
 
 
 class ColumnReader:
@@ -96,14 +51,16 @@ class ColumnReader:
 
     def _matched(self, table: Table) -> Table:
         """Keep the columns that mean something for this mechanism, under their names."""
-        joints, sequenced = [c.name for c in self.mechanism.actuated], _sequenced(table)
+        joints, sequenced = [c.name for c in self.mechanism.actuated], sequenced_columns(table)
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
         sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]
         others = [column for o in self.observables.values() for column in o.columns]
         sigmas += [f"sigma_{column}" for o in self.observables.values() for column in o.sigmas]
         known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances, *others)))
-        made = table.matched(known, text=("group", "platform.group"), aliases=sequenced | self._of_platform_link(table, known))
+        made = table.matched(
+            known, text=("group", "platform.group"), aliases=sequenced | columns_of_platform_link(self.mechanism, table, known)
+        )
         of_platform = [name for name in made.columns if name in (*placed, *sequenced.values())]
         read = [*of_platform, *(name for name in made.columns if name in (*self.distances, *others))]
         self._check_left_out(made, anything_read=bool(read))
@@ -114,42 +71,10 @@ class ColumnReader:
             )
         return made
 
-    def _of_platform_link(self, table: Table, known: Sequence[str]) -> dict[str, str]:
-        """Map columns of the platform's link, by its own name (foot.x), to those of the platform."""
-        link, found = self.mechanism.platform_link, dict[str, str]()
-        for name in table.columns:
-            sigma = "sigma_" if name.startswith("sigma_") else ""
-            begin, _, last = name.removeprefix("sigma_").rpartition(".")
-            if begin != link or name in known:
-                continue
-            target = f"{sigma}{reading_name(self.mechanism, last)}"
-            if target in known:
-                if target in table.columns:
-                    raise InputError(f"{table.path}: the columns {name!r} and {target!r} both mean {target!r}; leave one out")
-                found[name] = target
-        return found
-
-    def _refuse_misspelt(self, made: Table, header: str) -> None:
-        """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
-        name = header.partition("[")[0].strip()
-        bare = name.removeprefix("sigma_")
-        columns = [column for o in self.observables.values() for column in (*o.columns, *o.sigmas)]
-        near = get_close_matches(bare, columns, 1, _MISSPELT)
-        links = tuple(f"{link}." for link in links_of(self.mechanism))
-        if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
-            return
-        near = near or get_close_matches(bare, columns, 3)
-        guess = (
-            f"did you mean {' or '.join(map(repr, near))}?"
-            if near
-            else "no passive joint, named point or other link has such a name"
-        )
-        raise InputError(f"{made.path}: column {name!r} is unknown; {guess} (else rename it, so that it is left out)")
-
     def _check_left_out(self, made: Table, *, anything_read: bool) -> None:
         """Refuse files that leave out what is needed: points of distances, joints, all readings; and columns that look misspelt."""
         for name in made.left_out:
-            self._refuse_misspelt(made, name)
+            refuse_misspelt(self.mechanism, made.path, name)
             if name.startswith(DISTANCE):
                 raise InputError(
                     f"{made.path}: column {name!r}: the points of this distance are not known; give them with "
@@ -162,18 +87,9 @@ class ColumnReader:
             joints = ", ".join(names[:_MAX_LISTED_JOINTS]) + (", ..." if len(names) > _MAX_LISTED_JOINTS else "")
             unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
             raise InputError(
-                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), {self._known_readings()}and "
+                f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the actuated joints), {known_readings(self.mechanism)}, and "
                 "sigma_ before a name"
             )
-
-    def _known_readings(self) -> str:
-        """The columns of readings that this mechanism may have."""
-        own = [o for o in self.observables.values() if o.kind != "distance"]
-        others = [column for o in own for column in o.columns]
-        shown = ", ".join(others[:_MAX_LISTED_JOINTS]) + (", ..." if len(others) > _MAX_LISTED_JOINTS else "")
-        between = "distance.A.B of two named points, " if len(own) < len(self.observables) else ""
-        platform = "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), "
-        return f"{platform if self.mechanism.platform_link is not None else ''}{shown}{', ' if shown else ''}{between}"
 
     def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
         column = self._column("group")

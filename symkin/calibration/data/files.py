@@ -30,19 +30,19 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.columns import (
+from symkin.calibration.data.column_names import (
     DISTANCE,
     INCLINATION,
     POSITION,
     QUATERNION,
     SEQUENCES,
     WEDGE,
-    ColumnReader,
     Measure,
     measure_of,
     reading_name,
     unit_of,
 )
+from symkin.calibration.data.columns import ColumnReader
 from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
 from symkin.calibration.data.observables import observables_named
 from symkin.errors import InputError

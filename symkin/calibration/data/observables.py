@@ -76,7 +76,7 @@ def observables(mechanism: Mechanism) -> dict[str, Observable]:
         columns = tuple(f"point.{name}.{k}" for k in "xyz")
         found.append(Observable(f"point.{name}", "point", (name,), columns, columns, ("x", "y", "z"), angular=False))
     found += [_single(f"distance.{a}.{b}", "distance", (a, b), "length") for a, b in permutations(points, 2)]
-    for link in links_of(mechanism) if mechanism.is_graph else ():
+    for link in links_of(mechanism):
         if link not in (BASE, mechanism.platform_link):
             found += [_of_link(link, "position"), _of_link(link, "orientation"), _of_link(link, "inclination")]
     return {o.name: o for o in found}

@@ -91,7 +91,7 @@ def _kind_of(mechanism: Mechanism, name: str) -> ParameterKind:
 def joint_paths(mechanism: Mechanism) -> Iterator[tuple[str, Joint]]:
     """All joints with the key paths of their parameters, in file order."""
     for limb, joint in mechanism.joints:
-        yield joint.name if mechanism.serial else f"{limb.name}.{joint.name}", joint
+        yield mechanism.key_path(limb, joint), joint
     for entry in mechanism.link_joints:
         yield entry.joint.name, entry.joint
 
@@ -130,7 +130,7 @@ def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechan
     table = {**geometry_parameters(mechanism)} | {name: float(v) for name, v in values.items() if is_writable(name)}
     if mechanism.dh is not None:
         return _with_dh(mechanism, mechanism.dh, table)
-    frame = "tool" if mechanism.serial else "platform"
+    frame = mechanism.frame_name
     return replace(
         mechanism,
         limbs=[_limb_with(mechanism, limb, table) for limb in mechanism.limbs],
@@ -165,7 +165,7 @@ def _limb_with(mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, 
             platform=_vector_of(values, f"{limb.name}.platform", limb.platform),
             offset=values.get(f"{limb.name}.offset", limb.offset),
         )
-    joints = [_joint_with(j, j.name if mechanism.serial else f"{limb.name}.{j.name}", values) for j in limb.joints]
+    joints = [_joint_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
     rods = [_rod_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)]
     return replace(limb, joints=joints, rods=rods)
 
@@ -217,7 +217,7 @@ def written_freedoms(
                 )
         if joint.freedom == 1 and not joint.actuated and joint.name not in meant:
             yield f"zero of passive joint {path}", {f"{path}.zero": 1.0}
-    frame = "tool" if mechanism.serial else "platform"
+    frame = mechanism.frame_name
     if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         yield f"length of {frame}.quaternion", vector_velocity(f"{frame}.quaternion", q, "wxyz")

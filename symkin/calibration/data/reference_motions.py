@@ -9,7 +9,7 @@ hold has its frame anywhere. Joints that have no zero and are actuated, read or 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def reference_motions(
     """Yield each independent change of the reference with the rates of parameters (key paths) that describe it."""
     if mechanism.dh is not None:
         return
-    edges = [_as_written(mechanism, edge) for edge in edges_of(mechanism)]
+    edges = list(edges_of(mechanism))
     links = list(dict.fromkeys(link for edge in edges for link in edge.ends if link != BASE))
     rates = {k: _rates(mechanism, edge.elements[0], values, read) for k, edge in enumerate(edges)}
     names = [rate.name for own in rates.values() for rate in own if rate.free]
@@ -58,11 +58,6 @@ def reference_motions(
         }
         advances = dict(zip(names, move[: len(names)], strict=True))
         yield labels[column], _parameter_rates(mechanism, edges, values, twists) | _zero_rates(rates, advances)
-
-
-def _as_written(mechanism: Mechanism, edge: Branch) -> Branch:
-    """An edge with the key path of its joint's parameters: that of an arm's joint is its name."""
-    return replace(edge, elements=(replace(edge.elements[0], path=edge.elements[0].name),)) if mechanism.serial else edge
 
 
 def _rates(mechanism: Mechanism, element: Element, values: Mapping[str, float], read: Sequence[str]) -> list[_Rate]:
@@ -165,7 +160,7 @@ def _parameter_rates(
         rates |= _moved(values, point_path(point), point.point, twists[point.link])
     if mechanism.platform_link is not None:
         twist = twists[mechanism.platform_link]
-        frame = "tool" if mechanism.serial else "platform"
+        frame = mechanism.frame_name
         rates |= _moved(values, f"{frame}.position", mechanism.platform_position, twist)
         q = [values.get(f"{frame}.quaternion.{k}", v) for k, v in zip("wxyz", mechanism.platform_quaternion, strict=True)]
         turned = 0.5 * np.asarray(multiply(np.array([0.0, *twist[3:]]), np.array(q)))

@@ -13,26 +13,21 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from symkin.calibration.data.columns import WEDGE, measure_of
+from symkin.calibration.data.column_names import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
-from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
+from symkin.calibration.design.reading_slopes import reading_slopes
 from symkin.calibration.design.simulation import (
     Noise,
     group_numbers,
     observed_kinds,
     platform_kinds,
     random_configurations,
-    simulate_readings,
 )
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
+from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.estimate.residuals import build_readings, whitening
-from symkin.calibration.estimate.transfer import variables_in
 from symkin.calibration.estimate.workspace import Workspace, lever
 from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -350,49 +345,6 @@ def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
     seen = singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)
     return right[seen].T, singular[seen]
-
-
-@dataclass(frozen=True, eq=False)
-class ReadingSlopes:
-    """Readings over their standard deviations, joint noise included: A (n, K, P) by scaled parameters, and B (n, K, 2) by
-    the unknown inclination of the configuration's group, zero where it has none."""
-
-    parameters: np.ndarray
-    group: np.ndarray
-
-
-def reading_slopes(
-    mechanism: Mechanism,
-    made: ClosedConfigurations,
-    readings: Sequence[str],
-    noise: Noise,
-    names: Sequence[str],
-    *,
-    grouped: bool,
-) -> ReadingSlopes:
-    """Differentiate the readings that would be taken at closed configurations. Raises InputError where a reading is without a
-    standard deviation."""
-    quiet = np.random.default_rng(0)
-    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
-    taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    for kind in ("group", "inclination", "position", "orientation"):
-        present = grouped if kind == "group" else getattr(taken, kind) is not None
-        if present and taken.sigma(kind) is None:
-            raise InputError(f"the standard deviation of {kind} readings is zero or not given; a plan needs it")
-    for reading in taken.readings:
-        if reading.sigma is None:
-            raise InputError(f"the standard deviation of {reading.name} is zero or not given; a plan needs it")
-    model = build_model(mechanism, taken, names)
-    values, weights = build_readings(model, taken), noise.joints(mechanism)
-    count = len(mechanism.actuated)
-    z = np.ascontiguousarray(variables_in(model.closure, build_closure(mechanism), made.values)[:, count:])
-    refuse_undetermined(model, z, made.joints, model.nominal)
-    quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
-    e = model.evaluate(z, made.joints, model.nominal, quaternions)
-    by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
-    whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
-    basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ (e.readings_p + e.readings_z @ e.following), basis)
 
 
 def plan_text(plan: Plan) -> str:

@@ -35,6 +35,8 @@ _MAX_STEPS, _MAX_POSE_STEPS = 20, 30
 """Most Newton steps of direct problems, and from drawn poses."""
 _FOLLOWED_STEP, _MAX_FOLLOWED_STEPS = 0.1, 400
 """Steps of joints (radians, or of the size) in which configurations are followed, and most of them."""
+_MAX_FOLLOWED_MOVE = 0.6
+"""Furthest that an unknown coordinate (radians, or of the size) may move in such a step: what goes further has jumped."""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -88,20 +90,34 @@ def solve_configurations(
     tolerance: float = SOLVED_TOLERANCE
 ) -> SolvedConfigurations:  # fmt: skip
     """Solve F(z; q, p) = 0 for every configuration, from `z` if given, else from the measurements' starts, the measured poses
-    or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`)."""
+    or the reference. Where Newton fails, Levenberg-Marquardt tries solved neighbours and random starts (`seed`); where joints carry
+    the platform neighbours alone, on their side of singularities: what lies further is another assembly mode."""
     start = first_points(model, measurements, p) if z is None else z
     joints = measurements.joints
     with np.errstate(all="ignore"):
         found, solved = newton_configurations(model, start, joints, p, tolerance=tolerance)
+        # configurations that were followed from one stay on its side of singularities
+        carried = is_carried(model.closure) and z is None
+        solved &= _on_one_side(model, found, joints, p, solved) | (not carried)
         if not solved.all():
             for k in np.flatnonzero(~solved):
                 near = _neighbours(joints, found, solved, int(k))
-                better = _solve_from_many(model, measurements, p, int(k), np.vstack([start[k], near]), seed)
+                starts = near if carried and len(near) else np.vstack([start[k], near])
+                better = _solve_from_many(model, measurements, p, int(k), starts, None if carried else seed)
                 found[k] = found[k] if better is None else better
             found, solved = newton_configurations(model, found, joints, p, tolerance=tolerance)
+            solved &= _on_one_side(model, found, joints, p, solved) | (not carried)
         if tolerance <= SOLVED_TOLERANCE:
             found = np.where(solved[:, None], _polished(model, found, joints, p), found)
     return SolvedConfigurations(found, solved)
+
+
+def _on_one_side(
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, solved: np.ndarray
+) -> np.ndarray:  # fmt: skip
+    """Tell which configurations (n,) have the sign of det F_z that most of those solved have."""
+    signs = determinant_signs(model.rows(z, joints, p)[1])
+    return np.asarray(signs * np.sum(signs[solved]) >= 0.0)
 
 
 def _polished(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -178,15 +194,21 @@ def follow_joints(
     model: ConfigurationModel, z: np.ndarray, begin: np.ndarray, end: np.ndarray, p: np.ndarray
 ) -> np.ndarray:  # fmt: skip
     """Follow configurations z (n, width) by Newton while the joint readings move straight from `begin` to `end` (n, a); one that is
-    lost stays where it was last."""
+    lost, or would jump, stays where it was last."""
     units = np.array([1.0 if c.is_angular else 1.0 / model.closure.characteristic_length for c in model.closure.role("actuated")])
     furthest = float(np.max(np.abs(end - begin) * units, initial=0.0))
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
+    size = model.closure.characteristic_length
+    lengths = np.concatenate(
+        [np.zeros(0), *(np.full(c.width, size if c.kind == "length" else 1.0) for c in model.system.unknowns)]
+    )
     with np.errstate(all="ignore"):
         for k in range(1, count + 1):
             joints = begin + (k / count) * (end - begin)
             found, closed = newton_configurations(model, z, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
-            z = np.where(closed[:, None], found, z)
+            # from the reference, which need not be closed, the first step may be a long one
+            near = np.max(np.abs(found - z) / lengths, axis=1, initial=0.0) < (_MAX_FOLLOWED_MOVE if k > 1 else np.inf)
+            z = np.where((closed & near)[:, None], found, z)
     return z
 
 
@@ -218,13 +240,15 @@ def _neighbours(joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, c
 
 
 def _solve_from_many(
-    model: ConfigurationModel, measurements: Measurements, p: np.ndarray, k: int, starts: np.ndarray, seed: int
+    model: ConfigurationModel, measurements: Measurements, p: np.ndarray, k: int, starts: np.ndarray, seed: int | None
 ) -> np.ndarray | None:
-    """Find the solution of one configuration that is nearest to its first start, or None."""
+    """Find the solution of one configuration that is nearest to its first start, from random starts too where there is a seed; or
+    None."""
     system: System = model.system
-    rng = np.random.default_rng([seed, k])
-    steps = 0.2 * model.closure.characteristic_length * rng.normal(size=(_RANDOM_STARTS, system.freedom))
-    starts = np.vstack([starts, system.move(np.tile(starts[:1], (_RANDOM_STARTS, 1)), steps)])
+    if seed is not None:
+        rng = np.random.default_rng([seed, k])
+        steps = 0.2 * model.closure.characteristic_length * rng.normal(size=(_RANDOM_STARTS, system.freedom))
+        starts = np.vstack([starts, system.move(np.tile(starts[:1], (_RANDOM_STARTS, 1)), steps)])
     batch = levenberg_marquardt(system, starts, np.concatenate([measurements.joints[k], p]))
     good = batch.points[batch.converged]
     if len(good) == 0:

@@ -223,6 +223,9 @@ def _take_better_points(
     )
     trial = reading_gaps(problem, p, found, owner)
     z, solved, before, gaps = configurations.z.copy(), configurations.solved.copy(), gaps, gaps.copy()
+    if is_carried(problem.model.closure):
+        # what the geometry does not reach near its neighbours is left for the estimate, and no mode far away is taken for it
+        before = np.minimum(before, _MAX_READING_GAP / _MODE_IMPROVEMENT * problem.model.closure.characteristic_length)
     for k in np.argsort(-trial, kind="stable"):  # the best one last
         if trial[k] < _MODE_IMPROVEMENT * before[owner[k]]:
             z[owner[k]], solved[owner[k]], gaps[owner[k]] = found.z[k], True, trial[k]

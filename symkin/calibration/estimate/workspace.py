@@ -36,7 +36,6 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.joint import Coordinate
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
@@ -128,13 +127,20 @@ class Workspace:
                 if found[chosen[row]] is None:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
         if missing:
-            text = ", ".join(f"{math.degrees(a):g}" for a in inclinations[missing[0]])
             raise InputError(
                 f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of {len(inclinations)} postures were found in "
-                f"{drawn} draws within joint limits and away from singularities (none for alpha, beta = {text} deg); use a smaller "
-                "workspace or inclinations that the platform can take"
+                f"{drawn} draws within joint limits and away from singularities {self._why_none(inclinations[missing[0]], held)}"
             )
         return ClosedConfigurations.joined([c for c in found if c is not None])
+
+    def _why_none(self, inclination: np.ndarray, held: bool) -> str:
+        """What to do where postures are not found."""
+        if self.carried and not held:
+            rows, freedom = self.solver.rows_and_unknowns
+            redundant = f"; {rows} rows for {freedom} unknowns close at special geometry alone" if rows > freedom else ""
+            return f"about the reference; give joints limits within which it moves{redundant}"
+        text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
+        return f"(none for alpha, beta = {text} deg); use a smaller workspace or inclinations that the platform can take"
 
     def near(
         self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
@@ -281,6 +287,11 @@ class ClosureSolver:
         count = len(self.mechanism.actuated)
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
 
+    @property
+    def rows_and_unknowns(self) -> tuple[int, int]:
+        """Counts of closure rows and of the freedoms of the unknown coordinates."""
+        return int(self._model.system.rows.shape[0]), self._model.system.freedom
+
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
         is lost on the way, or does not come back to where it began: it has passed into another assembly mode."""
@@ -350,8 +361,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
 def states_reference(mechanism: Mechanism) -> bool:
     """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
     origin."""
-    rods_alone = not mechanism.link_joints and all(isinstance(limb, RodLimb) for limb in mechanism.limbs)
-    return any(mechanism.platform_position) or not rods_alone
+    return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
 def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:

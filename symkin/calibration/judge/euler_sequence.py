@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.columns import SEQUENCES
+from symkin.calibration.data.column_names import SEQUENCES
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import first_points, newton_configurations

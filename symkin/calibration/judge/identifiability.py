@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.solver import estimate
@@ -189,9 +190,11 @@ def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[st
     if any(text.startswith("size of") for text in unobservable):
         advice.append("no reading fixes the size: hold one length or factor, or measure a distance, a position or a known length")
     if any("frame" in text for text in unobservable):
+        besides = any(o.kind in ("point", "position") for o in observables(problem.mechanism).values())
+        others = " or of links, or by positions of points" if besides else ""
         advice.append(
             "frames are free: they are chosen by the least change, by `fixed` parameters, or measured by positions and "
-            "orientations of the platform or of links, or by positions of points"
+            f"orientations of the platform{others}"
         )
     if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(unobservable):
         advice.append(f"{problem.readings.count} independent readings for {len(problem.names)} parameters; add postures")

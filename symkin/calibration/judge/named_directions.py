@@ -28,7 +28,7 @@ from symkin.calibration.data.parameters import (
 from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.model.dh import DHTable
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
@@ -106,12 +106,12 @@ def _all_motions(mechanism: Mechanism, values: Mapping[str, float], read: tuple[
 
 
 def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    for frame, move in (("base frame", _base_moved), ("platform frame", _platform_moved)):
-        label = frame if frame == "base frame" or not mechanism.serial else "tool frame"
+    for frame, move in ((BASE, _base_moved), (mechanism.frame_name, _platform_moved)):
+        label = f"{frame} frame"
         for k, axis in enumerate(AXES):
             yield f"{label} translation {axis}", move(mechanism, values, np.eye(3)[k], np.zeros(3))
         for k, turn in enumerate(_TURNS):
-            text = turn if frame == "base frame" else f"rotation about {AXES[k]}"
+            text = turn if frame == BASE else f"rotation about {AXES[k]}"
             yield f"{label} {text}", move(mechanism, values, np.zeros(3), np.eye(3)[k])
 
 
@@ -218,7 +218,7 @@ def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray
         for key in ("axis", "axis2"):
             if getattr(joint, key) is not None:
                 direction(f"{path}.{key}")
-    frame = "tool" if mechanism.serial else "platform"
+    frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
         _put(velocity, f"{frame}.position", t + np.cross(w, vector_values(values, f"{frame}.position")))
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
@@ -230,26 +230,16 @@ def _base_points(mechanism: Mechanism) -> Iterator[str]:
     """Key paths of all points that are given in the base frame."""
     for path, _ in joint_paths(mechanism):
         yield f"{path}.point"
-    for limb in mechanism.limbs:
-        if isinstance(limb, RodLimb):
-            yield f"{limb.name}.base"
-        else:
-            yield from (f"{limb.name}.rod{k}.from" for k in range(1, len(limb.rods) + 1))
-    for rod in mechanism.link_rods:
-        yield from (f"{rod.name}.from", f"{rod.name}.to")
+    yield from (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if not end.in_platform_frame)
     yield from map(point_path, mechanism.link_points)
 
 
 def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
     """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the other way."""
     velocity: Velocity = {}
-    for limb in mechanism.limbs:
-        paths = [f"{limb.name}.platform"] if isinstance(limb, RodLimb) else []
-        if isinstance(limb, Limb):
-            paths = [f"{limb.name}.rod{k}.platform" for k in range(1, len(limb.rods) + 1)]
-        for path in paths:
-            _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
-    frame = "tool" if mechanism.serial else "platform"
+    for path in (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if end.in_platform_frame):
+        _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
+    frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         _put(velocity, f"{frame}.position", np.asarray(rotate(q / np.linalg.norm(q), t)))

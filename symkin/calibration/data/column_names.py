@@ -1,0 +1,117 @@
+"""Name the columns of measurement files: which are known, what they mean by other names, and what misspelt ones may mean."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from difflib import get_close_matches
+from itertools import product
+from typing import Literal
+
+from symkin.calibration.data.observables import LINK_COLUMNS, observables
+from symkin.errors import InputError
+from symkin.files.csv_table import Table
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+
+SEQUENCES = tuple(
+    "".join(s).upper() if moving else "".join(s)
+    for moving in (True, False)
+    for s in product("xyz", repeat=3)
+    if s[0] != s[1] != s[2]
+)
+"""The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
+INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+WEDGE = ("wedge_alpha", "wedge_beta")
+"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
+DISTANCE = "distance_"
+"""Prefix of the columns of distances."""
+_EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
+_OBSERVABLE_PREFIXES = ("point.", "distance.")
+"""What columns of named points and of their distances begin with."""
+_MISSPELT = 0.85
+"""Likeness (of difflib) from which an unknown column is taken for a slip of the pen."""
+_MAX_LISTED_COLUMNS = 12
+"""Most columns of joints, points and links that a message lists."""
+Measure = Literal["length", "angle"]
+
+
+def unit_of(mechanism: Mechanism, measure: Measure) -> str:
+    """Return the file's unit of lengths or angles."""
+    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
+
+
+def reading_name(mechanism: Mechanism, name: str) -> str:
+    """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
+    return f"platform.{name}" if any(c.name == name for c in mechanism.coordinates if c.width == 1) else name
+
+
+def measure_of(c: Coordinate) -> Measure:
+    """Say whether a coordinate is a length or an angle."""
+    return "angle" if c.is_angular else "length"
+
+
+def sequenced_columns(table: Table) -> dict[str, str]:
+    """Map columns of Euler angles whose header names the sequence to their names as they are written here. Letters of the
+    sequence say by their size which axes are meant; where the whole header is in capitals they do not."""
+    found = {}
+    for name in table.columns:
+        match = _EULER_HEADER.fullmatch(name)
+        if match is None:
+            continue
+        place, word, sequence, number = match.groups()
+        if word.isupper() and sequence.isupper():
+            raise InputError(
+                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
+                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
+            )
+        if sequence not in SEQUENCES:
+            raise InputError(
+                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
+                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
+            )
+        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
+    return found
+
+
+def columns_of_platform_link(mechanism: Mechanism, table: Table, known: Sequence[str]) -> dict[str, str]:
+    """Map columns of the platform's link, by its own name (foot.x), to those of the platform."""
+    link, found = mechanism.platform_link, dict[str, str]()
+    for name in table.columns:
+        sigma = "sigma_" if name.startswith("sigma_") else ""
+        begin, _, last = name.removeprefix("sigma_").rpartition(".")
+        if begin != link or name in known:
+            continue
+        target = f"{sigma}{reading_name(mechanism, last)}"
+        if target in known:
+            if target in table.columns:
+                raise InputError(f"{table.path}: the columns {name!r} and {target!r} both mean {target!r}; leave one out")
+            found[name] = target
+    return found
+
+
+def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
+    """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
+    name = header.partition("[")[0].strip()
+    bare, known = name.removeprefix("sigma_"), observables(mechanism).values()
+    columns = list(dict.fromkeys(column for o in known for column in (*o.columns, *o.sigmas)))
+    near = get_close_matches(bare, columns, 1, _MISSPELT)
+    links = {f"{o.of[0]}." for o in known if o.kind in LINK_COLUMNS}
+    if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
+        return
+    near = near or get_close_matches(bare, columns, 3)
+    none = "no passive joint, named point or other link has such a name"
+    guess = f"did you mean {' or '.join(map(repr, near))}?" if near else none
+    raise InputError(f"{path}: column {name!r} is unknown; {guess} (else rename it, so that it is left out)")
+
+
+def known_readings(mechanism: Mechanism) -> str:
+    """The columns of readings that a mechanism may have, for a message."""
+    known = observables(mechanism).values()
+    own = [column for o in known if o.kind != "distance" for column in o.columns]
+    platform = [
+        "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence)"
+    ]
+    between = ["distance.A.B of two named points"] if any(o.kind == "distance" for o in known) else []
+    more = ["..."] if len(own) > _MAX_LISTED_COLUMNS else []
+    return ", ".join([*(platform if mechanism.platform_link is not None else ()), *own[:_MAX_LISTED_COLUMNS], *more, *between])
