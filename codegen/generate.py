@@ -12,7 +12,8 @@ from pathlib import Path
 
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
-from symkin.model.file import load, shipped_names
+from symkin.formats.load import load
+from symkin.model.file import shipped_names
 
 HERE = Path(__file__).parent
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}

@@ -5,7 +5,7 @@
     platform = symkin.load("platform.toml")
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
-Verbs: `load`, `shipped_names`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
+Verbs: `load`, `shipped_names`, `close`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
 `sweep`; `calibrate`, `plan_measurements`; `write_firmware`. Each returns a result that prints its table, has a short repr, HTML
 for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
 """
@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
+from symkin.formats.load import load
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.file import load, shipped_names
+from symkin.model.file import shipped_names
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
+    from symkin.position.close import close
+    from symkin.position.close_result import ClosedConfiguration
     from symkin.position.least_squares import LeastSquares as LeastSquares
     from symkin.position.mobility import mobility
     from symkin.position.mobility_result import Mobility
@@ -54,6 +57,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Calibration",
+    "ClosedConfiguration",
     "Coupling",
     "DHRow",
     "DHTable",
@@ -84,6 +88,7 @@ __all__ = [
     "Track",
     "__version__",
     "calibrate",
+    "close",
     "jacobian",
     "load",
     "mobility",
@@ -102,6 +107,7 @@ __all__ = [
 
 _LATER = {
     "Calibration": "symkin.calibration.judge.result",
+    "ClosedConfiguration": "symkin.position.close_result",
     "Jacobian": "symkin.velocity.jacobian",
     "LeastSquares": "symkin.position.least_squares",
     "Loci": "symkin.singularities.loci",
@@ -117,6 +123,7 @@ _LATER = {
     "SolveResult": "symkin.position.solve_result",
     "Track": "symkin.following.track_result",
     "calibrate": "symkin.calibration.calibrate",
+    "close": "symkin.position.close",
     "jacobian": "symkin.velocity.jacobian",
     "mobility": "symkin.position.mobility",
     "mode_graph": "symkin.following.mode_graph",

@@ -15,7 +15,8 @@ from symkin.calibration.data.files import write_measurements
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.judge import assessment
 from symkin.cli.app import main
-from symkin.model.file import load, parse
+from symkin.formats.load import load
+from symkin.model.file import parse
 
 
 @pytest.fixture(scope="module")

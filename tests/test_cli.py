@@ -173,7 +173,7 @@ def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
     assert answers[0] == answers[1] is not None
 
 
-@pytest.mark.parametrize("place", ["symkin.model.file.load", "symkin.cli.app.app"])
+@pytest.mark.parametrize("place", ["symkin.formats.load.load", "symkin.cli.app.app"])
 def test_ctrl_c_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, place: str) -> None:
     """Ctrl-C within a command or outside ends with status 130, nothing on stdout and one line on stderr."""
 

@@ -32,7 +32,7 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Kind, build_program
 from symkin.codegen.rod_platform import RodPlatform
-from symkin.model.file import load
+from symkin.formats.load import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import build_problem
 from symkin.position.solution import pose_of

@@ -12,7 +12,7 @@ from bench_cases import HOME
 from processors import BOARDS, COMMON
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
-from symkin.model.file import load
+from symkin.formats.load import load
 
 
 def footprint(board: str, options: Options, optimise: str) -> tuple[int, dict[str, int]]:

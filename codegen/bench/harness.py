@@ -20,7 +20,7 @@ from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
-from symkin.model.file import load
+from symkin.formats.load import load
 
 MAIN = """
 #include "board.h"

@@ -27,7 +27,7 @@ import symkin
 from bench_cases import HOME
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
-from symkin.model.file import load
+from symkin.formats.load import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.newton import flat_rows
 from symkin.position.problem import Problem, build_problem

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from symkin.cli.calibrate import calibrate
+from symkin.cli.close import close
 from symkin.cli.describe import list_, show
 from symkin.cli.firmware import firmware
 from symkin.cli.jacobian import jacobian
@@ -52,6 +53,7 @@ def options(
 
 app.command(name="list")(list_)
 app.command()(show)
+app.command()(close)
 app.command()(modes)
 app.command()(solve)
 app.command()(singularities)

@@ -71,7 +71,7 @@ def fit(
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
     from symkin.calibration.data.files import read_measurements
     from symkin.calibration.fit_file import NotFittedError, fit_file
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     mechanism = load(mech)
     check_folder(output, mech, mechanism, force=force)

@@ -93,7 +93,7 @@ def simulate(
         random_configurations,
         simulate_readings,
     )
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     check_output(output, mech, truth, plan)
     check_own_file(output, force=force)
@@ -169,7 +169,7 @@ def plan(
     from symkin.calibration.design.planning import accuracy_text, plan_measurements, plan_text
     from symkin.calibration.design.simulation import observed_kinds
     from symkin.calibration.fit_file import match_parameters
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     check_output(output, mech)
     check_own_file(output, force=force)

@@ -13,7 +13,8 @@ from symkin.errors import InputError
 
 def list_() -> None:
     """List the shipped mechanisms."""
-    from symkin.model.file import load, shipped_names
+    from symkin.formats.load import load
+    from symkin.model.file import shipped_names
 
     names = shipped_names()
     for name in names:
@@ -27,7 +28,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     if latex and as_json:
         raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")

@@ -38,7 +38,7 @@ def firmware(
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
     from symkin.codegen.folder import write_firmware
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     mechanism = load(mech)
     pose = numbers_from(home, "home", mechanism.angle_unit)

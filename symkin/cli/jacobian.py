@@ -45,7 +45,7 @@ def jacobian(
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
     from symkin.codegen.jacobian_formats import jacobian_text
     from symkin.files.outputs import write_output
-    from symkin.model.file import load
+    from symkin.formats.load import load
     from symkin.velocity.jacobian import AnyJacobian
     from symkin.velocity.jacobian import jacobian as symbolic
 

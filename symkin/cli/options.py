@@ -32,7 +32,9 @@ def whole_numbers(text: str | None, option: str) -> list[int]:
     return [number for number in numbers if number is not None]
 
 
-MechArgument = Annotated[str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml file.")]
+MechArgument = Annotated[
+    str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf or .sdf file.")
+]
 JointsOption = Annotated[
     str | None,
     typer.Option(

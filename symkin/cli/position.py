@@ -59,7 +59,7 @@ def modes(
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     mechanism = load(mech)
     if plot is not None:
@@ -94,7 +94,7 @@ def solve(
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""
-    from symkin.model.file import load
+    from symkin.formats.load import load
     from symkin.position.solve import solve as solve_one
 
     mechanism = load(mech)

@@ -69,7 +69,7 @@ def singularities(
     as_json: JsonOption = False,
 ) -> None:
     """Name the singularity of one configuration, driven by its actuated joints or what --given names, or draw the loci over a plane through it."""
-    from symkin.model.file import load
+    from symkin.formats.load import load
     from symkin.singularities.configuration import configuration
 
     if plane is None:

@@ -89,7 +89,7 @@ def sweep(
     ] = None,
 ) -> None:
     """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
-    from symkin.model.file import load
+    from symkin.formats.load import load
     from symkin.sweeps.drawable import check_drawable
     from symkin.sweeps.ranges import check_map_is_left, check_slices, ranged, read_given, read_ranges, read_values
     from symkin.sweeps.run import sweep as run

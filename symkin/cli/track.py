@@ -59,7 +59,7 @@ def track(
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
-    from symkin.model.file import load
+    from symkin.formats.load import load
 
     mechanism = load(mech)
     check_output(output, mech, csv)

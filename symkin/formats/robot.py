@@ -14,14 +14,16 @@ from typing import Literal
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.spatial.pose import Pose
 
-ClosureType = Literal["S", "U", "R", "C", "P", "weld"]
-"""What a closure leaves free: S holds a point, weld all; R, C and P have the z axis of the first frame in common, U as in `Joint`."""
+ClosureType = Literal["S", "U", "R", "C", "P", "H", "weld"]
+"""What a closure leaves free: S holds a point, weld all; R, C, P and H have the z axis of both frames in common; U turns about the z
+axis of the first frame and about the x axis of the second, which stay square to each other."""
 
 
 @dataclass(frozen=True)
 class Closure:
     """A constraint between two `links` that the tree joins in another way: `first` is its frame on the first link, `second` on the
-    other, both in the base frame at the file's configuration; `where` names element and line of the file."""
+    other, both in the base frame at the file's configuration; `pitch` is the length a turn of an H; `where` names element and line
+    of the file."""
 
     name: str
     type: ClosureType
@@ -29,13 +31,15 @@ class Closure:
     first: Pose
     second: Pose
     where: str = ""
+    pitch: float = 0.0
 
 
 @dataclass(frozen=True)
 class Robot:
     """Links by name with their frames at the file's configuration, the tree's `joints` (each from the link that is nearer to the root
     to the other; their `zero` is the value at the file's configuration, in radians and metres), closures, couplings of joints, and what
-    was left out of the file, a sentence each (`notes`). The root link is "base"."""
+    was left out of the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on no joint, only on
+    closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame."""
 
     name: str
     links: Mapping[str, Pose]
@@ -45,3 +49,5 @@ class Robot:
     notes: tuple[str, ...] = ()
     source: str = ""
     meshes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    floating: tuple[str, ...] = ()
+    merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)

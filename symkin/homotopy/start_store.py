@@ -342,7 +342,8 @@ def start_key(problem: Problem, system: AlgebraicSystem) -> str:
 
 def write_shipped() -> None:
     """Compute the starts of the shipped mechanisms into the package: `python -m symkin.homotopy.start_store`."""
-    from symkin.model.file import load, shipped_names
+    from symkin.formats.load import load
+    from symkin.model.file import shipped_names
     from symkin.position.problem import build_problem
 
     for old in SHIPPED.glob("*.npz"):

@@ -35,24 +35,9 @@ def shipped_names() -> list[str]:
     return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 
-def load(name_or_path: str | Path) -> Mechanism:
-    """Load a shipped mechanism by name, or a mechanism file by path (ending in .toml).
-
-    Raises InputError when there is no such mechanism, MechanismError for a file that is not right: one line with file, key path,
-    value and what is allowed.
-
-    >>> import symkin
-    >>> hexapod = symkin.load("zhang2009")
-    >>> len(hexapod.limbs), hexapod.length_unit
-    (6, 'mm')
-    """
-    text = str(name_or_path)
-    if text in shipped_names():
-        return read(_SHIPPED / f"{text}.toml")
-    path = Path(name_or_path)
-    if path.suffix == ".toml":
-        return read(path)
-    raise InputError(f"mechanism {shown(text)} is unknown; allowed: a path to a .toml file, or {', '.join(shipped_names())}")
+def shipped(name: str) -> Mechanism:
+    """The mechanism of this name that comes with symkin."""
+    return read(_SHIPPED / f"{name}.toml")
 
 
 def read(path: Path) -> Mechanism:

@@ -1,0 +1,64 @@
+"""`symkin close`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.errors import InputError
+
+if TYPE_CHECKING:
+    from symkin.position.close_result import ClosedConfiguration
+
+_SUFFIXES = (".toml", ".json")
+
+
+def close(
+    mech: MechArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            metavar="FILE",
+            help="Write the mechanism with the closed configuration as its reference (.toml), or the JSON (.json).",
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
+    from symkin.files.outputs import write_output
+    from symkin.position.close import close as close_one
+
+    _check_output(output, mech)
+    found = close_one(mech)
+    if output is not None and found.closed:
+        write_output(output, _content(mech, found, output))
+    written = f"\nwritten: {output}" if output is not None and found.closed else ""
+    print_result(as_json, found.to_dict, lambda: str(found) + written)
+    raise typer.Exit(0 if found.closed else 3)
+
+
+def _check_output(output: Path | None, mech: str) -> None:
+    """Refuse, before the work, an output that cannot be written or would replace what is read."""
+    if output is None:
+        return
+    if output.suffix not in _SUFFIXES:
+        raise InputError(f"-o: {str(output)!r} has another suffix than {' and '.join(_SUFFIXES)}, which close writes")
+    if output.is_dir() or not output.resolve().parent.is_dir():
+        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
+    if Path(mech).exists() and Path(mech).resolve() == output.resolve():
+        raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
+
+
+def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:
+    from symkin.formats.load import is_robot, load
+
+    if output.suffix == ".json":
+        return json.dumps(found.to_dict(), allow_nan=False, indent=1) + "\n"
+    if not is_robot(Path(mech)):
+        raise InputError(f"-o: {mech} is a mechanism file already; its reference is what it describes (give a .json)")
+    return load(mech).to_toml()

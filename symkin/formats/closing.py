@@ -1,0 +1,243 @@
+"""Close the loops of a robot: the closed configuration nearest to the file's own, by Levenberg-Marquardt on all closures and couplings."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.formats.closure_rows import ROWS, closure_rows, coupling_rows
+from symkin.formats.robot import Robot
+from symkin.formats.tree_motion import Placed, State, Step, Tree
+from symkin.spatial.pose import Pose
+
+CLOSED = 1e-10
+"""Of the size: loops that stay open by less are closed."""
+DIGITS = 1e-5
+"""Of the size: loops that stay open by less close to the digits that files are written with."""
+RANK_SHARE = 1e-8
+"""Share of the largest singular value below which others count as zero, as for every closure of symkin."""
+_ROUNDING = 1e-14
+"""Of the size: loops of a file that stay open by less are left as they are."""
+_ITERATIONS = 300
+"""Steps of one search; those that arrive take 10 to 100."""
+_STALLED = 25
+"""Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a local minimum."""
+_SEARCHES = ((0.05, 4), (0.3, 8), (1.0, 24))
+"""Further searches where the first does not close: radians (or shares of the size) of their random steps, and how many."""
+_NEAREST_STEPS = 30
+"""Steps along the closed configurations towards the file's own."""
+_SEED = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """The closed configuration of a robot that is nearest to the file's own, or what comes nearest to one.
+
+    `values` are of every coordinate (radians, metres; the quaternion of a ball from the file's configuration); `displacements` move
+    links from their places in the file. `gaps` tell what each closure and coupling leaves open in the file, `residuals` what it
+    leaves here (metres). `state` is the same configuration as `values`, for `tree`.
+    """
+
+    tree: Tree
+    state: State
+    placed: Placed
+    gaps: Mapping[str, float]
+    residuals: Mapping[str, float]
+
+    @property
+    def open_by(self) -> float:
+        """How far the file's own configuration leaves the loops open."""
+        return max(self.gaps.values(), default=0.0)
+
+    @property
+    def residual(self) -> float:
+        """The largest closure error left."""
+        return max(self.residuals.values(), default=0.0)
+
+    @property
+    def resists(self) -> str:
+        """The closure or coupling that has it."""
+        return max(self.residuals, key=lambda name: self.residuals[name], default="")
+
+    @property
+    def closed(self) -> bool:
+        return self.residual <= CLOSED * self.tree.size
+
+    @property
+    def to_digits(self) -> bool:
+        """Whether the loops close, if only to the digits of a file."""
+        return self.residual <= DIGITS * self.tree.size
+
+    @property
+    def values(self) -> dict[str, tuple[float, ...]]:
+        return {step.name: tuple(map(float, value)) for step, value in zip(self.tree.steps, self.state, strict=True)}
+
+    @property
+    def displacements(self) -> dict[str, Pose]:
+        return {link: self.placed.displacement(link) for link in self.placed.rotations}
+
+    def rank(self) -> int:
+        """Rank of the constraints here."""
+        return rank_at(self.tree, self.state)
+
+
+def nearest_closed(robot: Robot) -> Closed:
+    """Close the loops from the file's own configuration, and go along the closed ones to the nearest. Where the first search ends
+    open, others begin at random steps from there."""
+    tree = Tree(robot)
+    best = tree.own
+    if _largest(tree, best) <= _ROUNDING * tree.size:
+        return Closed(tree, best, tree.placed(best), misfits(tree, best), misfits(tree, best))
+    best = _searched(tree, best)
+    rng = np.random.default_rng(_SEED)
+    for start in _random_starts(tree, rng):
+        if _largest(tree, best) <= CLOSED * tree.size:
+            break
+        found = _searched(tree, start)
+        best = min(best, found, key=lambda state: _largest(tree, state))
+    if _largest(tree, best) <= CLOSED * tree.size:
+        best = _nearest(tree, _without_turns(tree, best))
+    return Closed(tree, best, tree.placed(best), misfits(tree, tree.own), misfits(tree, best))
+
+
+def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[State]:
+    """Closed configurations from random steps off a closed one; those searches that stay open are left out."""
+    tree, rng = closed.tree, np.random.default_rng(seed)
+    starts = [tree.moved(closed.state, _unscaled(tree, step * tree.size * rng.normal(size=tree.freedom))) for _ in range(count)]
+    bound = max(CLOSED * tree.size, closed.residual)
+    ends = [_searched(tree, start) for start in starts]
+    return [end for end in ends if _largest(tree, end) <= bound]
+
+
+def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
+    """Rank of the derivative of all closures and couplings, lengths and angles times the size alike."""
+    _, jacobian = constraint_rows(tree, state)
+    if min(jacobian.shape) == 0:
+        return 0
+    values = np.linalg.svd(jacobian / _scales(tree), compute_uv=False)
+    return int(np.sum(values > share * max(values[0], np.finfo(float).tiny)))
+
+
+def row_count(robot: Robot) -> int:
+    """Constraints that the closures and couplings are counted with, each by itself."""
+    return sum(ROWS[closure.type] for closure in robot.closures) + len(robot.couplings)
+
+
+def misfits(tree: Tree, state: State) -> dict[str, float]:
+    """What each closure and coupling leaves open (metres), by its name."""
+    return {name: float(np.linalg.norm(values)) for name, (values, _) in _parts(tree, state)}
+
+
+def constraint_rows(tree: Tree, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """All rows of closures and couplings at a state, and their derivative by the freedoms of the tree."""
+    parts = [rows for _, rows in _parts(tree, state)]
+    values = [values for values, _ in parts]
+    rates = [rates for _, rates in parts]
+    return np.concatenate([np.zeros(0), *values]), np.concatenate([np.zeros((0, tree.freedom)), *rates])
+
+
+def _parts(tree: Tree, state: State) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray]]]:
+    placed = tree.placed(state)
+    for closure in tree.robot.closures:
+        yield closure.name, closure_rows(closure, placed, tree.size)
+    for coupling in tree.robot.couplings:
+        yield f"coupling of {coupling.joint}", coupling_rows(coupling, tree, state)
+
+
+# --- searches ------------------------------------------------------------------------------------------------------
+
+
+def _scales(tree: Tree) -> np.ndarray:
+    """What steps are multiplied by to be lengths."""
+    return np.where(tree.angular, tree.size, 1.0)
+
+
+def _unscaled(tree: Tree, lengths: np.ndarray) -> np.ndarray:
+    return np.asarray(lengths / _scales(tree))
+
+
+def _largest(tree: Tree, state: State) -> float:
+    return max(misfits(tree, state).values(), default=0.0)
+
+
+def _random_starts(tree: Tree, rng: np.random.Generator) -> Iterator[State]:
+    for radius, count in _SEARCHES:
+        for _ in range(count):
+            yield tree.moved(tree.own, _unscaled(tree, radius * tree.size * rng.normal(size=tree.freedom)))
+
+
+def _searched(tree: Tree, start: State) -> State:
+    """Minimise the squares of all rows: (J^T J + l^2 1) d = -J^T F, in lengths."""
+    state, scales = start, _scales(tree)
+    values, jacobian = constraint_rows(tree, state)
+    if not values.size or not tree.freedom:
+        return state
+    cost, damping, mark, since = float(np.linalg.norm(values)), 0.1, np.inf, 0
+    for _ in range(_ITERATIONS):
+        if cost == 0.0 or since > _STALLED or damping > 1e8:
+            break
+        step = _damped_step(values, jacobian / scales, damping)
+        trial = tree.moved(state, step / scales)
+        trial_values, trial_jacobian = constraint_rows(tree, trial)
+        trial_cost = float(np.linalg.norm(trial_values))
+        if trial_cost < cost:
+            state, values, jacobian, cost = trial, trial_values, trial_jacobian, trial_cost
+            damping = max(0.2 * damping, 1e-10)
+        else:
+            if cost <= _ROUNDING * tree.size:
+                break
+            damping *= 5.0
+        mark, since = (cost, 0) if cost < 0.9 * mark else (mark, since + 1)
+    return state
+
+
+def _damped_step(values: np.ndarray, jacobian: np.ndarray, damping: float) -> np.ndarray:
+    """By singular values, so that directions that no row feels are left alone."""
+    u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
+    floor = 1e-12 * max(float(s[0]), 1e-300)
+    gains = np.where(s > floor, s / (s**2 + damping**2), 0.0)
+    return np.asarray(-(vt.T @ (gains * (u.T @ values))))
+
+
+def _nearest(tree: Tree, state: State) -> State:
+    """Go along the closed configurations towards the file's own, as long as that comes nearer."""
+    scales, share = _scales(tree), 1.0
+    far = float(np.linalg.norm(scales * tree.between(state, tree.own)))
+    for _ in range(_NEAREST_STEPS):
+        back = scales * tree.between(state, tree.own)
+        free = back - _felt(constraint_rows(tree, state)[1] / scales, back)
+        if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
+            break
+        trial = _searched(tree, tree.moved(state, share * free / scales))
+        distance = float(np.linalg.norm(scales * tree.between(trial, tree.own)))
+        if distance < far and _largest(tree, trial) <= CLOSED * tree.size:
+            state, far = trial, distance
+        else:
+            share *= 0.3
+    return state
+
+
+def _felt(jacobian: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """The part of a step that the rows feel."""
+    _, s, vt = np.linalg.svd(jacobian, full_matrices=False)
+    kept = vt[s > RANK_SHARE * max(float(s[0]), 1e-300)] if s.size else vt[:0]
+    return np.asarray(kept.T @ (kept @ vector))
+
+
+def _without_turns(tree: Tree, state: State) -> State:
+    """The same configuration with angles within half a turn of the file's, but those that a coupling or a screw counts."""
+    counted = {name for c in tree.robot.couplings for name in (c.joint, *c.names)}
+    return tuple(
+        _wrapped(value, step.zero) if _turns(step, counted) else value for value, step in zip(state, tree.steps, strict=True)
+    )
+
+
+def _turns(step: Step, counted: Collection[str]) -> bool:
+    return step.kind == "turn" and step.lead == 0.0 and step.name not in counted
+
+
+def _wrapped(value: np.ndarray, zero: float) -> np.ndarray:
+    turns = np.rint((value - zero) / (2.0 * np.pi))
+    return np.asarray(value - 2.0 * np.pi * turns)

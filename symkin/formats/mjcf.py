@@ -1,0 +1,107 @@
+"""Read MJCF, the XML of MuJoCo, as a robot: bodies, joints, equality constraints, fixed tendons, and which joints actuators drive.
+
+MuJoCo's own compiler resolves defaults, classes, includes, frames and angles; what is read is the compiled model at qpos0. Meshes and
+inertias are never needed: the first need not be there, the second are replaced. What constraints and tendons mean is MuJoCo's
+documentation, "XML reference: equality", and `mj_instantiateEqual` of its source.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError, MechanismError
+from symkin.formats.mjcf_reader import Reader
+from symkin.formats.robot import Robot
+from symkin.formats.xml_text import Element, read_xml
+
+_INSTALL = "reading MJCF takes MuJoCo's compiler, which is not installed; `pip install symkin[mjcf]` brings it"
+
+
+def read_mjcf(path: Path) -> Robot:
+    """The robot that an MJCF file describes, at the file's own configuration (qpos0).
+
+    Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError for a file that is not right:
+    file, line and element as MuJoCo's compiler tells them.
+    """
+    root = read_xml(path, "mujoco")
+    mujoco = _compiler()
+    with _quiet(mujoco):
+        try:
+            spec = mujoco.MjSpec.from_file(str(path))
+            meshes = _plain(mujoco, spec)
+            model = spec.compile()
+        except (ValueError, RuntimeError, KeyError) as error:
+            raise MechanismError(f"{path}: {_sentence(str(error))}") from None
+    _check_finite(path, root, model)
+    return Reader(mujoco, model, root, path, meshes).robot()
+
+
+def _compiler() -> ModuleType:
+    try:
+        return import_module("mujoco")
+    except ImportError:
+        raise InputError(_INSTALL) from None
+
+
+@contextmanager
+def _quiet(mujoco: ModuleType) -> Iterator[None]:
+    """Keep warnings of the compiler from the terminal and from the file MUJOCO_LOG.TXT."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _text: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _plain(mujoco: ModuleType, spec: Any) -> dict[str, tuple[str, ...]]:
+    """Take out of a description what files beside it may lack and kinematics does not need; the mesh files of each body."""
+    meshes: dict[str, tuple[str, ...]] = {}
+    files = {mesh.name or Path(mesh.file).stem: mesh.file for mesh in spec.meshes}
+    for geom in spec.geoms:
+        if geom.meshname and geom.parent.name:
+            meshes[geom.parent.name] = (*meshes.get(geom.parent.name, ()), files.get(geom.meshname, geom.meshname))
+        geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [1e-3] * 3
+        geom.meshname = geom.hfieldname = geom.material = ""
+        geom.fromto = [math.nan] * 6
+    for site in spec.sites:
+        site.material = ""
+    for tendon in spec.tendons:
+        tendon.material = ""
+    for entries in (spec.keys, spec.skins, spec.meshes, spec.hfields, spec.materials, spec.textures):
+        for entry in list(entries):
+            spec.delete(entry)
+    for body in spec.bodies:
+        body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
+        body.ipos, body.iquat, body.fullinertia = [0.0] * 3, [1.0, 0.0, 0.0, 0.0], [math.nan] * 6
+    spec.compiler.fusestatic = False
+    return meshes
+
+
+def _sentence(message: str) -> str:
+    """The compiler's message in one line."""
+    text = re.sub(r"\s+", " ", message).strip()
+    return re.sub(r"^(XML )?(Error: )+", "", text).replace("Element name '', id", "element").strip()
+
+
+def _check_finite(path: Path, root: Element, model: Any) -> None:
+    """Raises MechanismError for numbers that are none, which the compiler lets through."""
+    arrays: Sequence[Any] = (
+        model.body_pos, model.body_quat, model.jnt_pos, model.jnt_axis, model.qpos0, model.eq_data, model.site_pos, model.wrap_prm
+    )  # fmt: skip
+    if all(np.all(np.isfinite(array)) for array in arrays):
+        return
+    guilty = next(
+        (e for e in root.walk() for v in e.attributes.values() if {"nan", "inf", "-inf"} & set(v.lower().split())), None
+    )
+    place = str(path) if guilty is None else guilty.where
+    raise MechanismError(f"{place}: a number is not finite; allowed: numbers such as 0.25 or 1e-3")

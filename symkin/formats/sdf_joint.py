@@ -1,0 +1,74 @@
+"""What a joint of SDF tells of itself: its type, its axes, its range and its pitch, by the version of the file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+import numpy as np
+
+from symkin.formats.joint_graph import Direction
+from symkin.formats.urdf_parts import unit
+from symkin.formats.xml_text import Element
+from symkin.model.joint import JointType
+from symkin.spatial.pose import Pose
+
+TYPES: dict[str, JointType] = {
+    "revolute": "R",
+    "continuous": "R",
+    "prismatic": "P",
+    "screw": "H",
+    "universal": "U",
+    "ball": "S",
+    "fixed": "weld",
+}
+"""Joints of SDF that are one joint here; a revolute2 is two, a gearbox a coupling."""
+_UNLIMITED = 1e15
+"""Bounds beyond this are none: SDF writes 1e16, infinity and the largest number of doubles."""
+
+
+def sdf_type(element: Element, allowed: Collection[str] = tuple(TYPES)) -> JointType:
+    """The joint's type. Raises MechanismError for one that is not among the allowed."""
+    word = element.attribute("type")
+    if word not in allowed:
+        raise element.error(f"type = {word!r} is unknown; allowed: {', '.join(allowed)}")
+    return TYPES[word]
+
+
+def sdf_axis(element: Element, tag: str, joint_pose: Pose, version: tuple[int, int] = (1, 6)) -> Direction:
+    """The child <axis> or <axis2> in the joint's frame, which has the pose `joint_pose` in the model's frame.
+
+    Before version 1.5 an axis is in the model's frame; from then on in the joint's, unless use_parent_model_frame is true.
+    """
+    axis = element.needed(tag)
+    xyz = axis.needed("xyz")
+    vector = xyz.text_numbers(3)
+    flag = axis.one("use_parent_model_frame")
+    in_model = version < (1, 5) or (flag is not None and flag.text.strip().lower() in ("1", "true"))
+    turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector))) if in_model else np.asarray(vector)
+    return unit(xyz, tuple(float(c) for c in turned))
+
+
+def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | None:
+    """The range in <axis><limit>, None where there is none, or a bound is infinite."""
+    axis = element.one(tag)
+    limit = None if axis is None else axis.one("limit")
+    if limit is None:
+        return None
+    ends = [limit.one(word) for word in ("lower", "upper")]
+    low, high = (
+        math.inf * side if end is None else end.text_number(infinite=True) for end, side in zip(ends, (-1, 1), strict=True)
+    )
+    return (low, high) if -_UNLIMITED < low < high < _UNLIMITED else None
+
+
+def sdf_pitch(element: Element) -> float:
+    """The length a turn of a screw, right-handed: screw_thread_pitch, or -2 pi / thread_pitch (radians a metre, left-handed)."""
+    new, old = element.one("screw_thread_pitch"), element.one("thread_pitch")
+    told = new or old
+    if told is None:
+        raise element.error("<screw_thread_pitch> is missing; a screw needs its length a turn")
+    value = told.text_number()
+    if value == 0.0:
+        raise told.error("is 0; a screw advances when it turns")
+    return value if told is new else -2.0 * math.pi / value

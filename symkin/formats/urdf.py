@@ -1,0 +1,362 @@
+"""Read URDF: a tree of links at the configuration where all joints are 0, and the loops that are written into it or beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from pathlib import Path
+
+from symkin.errors import MechanismError
+from symkin.formats.gepetto_yaml import loops_beside
+from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
+from symkin.formats.naming import robot_name
+from symkin.formats.robot import Robot
+from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
+from symkin.formats.urdf_parts import direction, origin, plain_tag
+from symkin.formats.xml_text import Element, read_xml
+from symkin.model.graph import Coupling
+from symkin.model.joint import JointType
+from symkin.spatial.pose import Pose
+from symkin.text import first_of
+
+_TYPES: dict[str, JointType] = {
+    "revolute": "R",
+    "continuous": "R",
+    "prismatic": "P",
+    "fixed": "weld",
+    "ball": "S",
+    "spherical": "S",
+    "universal": "U",
+    "screw": "H",
+}
+"""Joints of URDF, and those that Drake adds; floating and planar ones are chains of these."""
+_X, _Y, _W = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_OF_NO_MEANING = {
+    "material": "materials",
+    "transmission": "transmissions (but which joints they drive)",
+    "ros2_control": "controllers (but which joints they drive)",
+    "gazebo": "simulator settings",
+    "sensor": "sensors",
+    "mujoco": "compiler settings",
+    "drake:linear_bushing_rpy": "bushings, which are springs",
+    "drake:proximity_properties": "contact settings",
+    "drake:collision_filter_group": "contact settings",
+    "collision_filter_group": "contact settings",
+    "self_collision_checking": "contact settings",
+    "disable_collisions": "contact settings",
+    "actuator": "motors' data",
+    "frame": "frames",
+    "force_element": "forces",
+    "verbose": "settings",
+}
+_UNLIMITED = 1e15
+"""Bounds of joints beyond this are none: files write 1e16 and the largest number of doubles."""
+
+
+def read_urdf(path: Path) -> Robot:
+    """The robot that a URDF file describes, at the configuration where all joints are 0.
+
+    Raises InputError and MechanismError with file, line and element for what is not right.
+    """
+    path = Path(path)
+    root = read_xml(path, "robot")
+    return robot_of(_Reader(root, path).graph())
+
+
+class _Reader:
+    """The parts of a URDF file."""
+
+    def __init__(self, root: Element, path: Path) -> None:
+        self.root, self.path = root, path
+        self.notes: list[str] = []
+        self._refuse_macros()
+        self.links = self._links()
+        self.elements = root.all("joint", "drake:joint")
+        self.beside = loops_beside(path)
+
+    def graph(self) -> JointGraph:
+        joints = self._joints()
+        root = self._root_link(joints)
+        joints = self._hold_the_root(joints, root)
+        loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames)
+        joints = self._with_motors([*joints, *self._beside(), *loops.joints])
+        couplings = [*self._mimics(joints), *loops.couplings(joints)]
+        links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
+        self._refuse_lost(links, root, joints)
+        return JointGraph(
+            name=robot_name(self.root.attributes.get("name"), self.path),
+            links=tuple(dict.fromkeys(links)),
+            root=root,
+            joints=joints,
+            couplings=couplings,
+            notes=(*self.notes, *self.beside.notes, *loops.notes, *self._left_out()),
+            source=str(self.path),
+            meshes=self._meshes(),
+        )
+
+    # --- links -----------------------------------------------------------------------------------------------------
+
+    def _refuse_macros(self) -> None:
+        for element in self.root.walk():
+            if element.tag.startswith("xacro:") or any("${" in value or "$(" in value for value in element.attributes.values()):
+                raise element.error("is xacro, which is not expanded here; run `xacro FILE -o OUT.urdf` and read its result")
+
+    def _links(self) -> dict[str, Element]:
+        links: dict[str, Element] = {}
+        for element in self.root.all("link"):
+            name = element.attribute("name")
+            if name in links:
+                raise element.error(f"two links are named {name!r} (the first on line {links[name].line}); names must be unique")
+            links[name] = element
+        if not links:
+            raise self.root.error("no <link> is found; a robot has links and joints")
+        return links
+
+    def _known_link(self, name: str, element: Element) -> str:
+        if name not in self.links:
+            near = get_close_matches(name, self.links, 1)
+            raise element.error(f"the link {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+        return name
+
+    def _root_link(self, joints: Sequence[GraphJoint]) -> str:
+        """The link that is no joint's child. Raises MechanismError where two joints carry one link, or no link is the root."""
+        carried: dict[str, GraphJoint] = {}
+        for joint in joints:
+            child = joint.links[1]
+            if child in carried:
+                raise self._element(joint).error(
+                    f"the link {child!r} is the child of two joints, of {carried[child].name!r} as well; a URDF is a tree, write the loop "
+                    "as a closure, such as <loop_joint>"
+                )
+            carried[child] = joint
+        roots = [link for link in self.links if link not in carried]
+        if not roots:
+            raise self.root.error("every link is a joint's child; one is needed that is not, the root of the tree")
+        return roots[0]
+
+    def _element(self, joint: GraphJoint) -> Element:
+        return next(e for e in self.elements if joint.name.startswith(e.attribute("name")))
+
+    def _refuse_lost(self, links: Sequence[str], root: str, joints: Sequence[GraphJoint]) -> None:
+        graph = JointGraph("", tuple(dict.fromkeys(links)), root, joints)
+        reached = place(graph, spanning_tree(graph))
+        lost = [link for link in self.links if link not in reached]
+        if lost:
+            raise self.links[lost[0]].error(
+                f"neither joints nor closures join it to the root link {root!r}{f', nor {len(lost) - 1} more' if lost[1:] else ''}; a "
+                "URDF is one tree"
+            )
+
+    def _zero_poses(self, joints: Sequence[GraphJoint], root: str) -> dict[str, Pose]:
+        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
+        graph = JointGraph("", tuple(links), root, joints)
+        return {link: pose for link, (pose, _) in place(graph, joints).items()}
+
+    def _meshes(self) -> dict[str, tuple[str, ...]]:
+        found = {}
+        for name, element in self.links.items():
+            files = [e.attributes["filename"] for v in element.all("visual") for e in v.walk() if "filename" in e.attributes]
+            if files:
+                found[name] = tuple(files)
+        return found
+
+    # --- joints ----------------------------------------------------------------------------------------------------
+
+    def _joints(self) -> list[GraphJoint]:
+        joints: list[GraphJoint] = []
+        seen: dict[str, int] = {}
+        for element in self.elements:
+            name = element.attribute("name")
+            if name in seen:
+                raise element.error(f"two joints are named {name!r} (the first on line {seen[name]}); names must be unique")
+            seen[name] = element.line
+            joints += self._joint(element, name)
+        for name in self.beside.retyped:
+            if name not in seen:
+                raise MechanismError(f"{self.beside.file}: joint_name: {name!r} is no joint of {self.path.name}")
+        return joints
+
+    def _joint(self, element: Element, name: str) -> list[GraphJoint]:
+        kind = element.attribute("type")
+        links = tuple(self._known_link(element.needed(tag).attribute("link"), element.needed(tag)) for tag in ("parent", "child"))
+        if links[0] == links[1]:
+            raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
+        made = GraphJoint(name, "weld", (links[0], links[1]), (origin(element), Pose.identity()), where=element.where)
+        if name in self.beside.retyped:
+            word, axes = self.beside.retyped[name]
+            return [replace(made, type=word, axis=axes[0] if axes else None, axis2=axes[1] if axes else None)]
+        if kind == "floating":
+            return _chain(made, [("x", "P", _X), ("y", "P", _Y), ("z", "P", _W), ("turn", "S", None)])
+        if kind == "planar":
+            return _chain(made, _planar(direction(element)))
+        if kind not in _TYPES:
+            raise element.error(f"type = {kind!r} is unknown; allowed: {', '.join(_TYPES)}, floating, planar")
+        return [self._plain(replace(made, type=_TYPES[kind]), element, kind)]
+
+    def _plain(self, made: GraphJoint, element: Element, kind: str) -> GraphJoint:
+        """A joint of one type, with axis, range and pitch."""
+        if made.type == "weld" or made.type == "S":
+            return made
+        if made.type == "U":
+            return replace(made, axis=_X, axis2=_Y)
+        pitch = 0.0
+        if made.type == "H":
+            pitch = element.needed("drake:screw_thread_pitch").number("value")
+        limits = self._limits(element) if kind in ("revolute", "prismatic") else None
+        return replace(made, axis=direction(element), limits=limits, pitch=pitch)
+
+    def _limits(self, element: Element) -> tuple[float, float] | None:
+        limit = element.one("limit")
+        if limit is None or not {"lower", "upper"} & set(limit.attributes):
+            return None
+        low, high = (limit.number(key, 0.0, infinite=True) for key in ("lower", "upper"))
+        if -_UNLIMITED < low < high < _UNLIMITED:
+            return (low, high)
+        if low >= high or low > -_UNLIMITED or high < _UNLIMITED:
+            self.notes.append(
+                f"line {limit.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
+            )
+        return None
+
+    def _hold_the_root(self, joints: Sequence[GraphJoint], root: str) -> list[GraphJoint]:
+        """Without the floating joint under the root, where the root carries nothing else: the base is held."""
+        first = [joint for joint in joints if joint.links[0] == root]
+        if len(first) != 1 or first[0].type != "P" or not first[0].name.endswith(".x"):
+            return list(joints)
+        element = next(
+            (e for e in self.elements if e.attributes.get("type") == "floating" and first[0].name == f"{e.attribute('name')}.x"),
+            None,
+        )
+        if element is None:
+            return list(joints)
+        name = element.attribute("name")
+        body = element.needed("child").attribute("link")
+        self.notes.append(f"the floating joint {name!r} of the root is held, the link {body!r} with it")
+        ends = {f"{name}.{word}" for word in ("x", "y", "z", "turn")}
+        held = GraphJoint(name, "weld", (root, body), (origin(element), Pose.identity()), where=element.where)
+        return [held, *(joint for joint in joints if joint.name not in ends)]
+
+    def _beside(self) -> list[GraphJoint]:
+        """The closures of the YAML file beside the URDF."""
+        made = []
+        for k, (kind, first, second) in enumerate(self.beside.closures, start=1):
+            for link in (first, second):
+                if link not in self.links:
+                    near = get_close_matches(link, self.links, 1)
+                    raise MechanismError(
+                        f"{self.beside.file}: closed_loop[{k - 1}] names the frame {link!r}, which is no link of {self.path.name}"
+                        + (f"; {near[0]}?" if near else "")
+                    )
+            frames = (Pose.identity(), Pose.identity())
+            where = f"{self.beside.file}: closed_loop[{k - 1}]"
+            made.append(GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where))
+        return made
+
+    def _mimics(self, joints: Sequence[GraphJoint]) -> list[Coupling]:
+        made = {joint.name: joint for joint in joints}
+        found = []
+        for element in self.elements:
+            mimic = element.one("mimic")
+            if mimic is None:
+                continue
+            name, other = element.attribute("name"), mimic.attribute("joint")
+            if other == name:
+                raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
+            if other not in made:
+                near = get_close_matches(other, made, 1)
+                raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{f'; {near[0]}?' if near else ''}")
+            wrong = next((n for n in (name, other) if n not in made or made[n].type not in ("R", "P", "H")), None)
+            if wrong is not None:
+                if name in made and made[name].type == "weld":
+                    continue
+                raise mimic.error(f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or prismatic")
+            factor, offset = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
+            found.append(Coupling(name, {other: factor}, offset))
+        self._refuse_circles(found)
+        return found
+
+    def _refuse_circles(self, couplings: Sequence[Coupling]) -> None:
+        next_of = {coupling.joint: coupling.names[0] for coupling in couplings}
+        for name in next_of:
+            seen, at = {name}, next_of[name]
+            while at in next_of and at not in seen:
+                seen.add(at)
+                at = next_of[at]
+            if at == name:
+                element = next(e for e in self.elements if e.attribute("name") == name)
+                raise element.needed("mimic").error(f"the joints mimic each other in a circle: {', '.join(sorted(seen))}")
+
+    # --- motors ----------------------------------------------------------------------------------------------------
+
+    def _with_motors(self, joints: Sequence[GraphJoint]) -> list[GraphJoint]:
+        """The joints, those that motors drive actuated: as the YAML file, transmissions or URDF+ say, else all but mimics."""
+        names, source = self._motors()
+        able = {joint.name for joint in joints if joint.type in ("R", "P", "H", "U") and not joint.closing}
+        unknown = [name for name in names if name not in {joint.name for joint in joints}]
+        if unknown:
+            self.notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
+        names = [name for name in names if name in able]
+        if not names:
+            mimics = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
+            names = [j.name for j in joints if j.name in able - mimics and j.type in ("R", "P", "H")]
+            if names:
+                self.notes.append("no motors are told: all movable joints of the tree are actuated")
+        return [replace(joint, actuated=True) if joint.name in names else joint for joint in joints]
+
+    def _motors(self) -> tuple[list[str], str]:
+        if self.beside.motors:
+            return list(self.beside.motors), str(self.beside.file)
+        driven = [joint for t in self.root.all("transmission") for joint in t.all("joint")]
+        controlled = [j for c in self.root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
+        named = [e.attribute("name") for e in (driven or controlled)]
+        if named:
+            return list(dict.fromkeys(named)), "transmissions"
+        return [e.attribute("name") for e in self.elements if e.attributes.get("independent") == "true"], "joints"
+
+    # --- what is left out -------------------------------------------------------------------------------------------
+
+    def _left_out(self) -> list[str]:
+        """Notes on elements of no meaning here. Raises MechanismError for an unknown one that names links or joints."""
+        known = {"link", "joint", "drake:joint", *LOOP_TAGS}
+        names = {*self.links, *(e.attribute("name") for e in self.elements)}
+        found: dict[str, None] = {}
+        for element in self.root.children:
+            if element.tag in known or plain_tag(element.tag) in LOOP_TAGS:
+                continue
+            if element.tag not in _OF_NO_MEANING and _names_any(element, names):
+                raise element.error(
+                    f"<{element.tag}> is unknown, and it names links or joints of the robot; remove it if it is no constraint"
+                )
+            found[_OF_NO_MEANING.get(element.tag, f"<{element.tag}>")] = None
+        return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
+
+
+def _names_any(element: Element, names: set[str]) -> bool:
+    """Whether an attribute or text within the element is one of the names."""
+    return any(e.text.strip() in names or names & {v.strip() for v in e.attributes.values()} for e in element.walk())
+
+
+def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:
+    """Two slides in the plane and a turn about its normal."""
+    turn = frame_along(normal).rotation
+    first, second = (tuple(float(c) for c in turn[:, k]) for k in (0, 1))
+    return [("1", "P", (first[0], first[1], first[2])), ("2", "P", (second[0], second[1], second[2])), ("angle", "R", normal)]
+
+
+def _chain(joint: GraphJoint, parts: Sequence[tuple[str, JointType, Direction | None]]) -> list[GraphJoint]:
+    """A joint of many freedoms as joints of one type each, with links of their own between them."""
+    middle = [f"{joint.name}.{word}.link" for word, _, _ in parts[:-1]]
+    links = [joint.links[0], *middle, joint.links[1]]
+    still = Pose.identity()
+    return [
+        GraphJoint(
+            f"{joint.name}.{word}",
+            kind,
+            (links[k], links[k + 1]),
+            (joint.frames[0] if k == 0 else still, still),
+            axis,
+            where=joint.where,
+        )
+        for k, (word, kind, axis) in enumerate(parts)
+    ]

@@ -1,0 +1,256 @@
+"""Read the loops that are written into a URDF: closing frames, <loop_joint>, <loop>, <coupling>, <constraint>, <gazebo><joint>,
+<drake:ball_constraint>."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
+from symkin.formats.sdf_joint import sdf_axis, sdf_type
+from symkin.formats.urdf_parts import direction, origin, pose_of
+from symkin.formats.xml_text import Element
+from symkin.model.graph import Coupling
+from symkin.model.joint import JointType
+from symkin.spatial.pose import Pose
+
+LOOP_TAGS = ("loop_joint", "loop", "coupling", "constraint", "ball_constraint")
+"""Elements of a robot that close loops or couple joints, without their maker's prefix."""
+_TYPES: dict[str, JointType] = {
+    "revolute": "R",
+    "continuous": "R",
+    "hinge": "R",
+    "prismatic": "P",
+    "cylindrical": "C",
+    "fixed": "weld",
+    "weld": "weld",
+    "ball": "S",
+    "spherical": "S",
+    "point": "S",
+}
+_CLOSING = re.compile(r"closing_(.+)_([12])")
+"""Links of onshape-to-robot: the two frames of one mate."""
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """ratio x (sum of the joints from the common ancestor to the predecessor) = the same sum to the successor."""
+
+    element: Element
+    predecessor: str
+    successor: str
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Loops:
+    """The closing joints, pairs of coupled links, and notes."""
+
+    joints: tuple[GraphJoint, ...]
+    gears: tuple[GearPair, ...]
+    notes: tuple[str, ...]
+
+    def couplings(self, joints: Sequence[GraphJoint]) -> list[Coupling]:
+        """The couplings of joints that the pairs of links mean."""
+        found: list[Coupling] = []
+        for gear in self.gears:
+            found.append(_coupling(gear, joints, {coupling.joint for coupling in found}))
+        return found
+
+
+def loops_within(root: Element, zero: Mapping[str, Pose], taken: Collection[str]) -> Loops:
+    """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that joints place), `taken` links whose
+    frames are told beside the file."""
+    reader = _Reader(root, zero)
+    pairs = reader.closing_pairs(taken)
+    joints = [*pairs, *(reader.joint(element) for element in reader.elements)]
+    notes = [
+        f"the kind of the mates is not written in the file: {', '.join(joint.name for joint in pairs)} hold a point, as ball joints"
+    ]
+    return Loops(tuple(joints), tuple(reader.gears()), tuple(notes) if pairs else ())
+
+
+class _Reader:
+    """The elements of a robot that close loops."""
+
+    def __init__(self, root: Element, zero: Mapping[str, Pose]) -> None:
+        self.root, self.zero = root, zero
+        self.links = [link.attribute("name") for link in root.all("link")]
+        own = [e for e in root.children if e.tag.rpartition(":")[2] in LOOP_TAGS and e.tag != "coupling"]
+        self.elements = own + [joint for gazebo in root.all("gazebo") for joint in gazebo.all("joint")]
+
+    def joint(self, element: Element) -> GraphJoint:
+        """The closing joint that an element tells."""
+        match element.tag.rpartition(":")[2]:
+            case "loop_joint":
+                return self._loop_joint(element)
+            case "loop":
+                return self._loop(element)
+            case "constraint":
+                return self._constraint(element)
+            case "ball_constraint":
+                return self._ball_constraint(element)
+            case _:
+                return self._gazebo_joint(element)
+
+    def closing_pairs(self, taken: Collection[str]) -> list[GraphJoint]:
+        """Points that the links closing_X_1 and closing_X_2 have in common."""
+        found: dict[str, dict[str, str]] = {}
+        for link in self.root.all("link"):
+            name = link.attribute("name")
+            match = _CLOSING.fullmatch(name)
+            if match is not None and name not in taken:
+                found.setdefault(match[1], {})[match[2]] = name
+        for mate, links in found.items():
+            if len(links) != 2:
+                ((end, name),) = links.items()
+                other = "2" if end == "1" else "1"
+                link = next(e for e in self.root.all("link") if e.attribute("name") == name)
+                raise link.error(f"the loop's other frame, the link 'closing_{mate}_{other}', is missing")
+        still = (Pose.identity(), Pose.identity())
+        return [
+            GraphJoint(
+                f"closing_{mate}", "S", (links["1"], links["2"]), still, closing=True, where=f"{self.root.file}: closing_{mate}"
+            )
+            for mate, links in found.items()
+        ]
+
+    def gears(self) -> list[GearPair]:
+        """The couplings of URDF+."""
+        return [
+            GearPair(
+                element,
+                self._link(element.needed("predecessor")),
+                self._link(element.needed("successor")),
+                element.needed("ratio").number("value"),
+            )
+            for element in self.root.all("coupling")
+        ]
+
+    # --- one form each ---------------------------------------------------------------------------------------------
+
+    def _loop_joint(self, element: Element) -> GraphJoint:
+        """Two frames by their links, and an axis in the first of them."""
+        ends = element.all("link1", "link2")
+        if len(ends) != 2:
+            raise element.error(f"has {len(ends)} of <link1> and <link2>; two links are needed")
+        kind = self._type(element)
+        axis = direction(element) if _has_axis(kind) else None
+        return self._made(element, kind, [(self._link(end), pose_of(end), axis) for end in ends])
+
+    def _loop(self, element: Element) -> GraphJoint:
+        """Predecessor and successor with an origin each; the axis is in their frames."""
+        kind = self._type(element)
+        ends = []
+        for tag in ("predecessor", "successor"):
+            end = element.needed(tag)
+            axis = direction(end if end.all("axis") else element) if _has_axis(kind) else None
+            ends.append((self._link(end), origin(end), axis))
+        return self._made(element, kind, ends)
+
+    def _constraint(self, element: Element) -> GraphJoint:
+        """Parent and child with an origin each, and an axis in one frame or in both."""
+        kind = self._type(element)
+        ends = []
+        for tag, other in (("parent", "child"), ("child", "parent")):
+            axis = direction(element, f"{tag}_axis", f"{other}_axis", "axis") if _has_axis(kind) else None
+            ends.append((self._link(element.needed(tag)), origin(element, f"{tag}_origin"), axis))
+        return self._made(element, kind, ends)
+
+    def _ball_constraint(self, element: Element) -> GraphJoint:
+        """A point on each of two bodies."""
+        ends: list[tuple[str, Pose, Direction | None]] = []
+        for body, point in (("body_A", "p_AP"), ("body_B", "p_BQ")):
+            at = element.needed(f"drake:ball_constraint_{point}").numbers("value", 3)
+            ends.append((self._link(element.needed(f"drake:ball_constraint_{body}")), Pose.from_euler(at, (0.0, 0.0, 0.0)), None))
+        return self._made(element, "S", ends)
+
+    def _gazebo_joint(self, element: Element) -> GraphJoint:
+        """A joint of SDF between links of the URDF: its pose is in the child's frame."""
+        names = [element.needed(tag).text.strip() for tag in ("parent", "child")]
+        parent, child = (self._known(name, element) for name in names)
+        pose = element.one("pose")
+        frame = Pose.identity()
+        if pose is not None:
+            x, y, z, roll, pitch, yaw = pose.text_numbers(6)
+            frame = Pose.from_euler((x, y, z), (roll, pitch, yaw), "xyz")
+        lost = next((link for link in (parent, child) if link not in self.zero), None)
+        if lost is not None:
+            raise element.error(
+                f"no joint places the link {lost!r}, and so neither this one, whose frame is told in one link only"
+            )
+        at = self.zero[child] @ frame
+        kind = sdf_type(element, ("revolute", "prismatic", "ball", "fixed"))
+        axis = sdf_axis(element, "axis", at) if _has_axis(kind) else None
+        turn = Pose.identity() if axis is None else frame_along(axis)
+        frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
+        name = element.attribute("name")
+        return GraphJoint(name, kind, (parent, child), frames, None if axis is None else Z, closing=True, where=element.where)
+
+    # --- parts -----------------------------------------------------------------------------------------------------
+
+    def _made(self, element: Element, kind: JointType, ends: Sequence[tuple[str, Pose, Direction | None]]) -> GraphJoint:
+        """A closing joint whose axis is the z axis of both frames."""
+        links = (ends[0][0], ends[1][0])
+        if links[0] == links[1]:
+            raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
+        first, second = (frame if axis is None else frame @ frame_along(axis) for _, frame, axis in ends)
+        axis = Z if _has_axis(kind) else None
+        return GraphJoint(
+            element.attribute("name") if "name" in element.attributes else f"loop{element.line}",
+            kind,
+            links,
+            (first, second),
+            axis,
+            closing=True,
+            where=element.where,
+        )
+
+    def _type(self, element: Element) -> JointType:
+        word = element.attribute("type").lower().removesuffix("_joint")
+        if word not in _TYPES:
+            raise element.error(f"type = {element.attribute('type')!r} is unknown for a closure; allowed: {', '.join(_TYPES)}")
+        return _TYPES[word]
+
+    def _link(self, element: Element) -> str:
+        return self._known(element.attribute("link", "name"), element)
+
+    def _known(self, name: str, element: Element) -> str:
+        if name not in self.links:
+            near = get_close_matches(name, self.links, 1)
+            raise element.error(f"the link {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+        return name
+
+
+def _has_axis(kind: JointType) -> bool:
+    return kind in ("R", "P", "C")
+
+
+def _coupling(gear: GearPair, joints: Sequence[GraphJoint], coupled: Collection[str]) -> Coupling:
+    """The coupling of joints that a pair of links means, told for the last joint before the successor that is not coupled yet."""
+    carrier = {joint.links[1]: joint for joint in joints if not joint.closing}
+    first, second = (_path(link, carrier) for link in (gear.predecessor, gear.successor))
+    common = {joint.name for joint in first} & {joint.name for joint in second}
+    factors = {joint.name: gear.ratio for joint in first if joint.name not in common and joint.type != "weld"}
+    factors |= {joint.name: -1.0 for joint in second if joint.name not in common and joint.type != "weld"}
+    kinds = {joint.name: joint.type for joint in (*first, *second)}
+    wrong = next((name for name in factors if kinds[name] not in ("R", "P", "H")), None)
+    if wrong is not None:
+        raise gear.element.error(f"the joint {wrong!r} has no one coordinate to couple")
+    free = [name for name, factor in factors.items() if factor != 0.0 and name not in coupled]
+    if not free or len(factors) < 2:
+        raise gear.element.error("it couples no two joints that other couplings leave free")
+    name = free[-1]
+    own = factors.pop(name)
+    return Coupling(name, {other: -factor / own for other, factor in factors.items()})
+
+
+def _path(link: str, carrier: Mapping[str, GraphJoint]) -> list[GraphJoint]:
+    """The joints from the root to a link."""
+    found: list[GraphJoint] = []
+    while link in carrier and len(found) <= len(carrier):
+        found.append(carrier[link])
+        link = carrier[link].links[0]
+    return found[::-1]

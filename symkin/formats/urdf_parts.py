@@ -1,0 +1,51 @@
+"""What elements of URDF share: origins, directions, tags with a maker's prefix."""
+
+from __future__ import annotations
+
+import math
+
+from symkin.formats.joint_graph import Direction
+from symkin.formats.xml_text import Element
+from symkin.spatial.pose import Pose
+
+
+def origin(element: Element, tag: str = "origin") -> Pose:
+    """The pose in the child <origin xyz rpy>; the identity where there is none."""
+    found = element.one(tag)
+    return Pose.identity() if found is None else pose_of(found)
+
+
+def pose_of(element: Element) -> Pose:
+    """The pose in the attributes xyz and rpy (or quat_xyzw) of an element; 0 where they are missing."""
+    position = element.numbers("xyz", 3, (0.0, 0.0, 0.0))
+    if "quat_xyzw" in element.attributes:
+        if "rpy" in element.attributes:
+            raise element.error("has rpy and quat_xyzw; one rotation is needed")
+        x, y, z, w = element.numbers("quat_xyzw", 4)
+        return Pose.from_quaternion(position, (w, x, y, z))
+    return Pose.from_euler(position, element.numbers("rpy", 3, (0.0, 0.0, 0.0)), "xyz")
+
+
+def direction(element: Element, *tags: str) -> Direction:
+    """The unit vector in the child <axis xyz>, or the first of other tags that is there. Raises MechanismError where it is missing
+    or zero."""
+    found = next((axis for tag in (tags or ("axis",)) if (axis := element.one(tag)) is not None), None)
+    if found is None:
+        raise element.error(
+            '<axis> is missing; write it, as in <axis xyz="1 0 0"/>, which is what URDF takes a joint without one for'
+        )
+    return unit(found, found.numbers("xyz", 3))
+
+
+def unit(element: Element, vector: tuple[float, ...]) -> Direction:
+    """A vector of length 1. Raises MechanismError for the zero vector."""
+    x, y, z = vector
+    length = math.hypot(x, y, z)
+    if length < 1e-9:
+        raise element.error(f"{[x, y, z]} is the zero vector; a direction is needed")
+    return (x, y, z) if abs(length - 1.0) < 4e-16 else (x / length, y / length, z / length)
+
+
+def plain_tag(tag: str) -> str:
+    """A tag without its prefix: drake:ball_constraint is ball_constraint."""
+    return tag.rpartition(":")[2]

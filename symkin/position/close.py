@@ -1,0 +1,160 @@
+"""The verb `close`: the closed configuration nearest to a file's own, and what its constraints leave free there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from symkin.closure.closure import Closure, build_closure
+from symkin.closure.link_poses import link_poses
+from symkin.formats.assembled import open_sentence
+from symkin.formats.closing import (
+    DIGITS,
+    RANK_SHARE,
+    Closed,
+    closed_neighbours,
+    nearest_closed,
+    rank_at,
+    row_count,
+)
+from symkin.formats.load import is_robot, load, read_robot
+from symkin.formats.robot import Robot
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, LIMIT_SLACK
+from symkin.position.close_result import ClosedConfiguration, LoopGap
+from symkin.position.closed_configurations import whole_system
+from symkin.position.gruebler import counts
+from symkin.position.mobility import mobility
+from symkin.position.readings import left_out, readings_at
+from symkin.text import first_of
+
+_NEIGHBOURS, _MOST_TRIES = 2, 6
+"""Closed configurations beside the nearest one at which the generic rank is taken, and how many searches look for them."""
+
+
+def close(name_or_path: str | Path | Mechanism, *, seed: int = 0) -> ClosedConfiguration:
+    """Find the closed configuration nearest to the one that a file describes, and count its freedoms.
+
+    Takes what `load` takes, or a Mechanism. Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF)
+    are those of their closures and couplings on the freedoms of their tree, idle spins of rods included, as other tools count them.
+    `seed` is that of the steps to configurations at which the generic rank is taken. Raises as `load` does; where nothing closes
+    the loops, the result says so (`closed`), with what comes nearest.
+
+    >>> import symkin
+    >>> found = symkin.close("four_bar")
+    >>> found.closed, found.mobility
+    (True, 1)
+    """
+    if isinstance(name_or_path, Mechanism):
+        return _of_mechanism(name_or_path, seed)
+    if is_robot(Path(name_or_path)):
+        return close_robot(read_robot(Path(name_or_path)), seed=seed)
+    return _of_mechanism(load(name_or_path), seed)
+
+
+def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
+    """As `close`, of a robot that is read."""
+    found = nearest_closed(robot)
+    tree = found.tree
+    share = RANK_SHARE if found.closed else DIGITS
+    rank = rank_at(tree, found.state, share)
+    beside = closed_neighbours(found, _NEIGHBOURS, seed) or closed_neighbours(found, _MOST_TRIES, seed, step=0.01)
+    generic = max([rank, *(rank_at(tree, state, share) for state in beside)])
+    displaced = found.displacements
+    poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
+    poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
+    return ClosedConfiguration(
+        mechanism=robot.name,
+        units=("m", "rad"),
+        links=len(robot.links),
+        joint_count=len(robot.joints) + len(robot.closures),
+        freedoms=tree.freedom,
+        rows=row_count(robot),
+        rank=rank,
+        generic_rank=generic,
+        actuated=tuple(c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates),
+        loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
+        open_by=found.open_by,
+        residual=found.residual,
+        closed=found.to_digits,
+        joints={name: value[0] if len(value) == 1 else list(value) for name, value in found.values.items()},
+        link_poses=poses,
+        notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
+    )
+
+
+def _closing_notes(found: Closed, rank: int, generic: int) -> list[str]:
+    if not found.to_digits:
+        return [open_sentence(found)]
+    notes = []
+    if not found.closed:
+        notes.append(f"the loops close only to the digits of the file: the nearest configuration leaves {found.residual:.1e} m")
+    if rank < generic:
+        notes.append(f"this configuration is singular: the rank is {rank} here, and {generic} at closed configurations beside it")
+    return notes
+
+
+def _limit_notes(robot: Robot, found: Closed) -> list[str]:
+    """Which joints lie beyond their limits."""
+    beyond = []
+    for entry in robot.joints:
+        limits = entry.joint.limits
+        if limits is not None:
+            value = found.values[entry.joint.name][0]
+            slack = LIMIT_SLACK * (found.tree.size if entry.joint.type == "P" else 1.0)
+            if not limits[0] - slack <= value <= limits[1] + slack:
+                beyond.append(f"{entry.joint.name} = {value:.6g} (limits {limits[0]:g} to {limits[1]:g})")
+    return [f"beyond the limits of the file: {first_of(beyond)}"] if beyond else []
+
+
+# --- mechanism files ---------------------------------------------------------------------------------------------------
+
+
+def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
+    """The same of a mechanism, from its reference."""
+    closure, account = build_closure(mechanism), mobility(mechanism, seed=seed)
+    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
+    open_by = float(system.residual(closure.reference, nothing))
+    values = closure.reference
+    if open_by > CLOSURE_TOLERANCE * size:
+        batch = levenberg_marquardt(system, values[None], nothing, max_iterations=200)
+        values = system.polish_many(batch.points, nothing).points[0]
+    if system.residual(values, nothing) > CLOSURE_TOLERANCE * size:
+        values = min((values, account.values), key=lambda z: float(system.residual(z, nothing)))
+    residual = float(system.residual(values, nothing))
+    links, joints, _ = counts(mechanism)
+    rank = account.rank.value if account.reference_rank is None else account.reference_rank.value
+    return ClosedConfiguration(
+        mechanism=mechanism.name,
+        units=(mechanism.length_unit, mechanism.angle_unit),
+        links=links,
+        joint_count=joints,
+        freedoms=account.freedoms,
+        rows=account.rows,
+        rank=rank,
+        generic_rank=account.rank.value,
+        actuated=tuple(c.name for c in mechanism.actuated),
+        loops=(),
+        open_by=open_by,
+        residual=residual,
+        closed=residual <= (DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size,
+        joints=_joint_values(closure, values),
+        link_poses=dict(link_poses(closure, values[None]).at(0)),
+        notes=account.warnings,
+    )
+
+
+def _joint_values(closure: Closure, values: np.ndarray) -> dict[str, float | list[float]]:
+    """Every joint coordinate in the mechanism's units."""
+    mechanism = closure.mechanism
+    read = readings_at(closure, values[None]) if left_out(closure) else {}
+    found: dict[str, float | list[float]] = {}
+    for c in mechanism.coordinates:
+        numbers = read[c.name][0] if c.name in read else values[closure.slices[c.name]]
+        if c.kind == "quaternion":
+            found[c.name] = [float(v) for v in numbers]
+        else:
+            found[c.name] = mechanism.angle_out(float(numbers[0])) if c.is_angular else float(numbers[0])
+    return found

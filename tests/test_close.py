@@ -1,0 +1,135 @@
+"""The verb `close`: closed configurations of files in every format, how far they were open, and counts against those of other tools."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.mjcf_models import MODELS, REAL, body, file_text, joint
+from symkin.cli.app import main
+
+pytest.importorskip("mujoco")
+
+
+def open_four_bar(folder: Path, reach: float, name: str = "open.xml") -> Path:
+    """Crank 0.2 at `reach` from the hip of a leg of 0.3 and 0.4; closed where the ends meet."""
+    leg = body(
+        "thigh",
+        "0 0 0",
+        joint("hip", 'axis="0 0 1" range="-1 1"') + body("shin", "0.3 0 0", joint("knee") + '<site name="toe" pos="0.4 0 0"/>'),
+    )
+    crank = body("crank", f"{reach} 0 0", joint("motor") + '<site name="pin" pos="0 0.2 0"/>')
+    text = file_text(
+        leg + crank,
+        '<equality><connect name="loop" site1="toe" site2="pin"/></equality><actuator><motor joint="motor"/></actuator>',
+    )
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(list(arguments))
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_counts_of_real_robots(name: str) -> None:
+    """Rank, mobility, also beside, actuated joints and poses of bodies as the JSON beside each file says, of the held root."""
+    told = json.loads((MODELS / f"{name}.json").read_text(encoding="utf-8"))
+    found = symkin.close(MODELS / f"{name}.xml").to_dict()
+    free = 6 * told["joints"].get("free", 0)
+    assert (found["rank"], found["mobility"]) == (told["rank_at_configuration"], told["mobility_at_configuration"] - free)
+    assert found["generic"]["mobility"] == told["mobility_generic"] - free
+    assert found["rows"] == told["constraint_rows"]
+    assert found["residual"] <= 1e-12
+    assert found["loops"] == told["independent_loops"]
+    if name in ("g1_parallel_ankle", "robotiq_2f85"):
+        for link, position in told["bodies_xpos"].items():
+            if link != "world":
+                np.testing.assert_allclose(found["link_poses"][link]["position"], position, atol=1e-12)
+
+
+def test_an_open_file(tmp_path: Path) -> None:
+    """How far it is open is the distance of its two sites; closed, the frames meet, and the two bars have their lengths."""
+    found = symkin.close(open_four_bar(tmp_path, 0.6))
+    assert found.open_by == pytest.approx(np.hypot(0.1, 0.2))
+    assert found.residual <= 1e-10
+    assert (found.rank, found.mobility, found.rows, found.redundant) == (2, 1, 3, 1)
+    assert found.actuated == ("motor",)
+    toe = found.link_poses["shin"].apply(np.array([0.4, 0.0, 0.0]))
+    pin = found.link_poses["crank"].apply(np.array([0.0, 0.2, 0.0]))
+    np.testing.assert_allclose(toe, pin, atol=1e-10)
+
+
+def test_the_mechanism_that_is_loaded_stands_there(tmp_path: Path) -> None:
+    """Its joints have the closed values at the reference, and given one of them `solve` finds the others."""
+    path = open_four_bar(tmp_path, 0.6)
+    found, mechanism = symkin.close(path), symkin.load(path)
+    solution = symkin.solve(mechanism, joints=[found.joints["motor"]]).solution
+    for name in ("hip", "knee", "motor"):
+        assert solution.joints[name] == pytest.approx(found.joints[name], abs=1e-9)
+    assert len(symkin.modes(mechanism, joints=[found.joints["motor"]])) == 2
+
+
+def test_limits_that_the_closed_configuration_breaks(tmp_path: Path) -> None:
+    path = open_four_bar(tmp_path, 0.6)
+    path.write_text(path.read_text(encoding="utf-8").replace('range="-1 1"', 'range="2 3"'), encoding="utf-8")
+    assert any("beyond the limits of the file: hip" in note for note in symkin.close(path).notes)
+
+
+def test_what_no_configuration_closes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The bars are 0.9 long together and 1 is asked of them: the JSON is written, and the exit status is 3."""
+    path = open_four_bar(tmp_path, 1.0)
+    status, out, _ = run(capsys, "close", str(path), "--json")
+    found = json.loads(out)
+    assert status == 3
+    assert found["closed"] is False
+    assert found["residual"] == pytest.approx(0.1, abs=1e-3)
+    assert "most of it in the loop of loop" in found["notes"][0]
+    status, _, err = run(capsys, "show", str(path))
+    assert status == 2
+    assert "no configuration was found that closes the loops" in err
+
+
+def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The mechanism file has the closed configuration as its reference: it is closed, with the same joint values and mobility."""
+    path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.toml"
+    status, out, _ = run(capsys, "close", str(path), "-o", str(output))
+    assert status == 0
+    assert f"written: {output}" in out
+    before, after = symkin.close(path), symkin.close(output)
+    assert after.open_by <= 1e-12
+    assert after.mobility == before.mobility
+    for name, value in before.joints.items():
+        assert after.joints[name] == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "ankle", "zhang2009", "zhao2000", "gluon_6l3", "delta_parallelograms"])
+def test_mechanism_files(name: str) -> None:
+    """Their reference is closed, and the counts are those of `mobility`."""
+    found, account = symkin.close(name).to_dict(), symkin.mobility(symkin.load(name))
+    assert found["closed"]
+    assert found["generic"]["mobility"] == account.mobility
+    assert set(found["joints"]) == {c.name for c in symkin.load(name).coordinates}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["close", "none.xml"], "none.xml: there is no such file"),
+        (["close", "none.stl"], "allowed: a path to a .toml"),
+        (["close", "four_bar", "-o", "out.png"], "another suffix than .toml and .json"),
+    ],
+)
+def test_wrong_input(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, err = run(capsys, *arguments)
+    assert (status, out) == (2, "")
+    assert sentence in err
+    assert err.count("\n") == 1

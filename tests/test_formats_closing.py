@@ -1,0 +1,167 @@
+"""Robots with open loops: the rows of every closure against finite differences, the nearest closed configuration against the condition
+of a constrained minimum, and the mechanism assembled there against its own closure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin.closure.closure import build_closure
+from symkin.formats.assembled import assembled, mechanism_of
+from symkin.formats.closing import closed_neighbours, constraint_rows, nearest_closed, rank_at, row_count
+from symkin.formats.closure_rows import ROWS
+from symkin.formats.robot import Closure, Robot
+from symkin.formats.tree_motion import Tree
+from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joint import Joint
+from symkin.position.closed_configurations import whole_system
+from symkin.spatial.pose import Pose
+
+Z = (0.0, 0.0, 1.0)
+
+
+def random_pose(rng: np.random.Generator, spread: float = 1.0) -> Pose:
+    quaternion = rng.normal(size=4)
+    return Pose(spread * rng.normal(size=3), quaternion / np.linalg.norm(quaternion))
+
+
+def near(pose: Pose, rng: np.random.Generator, step: float) -> Pose:
+    return pose @ Pose.from_rotation_vector(step * rng.normal(size=3), step * rng.normal(size=3))
+
+
+def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
+    """Two arms with joints of all types, a link on nothing, and a closure of a type between the arms' ends and to the loose link."""
+    rng = np.random.default_rng(seed)
+    joints, links = [], {"base": Pose.identity()}
+
+    def add(name: str, type_: str, pair: tuple[str, str]) -> None:
+        axes = [tuple(rng.normal(size=3)) for _ in range(2)]
+        joint = Joint(
+            name,
+            type_,
+            tuple(rng.normal(size=3)),
+            None if type_ == "S" else axes[0],
+            axes[1] if type_ == "U" else None,
+            pitch=0.3 if type_ == "H" else 0.0,
+            zero=0.4 if type_ in "RPH" else 0.0,
+        )
+        joints.append(LinkJoint(joint, pair))
+        links[pair[1]] = random_pose(rng)
+
+    for k, type_ in enumerate("RPHS"):
+        add(f"a{k}", type_, ("base" if k == 0 else f"left{k - 1}", f"left{k}"))
+    for k, type_ in enumerate("CURR"):
+        add(f"b{k}", type_, ("base" if k == 0 else f"right{k - 1}", f"right{k}"))
+    links["loose"] = random_pose(rng)
+    frame = random_pose(rng)
+    closures = (
+        Closure("loop", kind, ("left3", "right3"), frame, near(frame, rng, open_by), pitch=0.2 if kind == "H" else 0.0),
+        Closure("hang", "S", ("left3", "loose"), frame, near(frame, rng, open_by)),
+    )
+    couplings = (Coupling("b2", {"a0": 0.5}, 0.1), Coupling("b3", "a0", polynomial=[0.2, 0.3, -0.2]))
+    return Robot("loop", links, tuple(joints), closures, couplings, floating=("loose",))
+
+
+def four_bar(open_by: float = 0.0, reach: float = 4.0) -> Robot:
+    """Crank 1, coupler 4, follower 3, ground `reach`; the coupler's end is a point of the tree."""
+    joints = [
+        LinkJoint(Joint("crank", "R", (0, 0, 0), Z), ("base", "arm")),
+        LinkJoint(Joint("knee", "R", (0, 1, 0), Z), ("arm", "coupler")),
+        LinkJoint(Joint("follower", "R", (reach, 0, 0), Z), ("base", "lever")),
+    ]
+    links = dict.fromkeys(("base", "arm", "coupler", "lever"), Pose.identity())
+    first = Pose(np.array([4.0, 1.0, 0.0]), np.array([1.0, 0, 0, 0]))
+    second = Pose(np.array([reach, 3.0 + open_by, 0.0]), np.array([1.0, 0, 0, 0]))
+    return Robot("four_bar", links, tuple(joints), (Closure("end", "R", ("coupler", "lever"), first, second, "line 9"),))
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_derivatives_are_finite_differences(kind: str) -> None:
+    """Rows of every closure and coupling, at random states near a closed one (the angle of a screw is about a common axis there)."""
+    found = nearest_closed(spatial_loop(kind, 0.05))
+    assert found.closed
+    tree, state, rng = found.tree, found.state, np.random.default_rng(1)
+    if kind != "H":
+        state = tree.moved(state, 0.3 * rng.normal(size=tree.freedom))
+    _, jacobian = constraint_rows(tree, state)
+    for k, unit in enumerate(np.eye(tree.freedom)):
+        ahead, behind = (constraint_rows(tree, tree.moved(state, sign * 1e-6 * unit))[0] for sign in (1, -1))
+        np.testing.assert_allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=2e-8 * tree.size)
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_ranks_are_the_constraints_of_the_type(kind: str) -> None:
+    """Of a loop in general position: as many as the joint's freedoms leave of 6, with the ball's 3 and the two couplings."""
+    robot = spatial_loop(kind, 0.05)
+    found = nearest_closed(robot)
+    assert found.rank() == ROWS[kind] + 3 + 2 == row_count(robot)
+    assert [rank_at(found.tree, state) for state in closed_neighbours(found, 2, 0)] == [found.rank()] * 2
+
+
+@pytest.mark.parametrize("kind", ["S", "R", "U"])
+def test_the_nearest_closed_configuration(kind: str) -> None:
+    """The way from the file's own configuration is square to the closed ones: the condition of the least distance."""
+    found = nearest_closed(spatial_loop(kind, 0.1))
+    assert found.closed
+    assert found.open_by > 0.01
+    scales = np.where(found.tree.angular, found.tree.size, 1.0)
+    way = scales * found.tree.between(found.tree.own, found.state)
+    _, s, vt = np.linalg.svd(constraint_rows(found.tree, found.state)[1] / scales)
+    free = vt[int(np.sum(s > 1e-8 * s[0])) :]
+    assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
+
+
+def test_a_closed_file_stays_as_it_is() -> None:
+    found = nearest_closed(four_bar(reach=4.0, open_by=-2.0))
+    assert found.open_by == 0.0
+    assert found.values == {"crank": (0.0,), "knee": (0.0,), "follower": (0.0,)}
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> None:
+    """Its reference leaves no row of its own closure; its freedoms less its rank are those of the tree less the closures' rank, but for
+    idle spins; its joints tell the closed values at the reference."""
+    robot = spatial_loop(kind, 0.05)
+    found = nearest_closed(robot)
+    mechanism = assembled(robot, found)
+    closure = build_closure(mechanism)
+    assert whole_system(closure).residual(closure.reference, np.zeros(0)) <= 1e-9 * found.tree.size
+    counted = symkin.mobility(mechanism)
+    assert counted.mobility <= found.tree.freedom - found.rank() <= counted.mobility + 3
+    zeros = {e.joint.name: e.joint.zero for e in mechanism.link_joints if e.joint.name in ("a0", "a1", "a2", "b2", "b3")}
+    assert zeros == {name: found.values[name][0] for name in zeros}
+
+
+def test_link_poses_are_those_of_the_tree() -> None:
+    """A closed neighbour by the tree's joints, and the same values in the assembled mechanism: the same displacements of links."""
+    robot = four_bar(open_by=0.3)
+    found = nearest_closed(robot)
+    mechanism = mechanism_of(robot)
+    tree = found.tree
+    for state in closed_neighbours(found, 3, 1):
+        placed = tree.placed(state)
+        values = {step.name: float(value[0]) for step, value in zip(tree.steps, state, strict=True)}
+        modes = symkin.modes(mechanism, given={"crank": values["crank"]})
+        assert len(modes) == 2
+        mode = min(modes, key=lambda mode: abs(mode.joints["follower"] - values["follower"]))
+        assert mode.joints["follower"] == pytest.approx(values["follower"], abs=1e-9)
+        for link in ("arm", "coupler", "lever"):
+            moved = placed.displacement(link) @ found.placed.displacement(link).inverse()
+            np.testing.assert_allclose(mode.link_poses[link].matrix, moved.matrix, atol=1e-9)
+
+
+def test_loops_that_nothing_closes() -> None:
+    """A ground link longer than the others together: the least misfit is what is missing, and the loop is named with its place."""
+    robot = four_bar(reach=9.0)
+    found = nearest_closed(robot)
+    assert not found.closed
+    assert found.residual == pytest.approx(9.0 - (1.0 + 4.0 + 3.0), abs=1e-3)
+    with pytest.raises(symkin.MechanismError, match=r"leaves 1 m, most of it in the loop of end \(line 9\)"):
+        mechanism_of(robot)
+
+
+def test_joints_that_form_no_tree_are_refused() -> None:
+    lone = LinkJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
+    with pytest.raises(symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"):
+        Tree(Robot("r", {"base": Pose.identity()}, (lone,))).steps  # noqa: B018

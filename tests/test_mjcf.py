@@ -1,0 +1,184 @@
+"""MJCF as MuJoCo means it: link poses, closedness, rank and mobility at random closed configurations equal MuJoCo's, for models of the
+tests and for real robots; what is wrong with a file is one sentence."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.mjcf_models import MODELS, REAL, SMALL, Account, body, file_text, joint
+from symkin.formats.assembled import assembled
+from symkin.formats.closing import Closed, closed_neighbours, nearest_closed, rank_at
+from symkin.formats.mjcf import read_mjcf
+from symkin.formats.robot import Robot
+from symkin.formats.tree_motion import State
+from symkin.spatial.pose import Pose
+
+pytest.importorskip("mujoco")
+POSE = 1e-10
+"""Metres, and quaternions: what MuJoCo's poses may differ by."""
+
+
+def in_file(folder: Path, text: str, name: str = "made.xml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def body_poses(robot: Robot, closed: Closed, state: State) -> dict[str, Pose]:
+    """Bodies by name, those of fixed joints included."""
+    placed = closed.tree.placed(state)
+    found = {link: placed.displacement(link) @ frame for link, frame in robot.links.items()}
+    return found | {name: placed.displacement(link) @ frame for name, (link, frame) in robot.merged.items()}
+
+
+def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
+    """Poses, closedness and rank at the closed configuration and at random ones."""
+    robot = read_mjcf(path)
+    closed = nearest_closed(robot)
+    assert closed.closed
+    account = Account(path, robot)
+    states = [closed.state, *closed_neighbours(closed, neighbours, 3)]
+    assert len(states) == 1 + neighbours
+    for state in states:
+        data = account.at(closed, state)
+        for name, pose in body_poses(robot, closed, state).items():
+            if name == "base" or name not in [account.model.body(b).name for b in range(account.model.nbody)]:
+                continue
+            np.testing.assert_allclose(pose.position, data.body(name).xpos, atol=POSE)
+            off = min(np.abs(pose.quaternion - sign * data.body(name).xquat).max() for sign in (1, -1))
+            assert off <= POSE
+        errors, jacobian = account.equality_rows(data)
+        assert np.abs(errors).max(initial=0.0) <= 1e-9 * closed.tree.size
+        s = np.linalg.svd(jacobian, compute_uv=False)
+        rank = int(np.sum(s > 1e-8 * s[0])) if s.size else 0
+        held = account.model.nv - account.free_roots() - closed.tree.freedom
+        assert rank_at(closed.tree, state) == rank - held
+    return robot, closed
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_models_of_the_tests(name: str, tmp_path: Path) -> None:
+    text, rank, mobility = SMALL[name]
+    robot, closed = check_against_mujoco(in_file(tmp_path, text.replace('<joint joint1="q5" polycoef="0.3 0 0 0 0"/>', "")), 3)
+    held = name == "couplings"
+    (neighbour,) = closed_neighbours(closed, 1, 5)
+    assert rank_at(closed.tree, neighbour) == rank
+    assert closed.tree.freedom - rank == mobility + held
+    # the rod between a ball and a connect may spin, which the closure of the graph leaves out
+    spins = name == "hinge_pair_ref_and_turned_frames"
+    assert symkin.mobility(assembled(robot, closed)).mobility == mobility + held - spins
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_robots(name: str) -> None:
+    """Rank and mobility of the JSON beside each (of the held root), its actuated joints, and its closed configuration."""
+    told = json.loads((MODELS / f"{name}.json").read_text(encoding="utf-8"))
+    robot, closed = check_against_mujoco(MODELS / f"{name}.xml", 1)
+    free = 6 * told["joints"].get("free", 0)
+    assert closed.rank() == told["rank_at_configuration"]
+    assert closed.tree.freedom - closed.rank() == told["mobility_at_configuration"] - free
+    assert closed.open_by <= 1e-12
+    directly = [entry.joint.name for entry in robot.joints if entry.joint.actuated]
+    assert directly == told["actuated"] or name == "robotiq_2f85"
+    counted = symkin.mobility(assembled(robot, closed))
+    # rods between two balls may spin, which the closure of the graph leaves out
+    assert counted.mobility <= told["mobility_generic"] - free <= counted.mobility + 2
+    assert counted.reference_rank is not None
+
+
+def test_a_joint_that_is_held(tmp_path: Path) -> None:
+    """Its link is part of the one that carries it, at the value; the note says so; what a tendon or a motor drives is actuated."""
+    robot = read_mjcf(in_file(tmp_path, SMALL["couplings"][0]))
+    assert "f5" in robot.merged
+    assert any("'q5' is held at 0.8" in note for note in robot.notes)
+    turned = robot.merged["f5"][1]
+    assert 2.0 * np.arccos(turned.quaternion[0]) == pytest.approx(0.3)
+    assert {entry.joint.name for entry in robot.joints if entry.joint.actuated} <= {"q1", "q2", "q3"}
+
+
+def test_bodies_named_base_and_names_that_are_not_allowed(tmp_path: Path) -> None:
+    still = body("base", "0 0 1", body("left:foot", "0 0 1", joint("a@b")))
+    robot = read_mjcf(in_file(tmp_path, file_text(still)))
+    assert robot.links["base"].position.tolist() == [0.0, 0.0, 1.0]
+    assert "left_foot" in robot.links
+    assert [entry.joint.name for entry in robot.joints] == ["a_b"]
+    assert any("left_foot" in note for note in robot.notes)
+    moving = read_mjcf(in_file(tmp_path, file_text(body("base", "0 0 1", joint("q")))))
+    assert set(moving.links) == {"base", "base_2"}
+
+
+def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
+    """Meshes, textures and inertias may be missing; what meshes there are is kept by name."""
+    text = """<mujoco><asset><mesh name="m" file="m.stl"/><texture name="t" type="2d" file="a.png"/><material name="w" texture="t"/></asset>
+<worldbody><body name="a"><joint name="j"/><geom type="mesh" mesh="m" material="w"/><body name="b"><joint name="k" type="slide"/></body>
+</body></worldbody><keyframe><key qpos="0 0"/></keyframe></mujoco>"""
+    robot = read_mjcf(in_file(tmp_path, text))
+    assert robot.meshes == {"a": ("m.stl",)}
+    assert [entry.joint.type for entry in robot.joints] == ["R", "P"]
+
+
+BAD = {
+    "no joint type": ('<body><joint type="hing"/></body>', "", "invalid keyword: 'hing'.*line 4"),
+    "no axis": ('<body name="a"><joint axis="0 0 0"/></body>', "", "axis too small in joint.*line 4"),
+    "not a number": ('<body pos="nan 0 0"><joint/></body>', "", "line 4: <body>: a number is not finite"),
+    "two of one name": ('<body name="a"><joint/></body><body name="a"><joint/></body>', "", "repeated name 'a' in body.*line 4"),
+    "unknown body": (
+        '<body name="a"><joint/></body>', '<equality><connect body1="a" body2="zz" anchor="0 0 0"/></equality>', "unknown element 'zz'.*line 6"
+    ),
+    "missing include": ('<body><joint/></body>', '<include file="nothing.xml"/>', "Error opening file.*nothing.xml"),
+    "itself": ('<body><joint/></body>', '<include file="made.xml"/>', "made.xml.*already included"),
+    "nothing moves": ('<body name="a"/>', "", "no joint moves"),
+    "two polynomials": (
+        body("a", "0 0 0", joint("a")) + body("b", "0 0 0", joint("b")),
+        '<equality><joint joint1="a" joint2="b" polycoef="0 1 1 0 0"/><joint joint1="a" joint2="b" polycoef="0 1 2 0 0"/></equality>',
+        "line 8: <joint>: the joint 'a' follows others already",
+    ),
+    "contradiction": (
+        body("a", "0 0 0", joint("a")) + body("b", "0 0 0", joint("b")),
+        '<equality><joint joint1="a" joint2="b"/>\n<joint joint1="b" joint2="a" polycoef="0.5 1 0 0 0"/></equality>',
+        "line 9: <joint>: it contradicts other couplings",
+    ),
+    "a closure within a link": (
+        body("a", "0 0 0", joint("a") + body("b", "0 0 0", '<site name="s" pos="1 0 0"/>') + '<site name="t"/>'),
+        '<equality><connect site1="s" site2="t"/></equality>',
+        "line 8: <connect>: both of its bodies are part of the link 'a', and 1 apart",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_files_that_are_not_right(name: str, tmp_path: Path) -> None:
+    world, rest, sentence = BAD[name]
+    with pytest.raises(symkin.SymkinError, match=rf"made\.xml.*{sentence}") as caught:
+        symkin.load(in_file(tmp_path, file_text(world, rest)))
+    assert "\n" not in str(caught.value)
+
+
+def test_what_is_no_mjcf(tmp_path: Path) -> None:
+    for text, sentence in (
+        ('<!DOCTYPE m [<!ENTITY a "b">]><mujoco model="&a;"/>', "document types and entities are not read"),
+        ("<mujoco><worldbody></mujoco>", "line 1: not XML"),
+        ("<html/>", "<mujoco>"),
+    ):
+        with pytest.raises(symkin.SymkinError, match=sentence):
+            symkin.load(in_file(tmp_path, text))
+
+
+def test_without_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(symkin.InputError, match=r"pip install symkin\[mjcf\]"):
+        read_mjcf(in_file(tmp_path, SMALL["weld"][0]))
+
+
+def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compiler's log is not written into the user's folder."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(symkin.MechanismError):
+        read_mjcf(in_file(tmp_path, file_text('<body pos="nan 0 0"><joint/></body>')))
+    assert [path.name for path in tmp_path.iterdir()] == ["made.xml"]

@@ -1,0 +1,112 @@
+"""Real robots in URDF against data of their own: the counts and the closed configuration of an independent solver, Pinocchio's trees."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from symkin.formats.robot import Robot
+from symkin.formats.urdf import read_urdf
+from symkin.model.joint import Joint
+from symkin.spatial.pose import Pose
+from symkin.spatial.screw import turn_about
+from tests.helpers.robot_files import MODELS, all_frames, closure_misfit, facts, joint_misfit, poses_at, told_poses
+
+NAMES = (
+    "urdf_gepetto_yaml/5bar_linkage_iso3d",
+    "urdf_gepetto_yaml/digit_like_2legs",
+    "urdf_loop_joint/strandbeest",
+    "urdf_onshape_closing/reachy_mini",
+    "urdf_plus/four_bar",
+    "urdf_plus/six_bar",
+)
+KINDS = {"R": "revolute", "S": "ball", "U": "universal", "weld": "fixed"}
+TOLD_TO = 1e-10
+"""Metres: the JSON holds body poses to twelve digits."""
+
+
+def robot(name: str) -> Robot:
+    return read_urdf(MODELS / f"{name}.urdf")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_counts_are_those_of_an_independent_reader(name: str) -> None:
+    data, found = facts(name), robot(name)
+    assert len(found.links) + len(found.merged) == data["bodies"]
+    assert len(found.closures) == data["independent_loops"]
+    assert len(found.joints) == len(found.links) - 1
+    kinds = Counter(KINDS[joint.joint.type] for joint in found.joints)
+    kinds.update(KINDS[closure.type] for closure in found.closures)
+    kinds.update({"fixed": len(found.merged)} if found.merged else {})
+    assert dict(kinds) == {key: count for key, count in data["joints"].items() if count}
+    if "actuated" in data:
+        assert {joint.joint.name for joint in found.joints if joint.joint.actuated} == set(data["actuated"])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_configuration_that_closes_elsewhere_closes_here(name: str) -> None:
+    """Joints let the links take the poses of the JSON, merged bodies go with their links, and all closures are closed there."""
+    found = robot(name)
+    data = facts(name)
+    told, cut = told_poses(data, found), {joint["name"] for joint in data["cut_joints"]}
+    moved = {link: told[link] @ pose.inverse() for link, pose in found.links.items()}
+    for link, (carrier, pose) in all_frames(found).items():
+        assert np.allclose(np.asarray((moved[carrier] @ pose).matrix), np.asarray(told[link].matrix), atol=TOLD_TO)
+    for entry in found.joints:
+        first, second = (moved[link] for link in entry.links)
+        misfit = joint_misfit(entry.joint, first.inverse() @ second)
+        if entry.joint.name in cut:
+            # the solver of the JSON asks of a joint that it cut that the axes are parallel: they may be opposite
+            misfit = min(misfit, joint_misfit(entry.joint, first.inverse() @ second @ flipped(entry.joint)))
+        assert misfit < TOLD_TO, entry.joint.name
+    for closure in found.closures:
+        assert closure_misfit(closure, moved) < TOLD_TO, closure.name
+
+
+def flipped(joint: Joint) -> Pose:
+    """Half a turn about a line through the joint's point, square to its axis."""
+    point, axis = np.array(joint.point), np.array(joint.axis)
+    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    return turn_about(point, across / np.linalg.norm(across), np.pi)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if "digit" not in name])
+def test_trees_are_those_of_pinocchio(name: str) -> None:
+    """Link poses at random joint values, in the root's frame."""
+    pin = pytest.importorskip("pinocchio")
+    found = robot(name)
+    model = pin.buildModelFromUrdf(str(MODELS / f"{name}.urdf"))
+    data, rng = model.createData(), np.random.default_rng(15)
+    values = {joint.joint.name: float(rng.uniform(-1, 1)) for joint in found.joints}
+    q = pin.neutral(model)
+    for k, joint in enumerate(model.joints):
+        if k and joint.nq == 1:
+            q[joint.idx_q] = values[model.names[k]]
+        elif k:
+            q[joint.idx_q : joint.idx_q + 2] = np.cos(values[model.names[k]]), np.sin(values[model.names[k]])
+    pin.framesForwardKinematics(model, data, q)
+    own = poses_at(found, values)
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY and frame.name in own]
+    assert len(bodies) == len(own) - 1
+    for frame in bodies:
+        other = data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)].homogeneous
+        assert np.allclose(np.asarray(own[frame.name].matrix), other, atol=1e-10), frame.name
+
+
+def test_retyped_joints_turn_as_the_file_beside_tells() -> None:
+    """A universal joint by the axes x and then y of the joint's own frame."""
+    found = robot("urdf_gepetto_yaml/digit_like_2legs")
+    joint = next(entry for entry in found.joints if entry.joint.name == "spherical_free_knee")
+    told = facts("urdf_gepetto_yaml/digit_like_2legs")
+    poses = told_poses(told, found)
+    first, second = (poses[link] @ found.links[link].inverse() for link in joint.links)
+    between: Pose = first.inverse() @ second
+    axis, axis2 = np.array(joint.joint.axis), np.array(joint.joint.axis2)
+    angles = told["tree_coordinates"]["spherical_free_knee"]
+    turned = (
+        Pose.from_rotation_vector([0, 0, 0], angles[0] * axis).rotation
+        @ Pose.from_rotation_vector([0, 0, 0], angles[1] * axis2).rotation
+    )
+    assert np.allclose(np.asarray(between.rotation), np.asarray(turned), atol=TOLD_TO)
