@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.mjcf_models import MODELS, REAL, body, file_text, joint
+from helpers.mjcf_models import MODELS, REAL, SMALL, body, file_text, joint
 from symkin.cli.app import main
 
 pytest.importorskip("mujoco")
@@ -78,6 +78,18 @@ def test_the_mechanism_that_is_loaded_stands_there(tmp_path: Path) -> None:
     assert len(symkin.modes(mechanism, joints=[found.joints["motor"]])) == 2
 
 
+def test_a_singular_configuration(tmp_path: Path) -> None:
+    """A parallelogram lying in one line: rank 1 there, 2 beside it, as its two branches cross."""
+    bars = body("a", "0 0 0", joint("a") + body("c", "1 0 0", joint("c") + '<site name="s" pos="1 0 0"/>'))
+    path = tmp_path / "flat.xml"
+    last = body("b", "1 0 0", joint("b") + '<site name="t" pos="1 0 0"/>')
+    path.write_text(file_text(bars + last, '<equality><connect site1="s" site2="t"/></equality>'), encoding="utf-8")
+    found = symkin.close(path)
+    assert (found.rank, found.generic_rank, found.mobility) == (1, 2, 2)
+    assert any("singular" in note for note in found.notes)
+    found.plot(tmp_path / "flat.png")
+
+
 def test_limits_that_the_closed_configuration_breaks(tmp_path: Path) -> None:
     path = open_four_bar(tmp_path, 0.6)
     path.write_text(path.read_text(encoding="utf-8").replace('range="-1 1"', 'range="2 3"'), encoding="utf-8")
@@ -111,6 +123,27 @@ def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert after.joints[name] == pytest.approx(value, abs=1e-9)
 
 
+@pytest.mark.parametrize("name", ["open", "hinge_pair_ref_and_turned_frames", "platform_on_six_legs", "couplings"])
+def test_the_keyframe_that_is_written(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """MuJoCo's bodies stand there where `close` has the links, and its constraints are closed."""
+    import mujoco
+
+    path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.xml"
+    if name != "open":
+        path.write_text(SMALL[name][0], encoding="utf-8")
+    status, _, _ = run(capsys, "close", str(path), "-o", str(output))
+    assert status == 0
+    model = mujoco.MjModel.from_xml_path(str(output))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("closed").id)
+    mujoco.mj_forward(model, data)
+    equality = np.asarray(data.efc_type[: data.nefc]) == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    assert np.abs(np.asarray(data.efc_pos[: data.nefc])[equality]).max() <= 1e-9
+    for link, pose in symkin.close(path).link_poses.items():
+        if link in [model.body(b).name for b in range(model.nbody)]:
+            np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-10)
+
+
 @pytest.mark.parametrize("name", ["four_bar", "ankle", "zhang2009", "zhao2000", "gluon_6l3", "delta_parallelograms"])
 def test_mechanism_files(name: str) -> None:
     """Their reference is closed, and the counts are those of `mobility`."""
@@ -125,7 +158,8 @@ def test_mechanism_files(name: str) -> None:
     [
         (["close", "none.xml"], "none.xml: there is no such file"),
         (["close", "none.stl"], "allowed: a path to a .toml"),
-        (["close", "four_bar", "-o", "out.png"], "another suffix than .toml and .json"),
+        (["close", "four_bar", "-o", "out.xml"], "a keyframe is written into a copy of an MJCF file"),
+        (["close", "four_bar", "-o", "out.png"], "another suffix than .toml, .json, .xml"),
     ],
 )
 def test_wrong_input(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,9 +7,12 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
+from symkin.formats.load import load
 from symkin.formats.robot import Robot
 from symkin.formats.urdf import read_urdf
 from symkin.model.joint import Joint
+from symkin.position.mobility import mobility
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import turn_about
 from tests.helpers.robot_files import MODELS, all_frames, closure_misfit, facts, joint_misfit, poses_at, told_poses
@@ -110,3 +113,28 @@ def test_retyped_joints_turn_as_the_file_beside_tells() -> None:
         @ Pose.from_rotation_vector([0, 0, 0], angles[1] * axis2).rotation
     )
     assert np.allclose(np.asarray(between.rotation), np.asarray(turned), atol=TOLD_TO)
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] if "strandbeest" in n else []) for n in NAMES])
+def test_mobility_is_that_of_an_independent_solver(name: str) -> None:
+    """At the closed configuration nearest to the file's and at closed neighbours. Where the same joints are cut, the rank as well; the
+    four-bar is singular in its file, and a neighbour is not."""
+    data, closed = facts(name), nearest_closed(robot(name))
+    assert closed.closed
+    assert closed.tree.freedom - closed.rank() == data["mobility_at_configuration"]
+    if closed.tree.freedom == data["coordinates"]:
+        assert closed.rank() == data["rank_at_configuration"]
+    near = closed_neighbours(closed, 2, seed=0)
+    assert near
+    assert {closed.tree.freedom - rank_at(closed.tree, state) for state in near} == {data["mobility_generic"]}
+
+
+@pytest.mark.parametrize(
+    "name", ["urdf_gepetto_yaml/5bar_linkage_iso3d", "urdf_plus/six_bar", "urdf_onshape_closing/reachy_mini"]
+)
+def test_a_file_loads_as_a_closed_mechanism(name: str) -> None:
+    """All joints of the tree and all closures are joints of the graph, which is closed at its reference."""
+    mechanism, found = load(MODELS / f"{name}.urdf"), robot(name)
+    assert len(mechanism.link_joints) == len(found.joints) + len(found.closures)
+    assert (mechanism.length_unit, mechanism.angle_unit) == ("m", "rad")
+    assert mobility(mechanism).mobility == facts(name)["mobility_at_configuration"]

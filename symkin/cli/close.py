@@ -14,7 +14,7 @@ from symkin.errors import InputError
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
 
-_SUFFIXES = (".toml", ".json")
+_SUFFIXES = (".toml", ".json", ".xml")
 
 
 def close(
@@ -24,7 +24,7 @@ def close(
         typer.Option(
             "-o",
             metavar="FILE",
-            help="Write the mechanism with the closed configuration as its reference (.toml), or the JSON (.json).",
+            help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
         ),
     ] = None,
     as_json: JsonOption = False,
@@ -47,7 +47,11 @@ def _check_output(output: Path | None, mech: str) -> None:
     if output is None:
         return
     if output.suffix not in _SUFFIXES:
-        raise InputError(f"-o: {str(output)!r} has another suffix than {' and '.join(_SUFFIXES)}, which close writes")
+        raise InputError(f"-o: {str(output)!r} has another suffix than {', '.join(_SUFFIXES)}, which close writes")
+    if output.suffix == ".xml" and Path(mech).suffix.lower() != ".xml":
+        raise InputError(
+            f"-o: {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json"
+        )
     if output.is_dir() or not output.resolve().parent.is_dir():
         raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
     if Path(mech).exists() and Path(mech).resolve() == output.resolve():
@@ -55,10 +59,12 @@ def _check_output(output: Path | None, mech: str) -> None:
 
 
 def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:
-    from symkin.formats.load import is_robot, load
-
     if output.suffix == ".json":
         return json.dumps(found.to_dict(), allow_nan=False, indent=1) + "\n"
-    if not is_robot(Path(mech)):
-        raise InputError(f"-o: {mech} is a mechanism file already; its reference is what it describes (give a .json)")
-    return load(mech).to_toml()
+    if output.suffix == ".xml":
+        from symkin.formats.mjcf import with_keyframe
+
+        return with_keyframe(Path(mech), found.joints, found.link_poses)
+    if found.reference is None:
+        raise InputError(f"-o: {mech} has no joint that moves, or is a mechanism file with an open reference; give a .json")
+    return found.reference.to_toml()

@@ -64,4 +64,10 @@ def _urdf(path: Path) -> Robot:
     return read_urdf(path)
 
 
-_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf, ".urdf": _urdf}
+def _sdf(path: Path) -> Robot:
+    from symkin.formats.sdf import read_sdf
+
+    return read_sdf(path)
+
+
+_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}

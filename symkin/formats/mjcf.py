@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +23,7 @@ from symkin.errors import InputError, MechanismError
 from symkin.formats.mjcf_reader import Reader
 from symkin.formats.robot import Robot
 from symkin.formats.xml_text import Element, read_xml
+from symkin.spatial.pose import Pose
 
 _INSTALL = "reading MJCF takes MuJoCo's compiler, which is not installed; `pip install symkin[mjcf]` brings it"
 
@@ -32,6 +34,22 @@ def read_mjcf(path: Path) -> Robot:
     Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError for a file that is not right:
     file, line and element as MuJoCo's compiler tells them.
     """
+    return _reader(path).robot()
+
+
+def with_keyframe(path: Path, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]) -> str:
+    """The text of an MJCF file with one more keyframe, "closed": the values of its joints, and poses of links that hang on no joint."""
+    reader = _reader(path)
+    text = path.read_text(encoding="utf-8-sig")
+    used = {e.attributes.get("name", "") for e in reader.root.walk() if e.tag == "key"}
+    name = next(name for k in range(1, len(used) + 3) if (name := "closed" if k == 1 else f"closed_{k}") not in used)
+    numbers = " ".join(repr(float(value) + 0.0) for value in reader.positions(joints, poses))
+    before, _, after = text.rpartition("</mujoco")
+    return f'{before}  <keyframe>\n    <key name="{name}" qpos="{numbers}"/>\n  </keyframe>\n</mujoco{after}'
+
+
+def _reader(path: Path) -> Reader:
+    """The compiled model, ready to be read."""
     root = read_xml(path, "mujoco")
     mujoco = _compiler()
     with _quiet(mujoco):
@@ -42,7 +60,7 @@ def read_mjcf(path: Path) -> Robot:
         except (ValueError, RuntimeError, KeyError) as error:
             raise MechanismError(f"{path}: {_sentence(str(error))}") from None
     _check_finite(path, root, model)
-    return Reader(mujoco, model, root, path, meshes).robot()
+    return Reader(mujoco, model, root, path, meshes)
 
 
 def _compiler() -> ModuleType:
@@ -58,7 +76,9 @@ def _quiet(mujoco: ModuleType) -> Iterator[None]:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _text: None)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
     finally:
         mujoco.set_mju_user_warning(before)
 
@@ -84,6 +104,7 @@ def _plain(mujoco: ModuleType, spec: Any) -> dict[str, tuple[str, ...]]:
         body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
         body.ipos, body.iquat, body.fullinertia = [0.0] * 3, [1.0, 0.0, 0.0, 0.0], [math.nan] * 6
     spec.compiler.fusestatic = False
+    spec.memory = spec.nstack = -1  # as large as the compiler wants them
     return meshes
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -18,6 +19,7 @@ from symkin.formats.xml_text import Element
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply
 from symkin.text import first_of
 
 _COINCIDE = 1e-9
@@ -170,6 +172,23 @@ class Reader:
         named = [body for body, name in self.link_names.items() if name == BASE and body]
         return self._frame(named[0]) if named else Pose.identity()
 
+    def positions(self, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]) -> np.ndarray:
+        """MuJoCo's qpos for values of the robot's joints, and poses of the links that float."""
+        model, found = self.model, np.array(self.data.qpos)
+        for number, name in self.joint_names.items():
+            place, kind = int(model.jnt_qposadr[number]), self._type(number)
+            body = int(model.jnt_bodyid[number])
+            if kind == "free" and body in self.floating:
+                pose = poses[self.link_names[body]]
+                found[place : place + 7] = [*pose.position, *pose.quaternion]
+            elif kind == "ball" and name in joints:
+                # from axes of the base frame, as symkin has them, to the body's own
+                turn = self._frame(body).quaternion
+                found[place : place + 4] = multiply(multiply(conjugate(turn), np.asarray(joints[name])), turn)
+            elif name in joints:
+                found[place] = joints[name]
+        return found
+
     # --- joints --------------------------------------------------------------------------------------------------------
 
     def _joints(self, body: int, links: dict[str, Pose], follows: set[str]) -> Iterator[LinkJoint]:
@@ -211,18 +230,21 @@ class Reader:
             return None
         return (low, high) if low < high else None
 
-    @property
+    @cached_property
     def _driven(self) -> set[int]:
-        """Joints that actuators drive, directly or through fixed tendons."""
+        """Joints that actuators drive."""
+        return {joint for k in range(self.model.nu) for joint in self._driven_by(k)}
+
+    def _driven_by(self, actuator: int) -> list[int]:
+        """Hinges and slides that an actuator drives, directly or through a fixed tendon."""
         model, transmissions = self.model, self.mujoco.mjtTrn
-        found: set[int] = set()
-        for k in range(model.nu):
-            kind, target = int(model.actuator_trntype[k]), int(model.actuator_trnid[k][0])
-            if kind in (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_JOINTINPARENT)):
-                found.add(target)
-            elif kind == int(transmissions.mjTRN_TENDON):
-                found |= {joint for joint, _ in self._tendon(target) or ()}
-        return found
+        kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator][0])
+        joints: list[int] = []
+        if kind in (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_JOINTINPARENT)):
+            joints = [target]
+        elif kind == int(transmissions.mjTRN_TENDON):
+            joints = [joint for joint, _ in self._tendon(target) or ()]
+        return [joint for joint in joints if self._type(joint) in ("hinge", "slide")]
 
     # --- equality constraints --------------------------------------------------------------------------------------------
 
@@ -237,10 +259,13 @@ class Reader:
                 if len(written) == model.neq
                 else f"{self.path}: <{kind}> number {k + 1} of the equality constraints"
             )
-            if model.eq_active0[k]:
-                yield _Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
-            else:
+            found = _Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
+            if not model.eq_active0[k]:
                 self.notes.append(f"{where}: it is not active, and left out")
+            elif kind in ("connect", "weld") and any(model.body_mocapid[self._body_of(found, end)] >= 0 for end in (0, 1)):
+                self.notes.append(f"{where}: it joins a mocap body, which is moved from outside, and is left out")
+            else:
+                yield found
 
     def _held_values(self) -> dict[int, float]:
         """Joints that an equality holds at a value."""
@@ -383,5 +408,8 @@ class Reader:
         named = [f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items() if count]
         if named:
             yield f"left out, since it moves no link by itself: {', '.join(named)}"
+        idle = [model.actuator(k).name or f"number {k + 1}" for k in range(model.nu) if not self._driven_by(k)]
+        if idle:
+            yield f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: {first_of(idle)}"
         if not model.nu:
             yield "the file has no actuator: no joint is actuated, and values are given by name"

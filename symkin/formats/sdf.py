@@ -1,0 +1,284 @@
+"""Read SDF: joints between any links of a model, placed by the poses of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
+from symkin.formats.naming import robot_name
+from symkin.formats.robot import Robot
+from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
+from symkin.formats.sdf_joint import TYPES, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.urdf_parts import unit
+from symkin.formats.xml_text import Element, read_xml
+from symkin.model.graph import Coupling
+from symkin.spatial.pose import Pose
+from symkin.text import first_of
+
+_PARALLEL = 1e-6
+"""Sine of the angle between axes that are taken for one direction."""
+
+
+def read_sdf(path: Path) -> Robot:
+    """The robot that the one model of an SDF file describes, at the poses of the file.
+
+    Raises InputError and MechanismError with file, line and element for what is not right.
+    """
+    path = Path(path)
+    root = read_xml(path, "sdf")
+    return robot_of(_Reader(root, path).graph())
+
+
+class _Reader:
+    """The parts of an SDF file."""
+
+    def __init__(self, root: Element, path: Path) -> None:
+        self.path = path
+        self.notes: list[str] = []
+        self.unlimited: list[str] = []
+        self.model = self._model(root)
+        self.frames = SdfFrames()
+        scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
+        self.frames.add_model(self.model, scope)
+        self.poses = {link: self.frames.pose(link) for link in self.frames.links}
+        self.poses[WORLD] = Pose.identity()
+
+    def graph(self) -> JointGraph:
+        joints = [self._joint(*entry) for entry in self.frames.joints if entry[0].attributes.get("type") != "gearbox"]
+        couplings = [*self._mimics(joints), *self._gears(joints)]
+        on_world = any(WORLD in joint.links for joint in joints)
+        links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
+        if not links:
+            raise self.model.error("no <link> is found; a robot has links and joints")
+        root = WORLD if on_world else self._root(links, joints)
+        graph = JointGraph(
+            name=robot_name(self.model.attributes.get("name"), self.path),
+            links=[_plain(link) for link in links],
+            root=_plain(root),
+            joints=[replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1]))) for j in joints],
+            couplings=couplings,
+            source=str(self.path),
+            meshes=self._meshes(),
+        )
+        graph = self._with_motors(graph)
+        if self.unlimited:
+            self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
+        return replace(graph, notes=(*self.notes, *self._left_out()))
+
+    def _model(self, root: Element) -> Element:
+        """The one model of the file, or of its world: of several that which has joints."""
+        worlds = root.all("world")
+        models = [*root.all("model"), *(model for world in worlds for model in world.all("model"))]
+        for world in worlds:
+            for include in world.all("include", "joint"):
+                self.notes.append(f"line {include.line}: <{include.tag}> of the world is left out; the model is read alone")
+        moving = [model for model in models if any(e.tag == "joint" for e in model.walk())] or models
+        if len(moving) != 1:
+            names = first_of([str(model.attributes.get("name")) for model in moving])
+            raise root.error(
+                f"{len(moving)} models are found{f': {names}' if names else ''}; one is needed, in a file of its own"
+            )
+        static = moving[0].one("static")
+        if static is not None and static.text.strip().lower() in ("1", "true"):
+            raise static.error("the model is static: no joint of it moves")
+        return moving[0]
+
+    def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
+        """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
+        canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
+        if any(canonical in joint.links for joint in joints) or not joints:
+            return canonical
+        graph = JointGraph("", links, canonical, joints)
+        tree = spanning_tree(graph)
+        return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
+
+    # --- joints ----------------------------------------------------------------------------------------------------
+
+    def _joint(self, element: Element, scope: Scope) -> GraphJoint:
+        name = scope.prefix + element.attribute("name")
+        parent, child = (self._body(element, tag, scope) for tag in ("parent", "child"))
+        if child == WORLD:
+            raise element.error("the child is the world, which does not move; make it the parent")
+        if parent == child:
+            raise element.error(f"joins the link {_plain(parent)!r} to itself; two links are needed")
+        at = self._joint_pose(element, scope)
+        frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
+        made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
+        if element.attributes.get("type") in ("revolute2", "universal"):
+            return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
+        kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
+        if kind in ("weld", "S"):
+            return replace(made, type=kind)
+        pitch = sdf_pitch(element) if kind == "H" else 0.0
+        limits = None if element.attributes.get("type") == "continuous" else sdf_limits(element)
+        return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
+
+    def _body(self, element: Element, tag: str, scope: Scope) -> str:
+        """The link that a joint's parent or child is, or carries the frame that it names."""
+        end = element.needed(tag)
+        name = end.text.strip()
+        if not name:
+            raise end.error("is empty; the name of a link is needed")
+        link = self.frames.link_of(self.frames.find(name, scope, end))
+        if link not in self.poses:
+            raise end.error(f"the frame {name!r} is carried by no link")
+        return link
+
+    def _joint_pose(self, element: Element, scope: Scope) -> Pose:
+        """The joint's frame in the world: told in the frame that is its child unless it says otherwise."""
+        child = self.frames.find(element.needed("child").text.strip(), scope, element)
+        pose, told_in = self.frames.relative(element, scope, child)
+        return self.frames.pose(told_in) @ pose
+
+    def _axis(self, element: Element, tag: str, scope: Scope, at: Pose) -> Direction:
+        """An axis in the joint's frame, by the version of the file."""
+        model = self.frames.pose(scope.model)
+        if scope.version < FIRST_WITH_FRAMES:
+            return sdf_axis(element, tag, model.inverse() @ at, scope.version)
+        axis = element.needed(tag)
+        if axis.one("use_parent_model_frame") is not None:
+            raise axis.error('use_parent_model_frame is of versions before 1.7; write <xyz expressed_in="__model__">')
+        xyz = axis.needed("xyz")
+        vector, name = xyz.text_numbers(3), xyz.attributes.get("expressed_in", "").strip()
+        if not name:
+            return unit(xyz, vector)
+        told_in = self.frames.pose(self.frames.find(name, scope, xyz))
+        turned = np.asarray((at.inverse() @ told_in).turn(np.asarray(vector)))
+        return unit(xyz, tuple(float(c) for c in turned))
+
+    def _second(self, element: Element, scope: Scope, at: Pose) -> Direction:
+        first, second = self._axis(element, "axis", scope, at), self._axis(element, "axis2", scope, at)
+        if np.linalg.norm(np.cross(first, second)) < _PARALLEL:
+            raise element.error("axis and axis2 are parallel; two directions are needed")
+        for tag in ("axis", "axis2"):
+            if sdf_limits(element, tag) is not None:
+                self.notes.append(
+                    f"the range of {tag} of the joint {element.attribute('name')!r} is left out: it has two coordinates"
+                )
+        return second
+
+    # --- couplings -------------------------------------------------------------------------------------------------
+
+    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+        """follower = multiplier x (leader - reference) + offset."""
+        made = {joint.name: joint for joint in joints}
+        for element, scope in self.frames.joints:
+            for own, tag in enumerate(("axis", "axis2"), start=1):
+                axis = element.one(tag)
+                mimic = None if axis is None else axis.one("mimic")
+                if mimic is None:
+                    continue
+                follower = self._coordinate(made, scope.prefix + element.attribute("name"), own, mimic)
+                number = 2 if mimic.attributes.get("axis", "axis").strip() == "axis2" else 1
+                leader = self._coordinate(made, scope.prefix + mimic.attribute("joint"), number, mimic)
+                if leader == follower:
+                    raise mimic.error("the joint mimics itself; name another joint")
+                factor, offset, reference = (
+                    _value(mimic, word, default) for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
+                )
+                yield Coupling(follower, {leader: factor}, offset - factor * reference)
+
+    def _coordinate(self, made: dict[str, GraphJoint], name: str, axis: int, element: Element) -> str:
+        if name not in made or made[name].type not in ("R", "P", "H", "U"):
+            raise element.error(f"the joint {_plain(name)!r} is {'unknown' if name not in made else 'without an axis'}")
+        return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
+
+    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+        """theta_2 = -ratio theta_1: the angles of parent and child against the reference body, about axis and axis2."""
+        for element, scope in self.frames.joints:
+            if element.attributes.get("type") != "gearbox":
+                continue
+            at = self._joint_pose(element, scope)
+            reference = self._body(element, "gearbox_reference_body", scope)
+            factors: dict[str, float] = {}
+            ratio = element.needed("gearbox_ratio").text_number()
+            for tag, axis, weight in (("parent", "axis", ratio), ("child", "axis2", 1.0)):
+                about = np.asarray(at.turn(np.asarray(self._axis(element, axis, scope, at))))
+                for name, sign in self._turns(element, joints, reference, self._body(element, tag, scope), about).items():
+                    factors[name] = factors.get(name, 0.0) + weight * sign
+            free = [name for name, factor in factors.items() if factor != 0.0]
+            if len(free) < 2:
+                raise element.error("the gearbox couples no two joints")
+            name = free[-1]
+            own = factors.pop(name)
+            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()})
+
+    def _turns(self, element: Element, joints: Sequence[GraphJoint], start: str, end: str, about: np.ndarray) -> dict[str, float]:
+        """The revolute joints from one link to another about a direction, with the sense in which each turns the second link."""
+        paths: dict[str, dict[str, float]] = {start: {}}
+        todo = [start]
+        for link in todo:
+            for joint in joints:
+                if link not in joint.links or joint.type not in ("R", "weld"):
+                    continue
+                here = joint.links.index(link)
+                other = joint.links[1 - here]
+                if other in paths:
+                    continue
+                turn = 0.0
+                if joint.type == "R" and joint.axis is not None:
+                    axis = np.asarray((self.poses[joint.links[0]] @ joint.frames[0]).turn(np.asarray(joint.axis)))
+                    turn = float(axis @ about) * (1 if here == 0 else -1)
+                    if abs(abs(turn) - 1.0) > _PARALLEL:
+                        continue
+                paths[other] = paths[link] | ({joint.name: float(round(turn))} if turn else {})
+                todo.append(other)
+        if end not in paths:
+            raise element.error(f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}")
+        return paths[end]
+
+    # --- the rest --------------------------------------------------------------------------------------------------
+
+    def _with_motors(self, graph: JointGraph) -> JointGraph:
+        """The joints that plugins name actuated, else all of the tree that move."""
+        named = {e.text.strip() for p in self.model.walk() if p.tag == "plugin" for e in p.walk() if e.tag == "joint_name"}
+        able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
+        driven = {joint.name for joint in able if joint.name in named}
+        if not driven:
+            followers = {coupling.joint for coupling in graph.couplings}
+            tree = spanning_tree(graph)
+            driven = {joint.name for joint in able if joint in tree and joint.type != "U" and joint.name not in followers}
+            if driven:
+                self.notes.append("no motors are told: all movable joints of the tree of one coordinate are actuated")
+        return replace(graph, joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints])
+
+    def _meshes(self) -> dict[str, tuple[str, ...]]:
+        found: dict[str, tuple[str, ...]] = {}
+        for link in self.frames.links:
+            element = self.frames.frames[link].element
+            files = [e.needed("uri").text.strip() for v in element.all("visual") for e in v.walk() if e.tag == "mesh"]
+            if files:
+                found[_plain(link)] = tuple(files)
+        return found
+
+    def _left_out(self) -> list[str]:
+        """Notes on elements of models that have no meaning here. Raises MechanismError for unknown ones."""
+        found: dict[str, None] = {}
+        for scope in self.frames.scopes:
+            for element in scope.element.children:
+                if element.tag in ("plugin", "gripper"):
+                    found[f"<{element.tag}>"] = None
+                elif element.tag not in _KNOWN and not element.tag.count(":"):
+                    raise element.error(
+                        f"<{element.tag}> is unknown in a model; allowed: {', '.join(sorted(_KNOWN))}, plugin, gripper"
+                    )
+        return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
+
+
+_KNOWN = frozenset(
+    ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
+)
+
+
+def _value(element: Element, word: str, default: float) -> float:
+    found = element.one(word)
+    return default if found is None else found.text_number()
+
+
+def _plain(name: str) -> str:
+    """A full name with / between model and part, which names here may hold."""
+    return name.replace("::", "/")

@@ -1,0 +1,252 @@
+"""Frames of an SDF file: links, joints, named frames and nested models, each told in another one; where all of them are in the world.
+
+A name within a nested model is `model::name`. What a pose is told in, where it does not say: a link, a frame or a nested model in its
+model's frame, a frame that is attached in the frame it is attached to, a joint in its child.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from symkin.errors import InputError
+from symkin.formats.xml_text import Element, read_xml
+from symkin.spatial.pose import Pose
+
+Version = tuple[int, int]
+OLDEST, NEWEST = (1, 4), (1, 12)
+"""Versions of SDF whose rules are known here."""
+FIRST_WITH_FRAMES = (1, 7)
+"""From this version on relative_to and expressed_in name frames; before it `frame` on a pose had no meaning."""
+WORLD = "world"
+_MODEL = "__model__"
+_MOST_FILES = 20
+"""Files within each other."""
+
+
+@dataclass(frozen=True)
+class Scope:
+    """A model: what its names begin with, its own frame, and the version of the file that tells it."""
+
+    prefix: str
+    model: str
+    version: Version
+    element: Element
+    files: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """A frame: its pose in another one, what it is attached to, and for a model placed by one of its frames that frame."""
+
+    pose: Pose
+    told_in: str
+    attached: str
+    element: Element
+    placement: str | None = None
+
+
+@dataclass
+class SdfFrames:
+    """All frames of a file by their full names; links in order, joints with the model in which they stand."""
+
+    frames: dict[str, _Frame] = field(default_factory=dict)
+    links: list[str] = field(default_factory=list)
+    joints: list[tuple[Element, Scope]] = field(default_factory=list)
+    scopes: list[Scope] = field(default_factory=list)
+
+    def add_model(self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None) -> None:
+        """A model and all within it; `placed` is the include that places it in another way."""
+        self.scopes.append(scope)
+        links = element.all("link")
+        nested = element.all("model")
+        pose, name = sdf_pose(placed if placed is not None and placed.one("pose") is not None else element, scope.version)
+        base = told_in if name is None else name
+        canonical = element.attributes.get("canonical_link") or next((e.attribute("name") for e in (*links, *nested)), _MODEL)
+        placement = (placed.one("placement_frame") if placed is not None else None) or None
+        word = placement.text.strip() if placement is not None else element.attributes.get("placement_frame")
+        attached = scope.prefix + canonical if canonical != _MODEL else WORLD
+        frame = _Frame(pose, base, attached, element, None if word is None else scope.prefix + word)
+        self.frames[scope.model] = frame
+        for link in links:
+            key = self._new(scope.prefix + link.attribute("name"), link)
+            self.frames[key] = self._placed(link, scope, scope.model, key)
+            self.links.append(key)
+        for frame_element in element.all("frame"):
+            self._add_frame(frame_element, scope)
+        for child in nested:
+            self._add_nested(child, scope)
+        for include in element.all("include"):
+            self._include(include, scope)
+        for joint in element.all("joint"):
+            self._add_joint(joint, scope)
+
+    def pose(self, name: str) -> Pose:
+        """A frame's pose in the world."""
+        return self._chain(name, WORLD)
+
+    def link_of(self, name: str) -> str:
+        """The link that carries a frame, or the world."""
+        seen: list[str] = []
+        while name != WORLD and name not in self.links:
+            name = self._full(name)
+            if name in seen:
+                raise self.frames[name].element.error("the frames are attached to each other in a circle")
+            seen.append(name)
+            name = self.frames[name].attached if name != WORLD and name not in self.links else name
+        return name
+
+    def find(self, name: str, scope: Scope, element: Element) -> str:
+        """The full name of what a model calls `name`. Raises MechanismError where there is nothing."""
+        if name == WORLD:
+            return WORLD
+        if name == _MODEL:
+            return scope.model
+        known = self._full(scope.prefix + name)
+        if known not in self.frames:
+            own = [key[len(scope.prefix) :] for key in self.frames if key.startswith(scope.prefix)]
+            near = get_close_matches(name, own, 1)
+            raise element.error(f"the frame {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+        return known
+
+    def relative(self, element: Element, scope: Scope, default: str) -> tuple[Pose, str]:
+        """The pose of an element, and the full name of the frame in which it is told."""
+        pose, name = sdf_pose(element, scope.version)
+        return pose, default if name is None else self.find(name, scope, element)
+
+    # --- parts -----------------------------------------------------------------------------------------------------
+
+    def _placed(self, element: Element, scope: Scope, default: str, attached: str) -> _Frame:
+        pose, name = sdf_pose(element, scope.version)
+        told_in = default if name is None else self._written(name, scope)
+        return _Frame(pose, told_in, attached, element)
+
+    def _written(self, name: str, scope: Scope) -> str:
+        """The full name of a frame that may stand further down in the file."""
+        return {WORLD: WORLD, _MODEL: scope.model}.get(name, scope.prefix + name)
+
+    def _add_frame(self, element: Element, scope: Scope) -> None:
+        if scope.version < FIRST_WITH_FRAMES:
+            return
+        name = element.attributes.get("attached_to", "").strip()
+        attached = self._written(name, scope) if name else scope.model
+        key = self._new(scope.prefix + element.attribute("name"), element)
+        self.frames[key] = self._placed(element, scope, attached, attached)
+
+    def _add_joint(self, element: Element, scope: Scope) -> None:
+        self.joints.append((element, scope))
+        key = scope.prefix + element.attribute("name")
+        if key not in self.frames:
+            child = self._written(element.needed("child").text.strip(), scope)
+            self.frames[key] = self._placed(element, scope, child, child)
+
+    def _add_nested(self, element: Element, scope: Scope) -> None:
+        prefix = f"{scope.prefix}{element.attribute('name')}::"
+        inner = Scope(prefix, self._new(prefix + _MODEL, element), scope.version, element, scope.files)
+        _, name = sdf_pose(element, scope.version)
+        self.add_model(element, inner, scope.model)
+        if name is not None:
+            self._retell(inner.model, self._written(name, scope))
+
+    def _include(self, element: Element, scope: Scope) -> None:
+        """The model of another file, under its own name or that of the include, or merged into this model."""
+        path = _included(element, scope.files)
+        root = read_xml(path, "sdf")
+        model = root.needed("model")
+        given = element.one("name")
+        name = given.text.strip() if given is not None else model.attribute("name")
+        merged = element.attributes.get("merge", "").strip().lower() in ("1", "true")
+        prefix = scope.prefix if merged else f"{scope.prefix}{name}::"
+        key = self._new(f"{scope.prefix}_merged__{name}__model__" if merged else prefix + _MODEL, element)
+        inner = Scope(prefix, key, sdf_version(root), model, (*scope.files, path))
+        _, told_in = sdf_pose(element, scope.version)
+        self.add_model(model, inner, scope.model, placed=element)
+        self._retell(key, scope.model if told_in is None else self._written(told_in, scope))
+
+    def _retell(self, model: str, told_in: str) -> None:
+        frame = self.frames[model]
+        self.frames[model] = _Frame(frame.pose, told_in, frame.attached, frame.element, frame.placement)
+
+    def _new(self, key: str, element: Element) -> str:
+        if key in self.frames or key == WORLD:
+            raise element.error(f"the name {key!r} is taken; names of links, frames and models must be unique")
+        return key
+
+    def _full(self, key: str) -> str:
+        """The frame of a nested model, by the model's name."""
+        return f"{key}::{_MODEL}" if key not in self.frames and f"{key}::{_MODEL}" in self.frames else key
+
+    def _chain(self, name: str, end: str) -> Pose:
+        """The pose of a frame in one above it."""
+        total, at, seen = Pose.identity(), name, set()
+        while at != end:
+            at = self._full(at)
+            frame = self.frames.get(at)
+            if frame is None:
+                raise self.frames[name].element.error(f"the frame {at!r} in which it is told is unknown")
+            if at in seen:
+                raise frame.element.error("the poses of frames are told in each other in a circle")
+            seen.add(at)
+            own = frame.pose
+            if frame.placement is not None:
+                own = own @ self._chain(frame.placement, at).inverse()
+            total, at = own @ total, frame.told_in
+            if at == WORLD and end != WORLD:
+                raise frame.element.error(f"the frame {name!r} does not stand within the model that it places")
+        return total
+
+
+def sdf_version(root: Element) -> Version:
+    """The version of a file, of those that are known."""
+    text = root.attribute("version")
+    parts = text.split(".")
+    version = (
+        tuple(int(part) for part in parts[:2]) if len(parts) >= 2 and all(p.isascii() and p.isdigit() for p in parts) else (0, 0)
+    )
+    found = (version[0], version[1])
+    if not OLDEST <= found <= NEWEST:
+        raise root.error(f"version = {text!r} is unknown; allowed: {OLDEST[0]}.{OLDEST[1]} to {NEWEST[0]}.{NEWEST[1]}")
+    return found
+
+
+def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
+    """The child <pose>, and the name of the frame in which it is told where it names one; the identity where there is none."""
+    pose = element.one("pose")
+    if pose is None:
+        return Pose.identity(), None
+    told_in = pose.attributes.get("relative_to", "").strip() or None
+    old = pose.attributes.get("frame", "").strip()
+    if old or (told_in is not None and version < FIRST_WITH_FRAMES):
+        raise pose.error(
+            f"poses of version {version[0]}.{version[1]} are not told in the frame {old or told_in!r}; version 1.7 has relative_to"
+        )
+    if not pose.text.strip():
+        return Pose.identity(), told_in
+    if pose.attributes.get("rotation_format", "euler_rpy").strip() == "quat_xyzw":
+        x, y, z, i, j, k, w = pose.text_numbers(7)
+        return Pose.from_quaternion((x, y, z), (w, i, j, k)), told_in
+    x, y, z, *angles = pose.text_numbers(6)
+    scale = math.pi / 180 if pose.attributes.get("degrees", "").strip().lower() in ("1", "true") else 1.0
+    return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
+
+
+def _included(element: Element, files: Sequence[Path]) -> Path:
+    """The file that an include names: beside this file or above it, a folder with model.sdf or a file."""
+    uri = element.needed("uri").text.strip()
+    name = uri.removeprefix("model://").removeprefix("file://")
+    here = files[-1].parent
+    folders = [here, *list(here.parents)[:2]]
+    tries = [folder / name for folder in folders] + [folder / name / "model.sdf" for folder in folders]
+    found = next((path.resolve() for path in tries if path.is_file()), None)
+    if found is None:
+        raise InputError(
+            f"{element.where}: the included model {uri!r} is not found beside the file or in the two folders above it"
+        )
+    if found in [file.resolve() for file in files]:
+        raise element.error(f"{uri!r} includes itself")
+    if len(files) >= _MOST_FILES:
+        raise element.error(f"more than {_MOST_FILES} files include each other")
+    return found
