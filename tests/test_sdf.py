@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from symkin.errors import SymkinError
+from symkin.formats.assembled import assembled
 from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
 from symkin.formats.robot import Robot
 from symkin.formats.sdf import read_sdf
@@ -214,6 +215,28 @@ def test_a_loop_of_joints_needs_no_marker(tmp_path: Path) -> None:
     # bc turns b against c: where it stands in the tree from b to c, its axis is turned round
     backwards = [joint for name, joint in joints_of(robot).items() if name == "bc"]
     assert not backwards or backwards[0].axis == (0.0, 0.0, -1.0)
+
+
+def test_a_joint_that_closes_a_loop_keeps_its_range_and_counts_from_the_file(tmp_path: Path) -> None:
+    """A parallelogram with a range on every joint, of which one closes the loop: turned, its angles are those of the tree's joints."""
+    square = {"a": "0 0", "b": "0 0", "c": "0 2", "d": "1 0"}
+    links = "".join(f"<link name='{name}'><pose>{at} 0 0 0 0</pose></link>" for name, at in square.items())
+    joints = "".join(
+        f"<joint name='{p}{c}' type='revolute'><parent>{p}</parent><child>{c}</child><pose relative_to='__model__'>{at} 0 0 0 0</pose>"
+        "<axis><xyz>0 0 1</xyz><limit><lower>-0.5</lower><upper>0.25</upper></limit></axis></joint>"
+        for p, c, at in (("a", "b", "0 0"), ("b", "c", "0 2"), ("a", "d", "1 0"), ("d", "c", "1 2"))
+    )
+    robot = read(tmp_path, links + joints)
+    (closure,) = robot.closures
+    assert closure.limits == (-0.5, 0.25)
+    closed = nearest_closed(robot)
+    turned = tuple(np.array([value]) for value in (0.2, 0.2, -0.2))
+    state = dict(zip(("ab", "ad", "bc"), turned, strict=True))
+    near = replace(closed, state=tuple(state[s.name] for s in closed.tree.steps))
+    near = replace(near, placed=near.tree.placed(near.state))
+    made = {joint.joint.name: joint.joint for joint in assembled(robot, near).link_joints}
+    assert np.isclose(made[closure.name].zero, -0.2)
+    assert made[closure.name].limits == (-0.5, 0.25)
 
 
 # --- nested models -----------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import identifier
+from symkin.spatial.pose import Pose
 
 
 def mechanism_of(robot: Robot) -> Mechanism:
@@ -85,4 +86,16 @@ def _closing_joint(closure: Closure, closed: Closed) -> tuple[Joint, Sequence[st
     if closure.type == "U":
         axis2 = tuple(second.rotation[:, 0])
     point = tuple(0.5 * (np.asarray(first.position) + np.asarray(second.position)))
-    return Joint(closure.name, closure.type, point, axis, axis2, pitch=closure.pitch), closure.links
+    joint = Joint(closure.name, closure.type, point, axis, axis2, pitch=closure.pitch, actuated=closure.actuated)
+    if closure.type in ("R", "P", "H"):
+        joint = replace(joint, zero=_closing_value(closure, first, second), limits=closure.limits)
+    return joint, closure.links
+
+
+def _closing_value(closure: Closure, first: Pose, second: Pose) -> float:
+    """How far the second frame is turned about, or slid along, the first one's z axis."""
+    between = first.inverse() @ second
+    slide, turn = float(between.position[2]), between.rotation
+    if closure.type == "P":
+        return slide
+    return slide * 2.0 * np.pi / closure.pitch if closure.type == "H" else float(np.arctan2(turn[1, 0], turn[0, 0]))

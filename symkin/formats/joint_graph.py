@@ -197,9 +197,6 @@ class _Assembly:
                 notes.append(_within_a_link(closure))
                 continue
             found.append(closure)
-            lost = [word for word, value in (("limits", joint.limits), ("motor", joint.actuated)) if value]
-            if lost:
-                notes.append(f"{' and '.join(lost)} of the joint {joint.name!r} are left out: it closes a loop")
         return found, notes
 
     def _closure(self, joint: GraphJoint) -> Closure:
@@ -213,7 +210,8 @@ class _Assembly:
         first, second = (self.placed[link][0] @ frame @ turn for link, frame in zip(joint.links, joint.frames, strict=True))
         parts = (self.link_names[self.part_of[joint.links[0]]], self.link_names[self.part_of[joint.links[1]]])
         kind: ClosureType = joint.type
-        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch)
+        limits = joint.limits if FREEDOMS[joint.type] == 1 else None
+        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, joint.actuated)
 
     def _coupling(self, coupling: Coupling) -> Coupling:
         new = self._coordinate

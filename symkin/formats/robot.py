@@ -23,7 +23,8 @@ axis of the first frame and about the x axis of the second, which stay square to
 class Closure:
     """A constraint between two `links` that the tree joins in another way: `first` is its frame on the first link, `second` on the
     other, both in the base frame at the file's configuration; `pitch` is the length a turn of an H; `where` names element and line
-    of the file."""
+    of the file. R, P and H closures have a coordinate, which is 0 where the frames coincide: `limits` are its range, and `actuated`
+    tells whether a motor drives it."""
 
     name: str
     type: ClosureType
@@ -32,6 +33,8 @@ class Closure:
     second: Pose
     where: str = ""
     pitch: float = 0.0
+    limits: tuple[float, float] | None = None
+    actuated: bool = False
 
 
 @dataclass(frozen=True)

@@ -154,11 +154,8 @@ class _Reader:
         first, second = self._axis(element, "axis", scope, at), self._axis(element, "axis2", scope, at)
         if np.linalg.norm(np.cross(first, second)) < _PARALLEL:
             raise element.error("axis and axis2 are parallel; two directions are needed")
-        for tag in ("axis", "axis2"):
-            if sdf_limits(element, tag) is not None:
-                self.notes.append(
-                    f"the range of {tag} of the joint {element.attribute('name')!r} is left out: it has two coordinates"
-                )
+        if any(sdf_limits(element, tag) is not None for tag in ("axis", "axis2")):
+            self.unlimited.append(scope.prefix + element.attribute("name"))
         return second
 
     # --- couplings -------------------------------------------------------------------------------------------------

@@ -31,9 +31,7 @@ def direction(element: Element, *tags: str) -> Direction:
     or zero."""
     found = next((axis for tag in (tags or ("axis",)) if (axis := element.one(tag)) is not None), None)
     if found is None:
-        raise element.error(
-            '<axis> is missing; write it, as in <axis xyz="1 0 0"/>, which is what URDF takes a joint without one for'
-        )
+        raise element.error('<axis> is missing; write it, as in <axis xyz="1 0 0"/>, which is the default of URDF')
     return unit(found, found.numbers("xyz", 3))
 
 

@@ -20,6 +20,8 @@ LARGEST_FILE = 8_000_000
 DEEPEST = 200
 """Elements within each other: models within models have ten, and what walks over them calls itself."""
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+_FORMATS = {"robot": ("URDF", ".urdf"), "sdf": ("SDF", ".sdf"), "mujoco": ("MJCF", ".xml")}
+"""Formats by their first element."""
 _NAMED = 40
 """Characters of a name that tells an element from others in a message."""
 
@@ -137,7 +139,9 @@ def parse_xml(content: bytes, file: str, *roots: str) -> Element:
         raise MechanismError(f"{file}: the file is empty; the element {_choice(roots)} is needed")
     root = _Builder(file).root(content)
     if root.tag not in roots:
-        raise root.error(f"the file's first element is <{root.tag}>; {_choice(roots)} is needed")
+        known = _FORMATS.get(root.tag)
+        remedy = "" if known is None else f"; the file is {known[0]}, and its name should end in {known[1]}"
+        raise root.error(f"the file's first element is <{root.tag}>; {_choice(roots)} is needed{remedy}")
     return root
 
 

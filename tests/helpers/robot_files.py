@@ -45,6 +45,8 @@ def joint_misfit(joint: Joint, moved: Pose) -> float:
     axis = None if joint.axis is None else np.array(joint.axis)
     if joint.type == "S":
         return float(np.linalg.norm(gap))
+    if joint.type == "weld":
+        return float(np.linalg.norm(gap)) + float(np.linalg.norm(turn - np.eye(3)))
     assert axis is not None
     off_axis = float(np.linalg.norm(turn @ axis - axis))
     match joint.type:
