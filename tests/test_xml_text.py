@@ -38,7 +38,10 @@ def test_elements_keep_tag_attributes_text_and_line() -> None:
         (b"<robot>&lol;</robot>", r"^r\.urdf: line 1: not XML: undefined entity"),
         (b"<?xml version='1.0' encoding='no-such'?><robot/>", r"^r\.urdf: line 1: not XML: "),
         (b"\x00\x01\x02", r"^r\.urdf: line 1: not XML: "),
-        (b"<sdf/>", r"^r\.urdf: line 1: <sdf>: the file's first element is <sdf>; <robot> is needed; the file is SDF, and its name should end in \.sdf$"),
+        (
+            b"<sdf/>",
+            r"^r\.urdf: line 1: <sdf>: the file's first element is <sdf>; <robot> is needed; the file is SDF, and its name should end in \.sdf$",
+        ),
         (BOMB, r"^r\.urdf: line 2: <!DOCTYPE>: document types and entities are not read"),
         (b"<robot>" + b"<a>" * DEEPEST, rf"^r\.urdf: line 1: <a>: the elements stand more than {DEEPEST} within each other"),
         (b"<robot>" + b" " * LARGEST_FILE + b"</robot>", r"^r\.urdf: the file has more than 8 MB"),
