@@ -78,6 +78,18 @@ def test_the_mechanism_that_is_loaded_stands_there(tmp_path: Path) -> None:
     assert len(symkin.modes(mechanism, joints=[found.joints["motor"]])) == 2
 
 
+def test_a_singular_configuration(tmp_path: Path) -> None:
+    """A parallelogram lying in one line: rank 1 there, 2 beside it, as its two branches cross."""
+    bars = body("a", "0 0 0", joint("a") + body("c", "1 0 0", joint("c") + '<site name="s" pos="1 0 0"/>'))
+    path = tmp_path / "flat.xml"
+    last = body("b", "1 0 0", joint("b") + '<site name="t" pos="1 0 0"/>')
+    path.write_text(file_text(bars + last, '<equality><connect site1="s" site2="t"/></equality>'), encoding="utf-8")
+    found = symkin.close(path)
+    assert (found.rank, found.generic_rank, found.mobility) == (1, 2, 2)
+    assert any("singular" in note for note in found.notes)
+    found.plot(tmp_path / "flat.png")
+
+
 def test_limits_that_the_closed_configuration_breaks(tmp_path: Path) -> None:
     path = open_four_bar(tmp_path, 0.6)
     path.write_text(path.read_text(encoding="utf-8").replace('range="-1 1"', 'range="2 3"'), encoding="utf-8")

@@ -113,6 +113,21 @@ def test_bodies_named_base_and_names_that_are_not_allowed(tmp_path: Path) -> Non
     assert set(moving.links) == {"base", "base_2"}
 
 
+def test_what_is_left_out_is_told(tmp_path: Path) -> None:
+    """Constraints that are not active or hang on mocap bodies, motors of balls: each one note."""
+    world = '<body name="hand" mocap="true"/>' + body(
+        "arm", "0 0 1", joint("a") + body("tip", "1 0 0", joint("b", 'type="ball"'))
+    )
+    rest = (
+        '<equality><weld body1="hand" body2="tip"/>\n<connect body1="arm" body2="tip" anchor="0 0 0" active="false"/></equality>'
+        '<actuator><motor name="m" joint="b"/></actuator>'
+    )
+    robot = read_mjcf(in_file(tmp_path, file_text(world, rest)))
+    assert not robot.closures
+    for sentence in ("line 8: <weld>: it joins a mocap body", "line 9: <connect>: it is not active", "are left out: m"):
+        assert sum(sentence in note for note in robot.notes) == 1, robot.notes
+
+
 def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
     """Meshes, textures and inertias may be missing; what meshes there are is kept by name."""
     text = """<mujoco><asset><mesh name="m" file="m.stl"/><texture name="t" type="2d" file="a.png"/><material name="w" texture="t"/></asset>

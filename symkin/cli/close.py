@@ -59,14 +59,12 @@ def _check_output(output: Path | None, mech: str) -> None:
 
 
 def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:
-    from symkin.formats.load import is_robot, load
-
     if output.suffix == ".json":
         return json.dumps(found.to_dict(), allow_nan=False, indent=1) + "\n"
     if output.suffix == ".xml":
         from symkin.formats.mjcf import with_keyframe
 
         return with_keyframe(Path(mech), found.joints, found.link_poses)
-    if not is_robot(Path(mech)):
-        raise InputError(f"-o: {mech} is a mechanism file already; its reference is what it describes (give a .json)")
-    return load(mech).to_toml()
+    if found.reference is None:
+        raise InputError(f"-o: {mech} has no joint that moves, or is a mechanism file with an open reference; give a .json")
+    return found.reference.to_toml()

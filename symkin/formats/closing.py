@@ -28,6 +28,11 @@ _SEARCHES = ((0.05, 4), (0.3, 8), (1.0, 24))
 """Further searches where the first does not close: radians (or shares of the size) of their random steps, and how many."""
 _NEAREST_STEPS = 30
 """Steps along the closed configurations towards the file's own."""
+_NEIGHBOURS = 2
+_STEPS_ASIDE = (0.1, 0.01)
+"""How many closed configurations beside one its generic rank is taken at, and how far from it they are looked for (shares of the size)."""
+_LEAST_KEPT, _GAP = 1e-6, 1e-3
+"""Of the largest singular value, and of the smallest that counts: what makes a rank clear."""
 _SEED = 0
 
 
@@ -113,11 +118,34 @@ def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) 
 
 def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
     """Rank of the derivative of all closures and couplings, lengths and angles times the size alike."""
+    values = _singular_values(tree, state)
+    return int(np.sum(values > share * max(values[:1], default=0.0)))
+
+
+def generic_rank(closed: Closed, seed: int, share: float = RANK_SHARE) -> int | None:
+    """The rank at closed configurations beside a closed one; None where no search finds one at which it is clear."""
+    if not row_count(closed.tree.robot):
+        return 0
+    for step in _STEPS_ASIDE:
+        beside = closed_neighbours(closed, _NEIGHBOURS, seed, step)
+        ranks = [rank_at(closed.tree, state, share) for state in beside if _is_clear(_singular_values(closed.tree, state), share)]
+        if ranks:
+            return max(ranks)
+    return None
+
+
+def _is_clear(values: np.ndarray, share: float) -> bool:
+    """Whether the singular values that count are far from those that do not."""
+    counted = values[values > share * values[0]]
+    dropped = values[len(counted)] if len(counted) < len(values) else 0.0
+    return bool(counted[-1] >= _LEAST_KEPT * values[0] and dropped <= _GAP * counted[-1])
+
+
+def _singular_values(tree: Tree, state: State) -> np.ndarray:
     _, jacobian = constraint_rows(tree, state)
     if min(jacobian.shape) == 0:
-        return 0
-    values = np.linalg.svd(jacobian / _scales(tree), compute_uv=False)
-    return int(np.sum(values > share * max(values[0], np.finfo(float).tiny)))
+        return np.zeros(0)
+    return np.asarray(np.linalg.svd(jacobian / _scales(tree), compute_uv=False))
 
 
 def row_count(robot: Robot) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
@@ -75,7 +76,9 @@ def _quiet(mujoco: ModuleType) -> Iterator[None]:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _text: None)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
     finally:
         mujoco.set_mju_user_warning(before)
 
@@ -101,6 +104,7 @@ def _plain(mujoco: ModuleType, spec: Any) -> dict[str, tuple[str, ...]]:
         body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
         body.ipos, body.iquat, body.fullinertia = [0.0] * 3, [1.0, 0.0, 0.0, 0.0], [math.nan] * 6
     spec.compiler.fusestatic = False
+    spec.memory = spec.nstack = -1  # as large as the compiler wants them
     return meshes
 
 

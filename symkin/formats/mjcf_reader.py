@@ -259,10 +259,13 @@ class Reader:
                 if len(written) == model.neq
                 else f"{self.path}: <{kind}> number {k + 1} of the equality constraints"
             )
-            if model.eq_active0[k]:
-                yield _Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
-            else:
+            found = _Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
+            if not model.eq_active0[k]:
                 self.notes.append(f"{where}: it is not active, and left out")
+            elif kind in ("connect", "weld") and any(model.body_mocapid[self._body_of(found, end)] >= 0 for end in (0, 1)):
+                self.notes.append(f"{where}: it joins a mocap body, which is moved from outside, and is left out")
+            else:
+                yield found
 
     def _held_values(self) -> dict[int, float]:
         """Joints that an equality holds at a value."""

@@ -30,6 +30,7 @@ def draw(result: object, path: Path | str | None = None, **options: Any) -> Figu
 
 _FIGURES = {
     "Calibration": ("calibration_plot", "figure_of_calibration"),
+    "ClosedConfiguration": ("sketch", "figure_of_closed"),
     "Jacobian": ("jacobian_plot", "figure_of_jacobian"),
     "Loci": ("loci_plot", "figure_of_loci"),
     "Mobility": ("sketch", "figure_of_mobility"),

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.graph_figures import sketch_of_graph
@@ -28,6 +29,7 @@ from symkin.plots.style import COLOURS, drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from symkin.position.close_result import ClosedConfiguration
     from symkin.position.mobility_result import Mobility
 
 _WIDTH, _HEIGHT = 1500.0, 1260.0
@@ -58,6 +60,13 @@ def draw_sketch(mechanism: Mechanism, path: Path | str) -> None:
 def figure_of_mobility(found: Mobility) -> Figure:
     """The sketch of the mechanism whose mobility was found."""
     return figure_of_sketch(found.closure.mechanism)
+
+
+def figure_of_closed(found: ClosedConfiguration) -> Figure:
+    """The sketch of a mechanism at its closed configuration. Raises InputError where nothing closes."""
+    if found.reference is None:
+        raise InputError(f"plot: {found.mechanism} has no closed configuration to draw, or nothing that moves")
+    return figure_of_sketch(found.reference)
 
 
 def figure_of_sketch(mechanism: Mechanism) -> Figure:

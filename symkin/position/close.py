@@ -8,12 +8,12 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import link_poses
-from symkin.formats.assembled import open_sentence
+from symkin.formats.assembled import assembled, open_sentence
 from symkin.formats.closing import (
     DIGITS,
     RANK_SHARE,
     Closed,
-    closed_neighbours,
+    generic_rank,
     nearest_closed,
     rank_at,
     row_count,
@@ -29,9 +29,6 @@ from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.readings import left_out, readings_at
 from symkin.text import first_of
-
-_NEIGHBOURS, _MOST_TRIES = 2, 6
-"""Closed configurations beside the nearest one at which the generic rank is taken, and how many searches look for them."""
 
 
 def close(name_or_path: str | Path | Mechanism, *, seed: int = 0) -> ClosedConfiguration:
@@ -60,8 +57,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
     tree = found.tree
     share = RANK_SHARE if found.closed else DIGITS
     rank = rank_at(tree, found.state, share)
-    beside = closed_neighbours(found, _NEIGHBOURS, seed) or closed_neighbours(found, _MOST_TRIES, seed, step=0.01)
-    generic = max([rank, *(rank_at(tree, state, share) for state in beside)])
+    generic = generic_rank(found, seed, share) if found.to_digits else None
     displaced = found.displacements
     poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
     poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
@@ -82,6 +78,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         joints=_tree_values(robot, found),
         link_poses=poses,
         notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
+        reference=assembled(robot, found) if found.to_digits and row_count(robot) + len(robot.joints) else None,
     )
 
 
@@ -92,13 +89,17 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
 
 
-def _closing_notes(found: Closed, rank: int, generic: int) -> list[str]:
+def _closing_notes(found: Closed, rank: int, generic: int | None) -> list[str]:
     if not found.to_digits:
         return [open_sentence(found)]
     notes = []
     if not found.closed:
         notes.append(f"the loops close only to the digits of the file: the nearest configuration leaves {found.residual:.1e} m")
-    if rank < generic:
+    if generic is None:
+        notes.append(
+            "the rank at closed configurations beside this one is not clear: freedoms here may be lost away from it, or not"
+        )
+    elif rank != generic:
         notes.append(f"this configuration is singular: the rank is {rank} here, and {generic} at closed configurations beside it")
     return notes
 
@@ -150,6 +151,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         joints=_joint_values(closure, values),
         link_poses=dict(link_poses(closure, values[None]).at(0)),
         notes=account.warnings,
+        reference=mechanism if open_by <= CLOSURE_TOLERANCE * size else None,
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from symkin.model.mechanism import Mechanism
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -23,10 +24,12 @@ class LoopGap:
 class ClosedConfiguration(Result):
     """The closed configuration nearest to a file's own.
 
-    mobility = freedoms - rank, redundant = rows - rank, both here; `generic_rank` is that of closed configurations beside it.
+    mobility = freedoms - rank, redundant = rows - rank, both here; `generic_rank` is that of closed configurations beside it,
+    None where it is not clear.
     `open_by` and `residual` are the largest of what the loops leave open in the file and here, `joints` the values of all joints in
     `units` (length, angle), `link_poses` the frames of links, and of bodies that are part of them, in the base frame. `closed` is
-    False where no search closed the loops: then this is what comes nearest, and `notes` name the loop that resists.
+    False where no search closed the loops: then this is what comes nearest, and `notes` name the loop that resists. `reference` is
+    the mechanism whose reference configuration this is, None where nothing closes or moves.
     """
 
     mechanism: str
@@ -36,7 +39,7 @@ class ClosedConfiguration(Result):
     freedoms: int
     rows: int
     rank: int
-    generic_rank: int
+    generic_rank: int | None
     actuated: tuple[str, ...]
     loops: tuple[LoopGap, ...]
     open_by: float
@@ -45,6 +48,7 @@ class ClosedConfiguration(Result):
     joints: Mapping[str, float | list[float]]
     link_poses: Mapping[str, Pose]
     notes: tuple[str, ...] = ()
+    reference: Mechanism | None = None
 
     @property
     def mobility(self) -> int:
@@ -89,7 +93,11 @@ class ClosedConfiguration(Result):
             "rank": self.rank,
             "mobility": self.mobility,
             "redundant": self.redundant,
-            "generic": {"rank": rank, "mobility": self.freedoms - rank, "redundant": self.rows - rank},
+            "generic": {
+                "rank": rank,
+                "mobility": None if rank is None else self.freedoms - rank,
+                "redundant": None if rank is None else self.rows - rank,
+            },
             "actuated": list(self.actuated),
             "closed": self.closed,
             "open_by": self.open_by,
