@@ -272,6 +272,17 @@ def test_a_model_is_placed_by_one_of_its_frames(tmp_path: Path) -> None:
     assert np.allclose(np.asarray(robot.links["arm/p"].position), [2, 0, -1])
 
 
+def test_what_is_left_out_is_named(tmp_path: Path) -> None:
+    """Bounds that are no range, elements that name nothing of the robot."""
+    locked = "<xyz>0 0 1</xyz><limit><lower>0</lower><upper>0</upper></limit>"
+    robot = read(
+        tmp_path, "<author>me</author><plugin name='p' filename='x'/>" + BODIES + JOINT.format(pose="0 0 0 0 0 0", axis=locked)
+    )
+    assert joints_of(robot)["j"].limits is None
+    assert any("the range [0, 0] of <joint name='j'> is left out" in note for note in robot.notes)
+    assert "left out, of no meaning here: <author>, <plugin>" in robot.notes
+
+
 # --- what is wrong -----------------------------------------------------------------------------------------------------
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
@@ -294,7 +305,7 @@ BAD = {
     "missing include": (BODIES + "<include><uri>model://none</uri></include>", "1.7", "'model://none' is not found"),
     "world": (BODIES + GOOD.replace(">b<", ">world<"), "1.7", "the child is the world"),
     "static": ("<static>true</static>" + BODIES + GOOD, "1.7", "the model is static"),
-    "unknown": ("<rope/>" + BODIES + GOOD, "1.7", "<rope> is unknown in a model"),
+    "unknown": ("<rope><to>a</to></rope>" + BODIES + GOOD, "1.7", "<rope> is unknown in a model, and it names links"),
     "empty": ("", "1.7", "no <link> is found"),
 }  # fmt: skip
 

@@ -53,6 +53,11 @@ def test_what_is_no_description_is_refused(content: bytes, sentence: str) -> Non
     assert re.search(sentence, str(refusal.value)), str(refusal.value)
 
 
+def test_a_declaration_behind_empty_lines_keeps_the_lines() -> None:
+    root = parse_xml(b"\n\n<?xml version='1.0'?>\n<robot name='\xc3\xa4'/>", "r.urdf", "robot")
+    assert (root.line, root.attributes["name"]) == (4, "\u00e4")
+
+
 @pytest.mark.parametrize("text", ["nan", "1 2", "1_0", "0x1", "1,5", "inf", "", "1e400", "٣"])
 def test_what_is_no_finite_number_is_refused(text: str) -> None:
     element = parse_xml(f"<robot v='{text}'/>".encode(), "r.urdf", "robot")

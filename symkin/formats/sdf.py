@@ -12,8 +12,8 @@ from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place,
 from symkin.formats.naming import robot_name
 from symkin.formats.robot import Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
-from symkin.formats.sdf_joint import TYPES, sdf_axis, sdf_limits, sdf_pitch, sdf_type
-from symkin.formats.urdf_parts import unit
+from symkin.formats.sdf_joint import TYPES, is_range, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.urdf_parts import names_any, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -114,8 +114,18 @@ class _Reader:
         if kind in ("weld", "S"):
             return replace(made, type=kind)
         pitch = sdf_pitch(element) if kind == "H" else 0.0
-        limits = None if element.attributes.get("type") == "continuous" else sdf_limits(element)
+        limits = None if element.attributes.get("type") == "continuous" else self._limits(element)
         return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
+
+    def _limits(self, element: Element) -> tuple[float, float] | None:
+        limits = sdf_limits(element)
+        if limits is None or is_range(*limits):
+            return limits
+        low, high = limits
+        self.notes.append(
+            f"line {element.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
+        )
+        return None
 
     def _body(self, element: Element, tag: str, scope: Scope) -> str:
         """The link that a joint's parent or child is, or carries the frame that it names."""
@@ -253,16 +263,17 @@ class _Reader:
         return found
 
     def _left_out(self) -> list[str]:
-        """Notes on elements of models that have no meaning here. Raises MechanismError for unknown ones."""
+        """Notes on elements of models that have no meaning here. Raises MechanismError for an unknown one that names links or joints."""
+        names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
         found: dict[str, None] = {}
-        for scope in self.frames.scopes:
-            for element in scope.element.children:
-                if element.tag in ("plugin", "gripper"):
-                    found[f"<{element.tag}>"] = None
-                elif element.tag not in _KNOWN and not element.tag.count(":"):
-                    raise element.error(
-                        f"<{element.tag}> is unknown in a model; allowed: {', '.join(sorted(_KNOWN))}, plugin, gripper"
-                    )
+        for element in (child for scope in self.frames.scopes for child in scope.element.children):
+            if element.tag in _KNOWN:
+                continue
+            if element.tag not in ("plugin", "gripper") and names_any(element, names):
+                raise element.error(
+                    f"<{element.tag}> is unknown in a model, and it names links or joints; remove it if it is no constraint"
+                )
+            found[f"<{element.tag}>"] = None
         return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
 
 

@@ -23,7 +23,7 @@ TYPES: dict[str, JointType] = {
     "fixed": "weld",
 }
 """Joints of SDF that are one joint here; a revolute2 is two, a gearbox a coupling."""
-_UNLIMITED = 1e15
+UNLIMITED = 1e15
 """Bounds beyond this are none: SDF writes 1e16, infinity and the largest number of doubles."""
 
 
@@ -50,7 +50,7 @@ def sdf_axis(element: Element, tag: str, joint_pose: Pose, version: tuple[int, i
 
 
 def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | None:
-    """The range in <axis><limit>, None where there is none, or a bound is infinite."""
+    """The bounds in <axis><limit>, not always a range; None where there are none, or both are infinite."""
     axis = element.one(tag)
     limit = None if axis is None else axis.one("limit")
     if limit is None:
@@ -59,7 +59,12 @@ def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | Non
     low, high = (
         math.inf * side if end is None else end.text_number(infinite=True) for end, side in zip(ends, (-1, 1), strict=True)
     )
-    return (low, high) if -_UNLIMITED < low < high < _UNLIMITED else None
+    return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
+
+
+def is_range(low: float, high: float) -> bool:
+    """Whether bounds are two ends, the second above the first."""
+    return -UNLIMITED < low < high < UNLIMITED
 
 
 def sdf_pitch(element: Element) -> float:

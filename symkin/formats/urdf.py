@@ -12,8 +12,9 @@ from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
 from symkin.formats.robot import Robot
+from symkin.formats.sdf_joint import UNLIMITED, is_range
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
-from symkin.formats.urdf_parts import direction, origin, plain_tag
+from symkin.formats.urdf_parts import direction, names_any, origin, plain_tag
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.model.joint import JointType
@@ -49,9 +50,11 @@ _OF_NO_MEANING = {
     "frame": "frames",
     "force_element": "forces",
     "verbose": "settings",
+    "group": "groups of joints",
+    "group_state": "groups of joints",
+    "end_effector": "groups of joints",
+    "camera": "sensors",
 }
-_UNLIMITED = 1e15
-"""Bounds of joints beyond this are none: files write 1e16 and the largest number of doubles."""
 
 
 def read_urdf(path: Path) -> Robot:
@@ -99,7 +102,8 @@ class _Reader:
 
     def _refuse_macros(self) -> None:
         for element in self.root.walk():
-            if element.tag.startswith("xacro:") or any("${" in value or "$(" in value for value in element.attributes.values()):
+            told = [element.attributes.get(key, "") for key in ("name", "link", "xyz", "rpy", "value")]
+            if element.tag.startswith("xacro:") or any("${" in value or "$(" in value for value in told):
                 raise element.error("is xacro, which is not expanded here; run `xacro FILE -o OUT.urdf` and read its result")
 
     def _links(self) -> dict[str, Element]:
@@ -211,9 +215,9 @@ class _Reader:
         if limit is None or not {"lower", "upper"} & set(limit.attributes):
             return None
         low, high = (limit.number(key, 0.0, infinite=True) for key in ("lower", "upper"))
-        if -_UNLIMITED < low < high < _UNLIMITED:
+        if is_range(low, high):
             return (low, high)
-        if low >= high or low > -_UNLIMITED or high < _UNLIMITED:
+        if low > -UNLIMITED or high < UNLIMITED:
             self.notes.append(
                 f"line {limit.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
             )
@@ -309,7 +313,7 @@ class _Reader:
             return list(self.beside.motors), str(self.beside.file)
         driven = [joint for t in self.root.all("transmission") for joint in t.all("joint")]
         controlled = [j for c in self.root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
-        named = [e.attribute("name") for e in (driven or controlled)]
+        named = [name for e in (driven or controlled) if (name := e.attributes.get("name", e.text).strip())]
         if named:
             return list(dict.fromkeys(named)), "transmissions"
         return [e.attribute("name") for e in self.elements if e.attributes.get("independent") == "true"], "joints"
@@ -324,17 +328,12 @@ class _Reader:
         for element in self.root.children:
             if element.tag in known or plain_tag(element.tag) in LOOP_TAGS:
                 continue
-            if element.tag not in _OF_NO_MEANING and _names_any(element, names):
+            if element.tag not in _OF_NO_MEANING and names_any(element, names):
                 raise element.error(
                     f"<{element.tag}> is unknown, and it names links or joints of the robot; remove it if it is no constraint"
                 )
             found[_OF_NO_MEANING.get(element.tag, f"<{element.tag}>")] = None
         return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
-
-
-def _names_any(element: Element, names: set[str]) -> bool:
-    """Whether an attribute or text within the element is one of the names."""
-    return any(e.text.strip() in names or names & {v.strip() for v in e.attributes.values()} for e in element.walk())
 
 
 def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:

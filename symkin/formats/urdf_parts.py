@@ -47,3 +47,8 @@ def unit(element: Element, vector: tuple[float, ...]) -> Direction:
 def plain_tag(tag: str) -> str:
     """A tag without its prefix: drake:ball_constraint is ball_constraint."""
     return tag.rpartition(":")[2]
+
+
+def names_any(element: Element, names: set[str]) -> bool:
+    """Whether an attribute or text within the element is one of the names."""
+    return any(e.text.strip() in names or names & {v.strip() for v in e.attributes.values()} for e in element.walk())

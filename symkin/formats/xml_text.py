@@ -20,6 +20,8 @@ LARGEST_FILE = 8_000_000
 DEEPEST = 200
 """Elements within each other: models within models have ten, and what walks over them calls itself."""
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+_LATE_DECLARATION = re.compile(rb"\A\s+<\?xml[^>]*\?>")
+"""The declaration of XML behind empty lines, which other readers take; the text is UTF-8 then."""
 _FORMATS = {"robot": ("URDF", ".urdf"), "sdf": ("SDF", ".sdf"), "mujoco": ("MJCF", ".xml")}
 """Formats by their first element."""
 _NAMED = 40
@@ -161,7 +163,7 @@ class _Builder:
 
     def root(self, content: bytes) -> Element:
         try:
-            self.parser.Parse(content, True)
+            self.parser.Parse(_LATE_DECLARATION.sub(lambda found: re.sub(rb"[^\n]", b" ", found[0]), content, count=1), True)
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise MechanismError(f"{self.file}: line {error.lineno}: not XML: {reason} (column {error.offset + 1})") from None
