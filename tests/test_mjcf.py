@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.mjcf_models import MODELS, REAL, SMALL, Account, body, file_text, joint
+from helpers.mjcf_models import MODELS, REAL, SMALL, Account, body, file_text, joint, random_robot
 from symkin.formats.assembled import assembled
 from symkin.formats.closing import Closed, closed_neighbours, nearest_closed, rank_at
 from symkin.formats.mjcf import read_mjcf
@@ -237,3 +237,16 @@ def test_solutions_and_rates_are_mujocos(file: str, given: dict[str, float], tmp
             if link in [account.model.body(b).name for b in range(account.model.nbody)] and link != "base":
                 pose = mode.link_poses[link] @ closed.link_poses[link]
                 np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_robots(seed: int, tmp_path: Path) -> None:
+    """Poses, closedness and rank as MuJoCo has them, where anything closes the random loop."""
+    path = in_file(tmp_path, random_robot(seed))
+    try:
+        closed = nearest_closed(read_mjcf(path)).closed
+    except symkin.MechanismError as error:
+        assert "nothing closes it" in str(error)  # noqa: PT017 - any other error is a fault
+        return
+    if closed:
+        check_against_mujoco(path, 0)

@@ -138,7 +138,7 @@ class Account:
             jacobian = np.zeros((count, nv))
             self.mujoco.mju_sparse2dense(jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
         else:
-            jacobian = np.asarray(data.efc_J).reshape(count, nv)
+            jacobian = np.asarray(data.efc_J)[: count * nv].reshape(count, nv)
         return np.asarray(data.efc_pos[:count])[rows], jacobian[rows]
 
     def free_roots(self) -> int:
@@ -146,3 +146,41 @@ class Account:
         free = self.mujoco.mjtJoint.mjJNT_FREE
         bodies = [int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if int(self.model.jnt_type[j]) == int(free)]
         return sum(6 for b in bodies if self.model.body(b).name not in self.robot.floating)
+
+
+def random_robot(seed: int) -> str:
+    """A random tree of bodies with none to three joints of any type each, free ones among them, and a connect or weld of any form."""
+    rng = np.random.default_rng(seed)
+
+    def numbers(count: int = 3) -> str:
+        return " ".join(f"{x:.4f}" for x in rng.normal(size=count))
+
+    count = int(rng.integers(4, 8))
+    parents = [int(rng.integers(0, k)) for k in range(1, count + 1)]
+
+    def joints(number: int) -> str:
+        if parents[number - 1] == 0 and rng.random() < 0.2:
+            return "<freejoint/>"
+        found = []
+        for k in range(int(rng.choice([0, 1, 1, 2, 3]))):
+            kind = str(rng.choice(["hinge", "hinge", "slide"]))
+            found.append(
+                f'<joint name="j{number}_{k}" type="{kind}" axis="{numbers()}" pos="{numbers()}" ref="{rng.normal():.3f}"/>'
+            )
+        return "".join(found) if rng.random() < 0.8 else f'<joint name="ball{number}" type="ball" pos="{numbers()}"/>'
+
+    def text(number: int) -> str:
+        inside = "".join(text(k + 1) for k, parent in enumerate(parents) if parent == number)
+        site = f'<site name="s{number}" pos="{numbers()}" quat="{numbers(4)}"/>'
+        return body(f"b{number}", numbers(), joints(number) + site + inside, f'quat="{numbers(4)}"')
+
+    a, b = rng.choice(np.arange(1, count + 1), 2, replace=False)
+    forms = [
+        f'<connect site1="s{a}" site2="s{b}"/>',
+        f'<connect body1="b{a}" body2="b{b}" anchor="{numbers()}"/>',
+        f'<connect body1="b{a}" anchor="{numbers()}"/>',
+        f'<weld body1="b{a}" body2="b{b}" anchor="{numbers()}"/>',
+        f'<weld body1="b{a}" body2="b{b}" torquescale="0" anchor="{numbers()}"/>',
+    ]
+    world = "".join(text(k + 1) for k, parent in enumerate(parents) if parent == 0)
+    return file_text(world, f"<equality>{rng.choice(forms)}</equality>")
