@@ -197,3 +197,43 @@ def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(symkin.MechanismError):
         read_mjcf(in_file(tmp_path, file_text('<body pos="nan 0 0"><joint/></body>')))
     assert [path.name for path in tmp_path.iterdir()] == ["made.xml"]
+
+
+@pytest.mark.parametrize(
+    ("file", "given"),
+    [
+        ("g1_parallel_ankle", {"left_motor_joint": 0.1, "right_motor_joint": -0.05}),
+        ("robotiq_2f85", {"left_driver_joint": 0.2, "left_coupler_joint": -0.1, "right_coupler_joint": -0.15}),
+        ("four_bar_by_sites", {"motor": 0.4}),
+        ("couplings", {"q1": 0.2}),
+    ],
+)
+def test_solutions_and_rates_are_mujocos(file: str, given: dict[str, float], tmp_path: Path) -> None:
+    """MuJoCo finds its constraints closed at every mode, link poses as symkin's, and rates of joints that keep them closed."""
+    import mujoco
+
+    path = MODELS / f"{file}.xml" if file in REAL else in_file(tmp_path, SMALL[file][0])
+    mechanism, robot = symkin.load(path), read_mjcf(path)
+    closed = symkin.close(path)
+    account = Account(path, robot)
+    scalars = [c.name for c in mechanism.coordinates if c.kind != "quaternion" and not c.name.startswith("connect")]
+    others = [name for name in scalars if name not in given]
+    for mode in symkin.modes(mechanism, given=given):
+        data = mujoco.MjData(account.model)
+        rates = symkin.jacobian(mechanism, of=others, by=list(given)).at(mode)
+        velocity = np.zeros((account.model.nv, len(given)))
+        for j in range(account.model.njnt):
+            name, place, row = account.model.joint(j).name, int(account.model.jnt_qposadr[j]), int(account.model.jnt_dofadr[j])
+            if name in scalars:
+                data.qpos[place] = mode.joints[name]
+                velocity[row] = rates[others.index(name)] if name in others else np.eye(len(given))[list(given).index(name)]
+            else:
+                data.qpos[place] = account.model.qpos0[place] + 0.3 * (name == "q5")
+        mujoco.mj_forward(account.model, data)
+        errors, jacobian = account.equality_rows(data)
+        assert np.abs(errors).max() <= 1e-9
+        assert np.abs(jacobian @ velocity).max() <= 1e-8 * max(1.0, np.abs(velocity).max())
+        for link in robot.links:
+            if link in [account.model.body(b).name for b in range(account.model.nbody)] and link != "base":
+                pose = mode.link_poses[link] @ closed.link_poses[link]
+                np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-9)

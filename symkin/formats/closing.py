@@ -33,6 +33,8 @@ _STEPS_ASIDE = (0.1, 0.01)
 """How many closed configurations beside one its generic rank is taken at, and how far from it they are looked for (shares of the size)."""
 _LEAST_KEPT, _GAP = 1e-6, 1e-3
 """Of the largest singular value, and of the smallest that counts: what makes a rank clear."""
+_NEIGHBOURS_TO_DIGITS, _STEP_TO_DIGITS, _GAP_TO_DIGITS = 4, 0.3, 2e-2
+"""The same where loops close only to the digits of a file: their misfit blurs what is zero, and steps are larger than it."""
 _SEED = 0
 
 
@@ -109,11 +111,18 @@ def nearest_closed(robot: Robot) -> Closed:
 
 def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[State]:
     """Closed configurations from random steps off a closed one; those searches that stay open are left out."""
-    tree, rng = closed.tree, np.random.default_rng(seed)
-    starts = [tree.moved(closed.state, _unscaled(tree, step * tree.size * rng.normal(size=tree.freedom))) for _ in range(count)]
+    tree = closed.tree
+    starts = _starts_aside(closed, count, seed, step, np.ones(tree.freedom, dtype=bool))
     bound = max(CLOSED * tree.size, closed.residual)
     ends = [_searched(tree, start) for start in starts]
     return [end for end in ends if _largest(tree, end) <= bound]
+
+
+def _starts_aside(closed: Closed, count: int, seed: int, step: float, moved: np.ndarray) -> list[State]:
+    """Random steps (share of the size) off a closed configuration, of some of the freedoms."""
+    tree, rng = closed.tree, np.random.default_rng(seed)
+    steps = [step * tree.size * rng.normal(size=tree.freedom) * moved for _ in range(count)]
+    return [tree.moved(closed.state, _unscaled(tree, lengths)) for lengths in steps]
 
 
 def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
@@ -122,23 +131,46 @@ def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
     return int(np.sum(values > share * max(values[:1], default=0.0)))
 
 
-def generic_rank(closed: Closed, seed: int, share: float = RANK_SHARE) -> int | None:
+@dataclass(frozen=True)
+class GenericRank:
+    """The rank at closed configurations beside one; `to_digits`: these close only to the digits of the file, and so the rank holds."""
+
+    value: int
+    to_digits: bool
+
+
+def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
     """The rank at closed configurations beside a closed one; None where no search finds one at which it is clear."""
-    if not row_count(closed.tree.robot):
-        return 0
-    for step in _STEPS_ASIDE:
-        beside = closed_neighbours(closed, _NEIGHBOURS, seed, step)
-        ranks = [rank_at(closed.tree, state, share) for state in beside if _is_clear(_singular_values(closed.tree, state), share)]
+    tree = closed.tree
+    if not row_count(tree.robot) or not tree.freedom:
+        return GenericRank(0, False)
+    for step in _STEPS_ASIDE if closed.closed else ():
+        ranks = _clear_ranks(tree, closed_neighbours(closed, _NEIGHBOURS, seed, step), RANK_SHARE, _GAP)
         if ranks:
-            return max(ranks)
-    return None
+            return GenericRank(max(ranks), False)
+    # joints of one coordinate are moved alone: what a rounded file leaves to others is not their motion
+    starts = _starts_aside(closed, _NEIGHBOURS_TO_DIGITS, seed, _STEP_TO_DIGITS, _single(tree))
+    ends = [end for start in starts if _largest(tree, end := _searched(tree, start)) <= DIGITS * tree.size]
+    ranks = _clear_ranks(tree, ends, DIGITS, _GAP_TO_DIGITS)
+    return GenericRank(max(set(ranks), key=ranks.count), True) if ranks else None
 
 
-def _is_clear(values: np.ndarray, share: float) -> bool:
-    """Whether the singular values that count are far from those that do not."""
-    counted = values[values > share * values[0]]
-    dropped = values[len(counted)] if len(counted) < len(values) else 0.0
-    return bool(counted[-1] >= _LEAST_KEPT * values[0] and dropped <= _GAP * counted[-1])
+def _clear_ranks(tree: Tree, states: list[State], share: float, gap: float) -> list[int]:
+    """Ranks at those states at which the singular values that count are far from those that do not."""
+    found = []
+    for state in states:
+        values = _singular_values(tree, state)
+        counted = int(np.sum(values > share * values[0]))
+        dropped = values[counted] if counted < len(values) else 0.0
+        if values[counted - 1] >= _LEAST_KEPT * values[0] and dropped <= gap * values[counted - 1]:
+            found.append(counted)
+    return found
+
+
+def _single(tree: Tree) -> np.ndarray:
+    """Which freedoms are those of joints of one coordinate."""
+    names = {entry.joint.name for entry in tree.robot.joints}
+    return np.array([step.name in names and step.freedom == 1 for step in tree.steps for _ in range(step.freedom)])
 
 
 def _singular_values(tree: Tree, state: State) -> np.ndarray:

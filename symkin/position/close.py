@@ -13,6 +13,7 @@ from symkin.formats.closing import (
     DIGITS,
     RANK_SHARE,
     Closed,
+    GenericRank,
     generic_rank,
     nearest_closed,
     rank_at,
@@ -57,7 +58,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
     tree = found.tree
     share = RANK_SHARE if found.closed else DIGITS
     rank = rank_at(tree, found.state, share)
-    generic = generic_rank(found, seed, share) if found.to_digits else None
+    generic = generic_rank(found, seed) if found.to_digits else None
     displaced = found.displacements
     poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
     poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
@@ -69,7 +70,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         freedoms=tree.freedom,
         rows=row_count(robot),
         rank=rank,
-        generic_rank=generic,
+        generic_rank=None if generic is None else generic.value,
         actuated=tuple(c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates),
         loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
         open_by=found.open_by,
@@ -89,7 +90,7 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
 
 
-def _closing_notes(found: Closed, rank: int, generic: int | None) -> list[str]:
+def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> list[str]:
     if not found.to_digits:
         return [open_sentence(found)]
     notes = []
@@ -99,8 +100,11 @@ def _closing_notes(found: Closed, rank: int, generic: int | None) -> list[str]:
         notes.append(
             "the rank at closed configurations beside this one is not clear: freedoms here may be lost away from it, or not"
         )
-    elif rank != generic:
-        notes.append(f"this configuration is singular: the rank is {rank} here, and {generic} at closed configurations beside it")
+    elif rank != generic.value:
+        digits = ", which close to the digits of the file" if generic.to_digits else ""
+        notes.append(
+            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}"
+        )
     return notes
 
 
