@@ -138,3 +138,39 @@ def test_a_file_loads_as_a_closed_mechanism(name: str) -> None:
     assert len(mechanism.link_joints) == len(found.joints) + len(found.closures)
     assert (mechanism.length_unit, mechanism.angle_unit) == ("m", "rad")
     assert mobility(mechanism).mobility == facts(name)["mobility_at_configuration"]
+
+
+@pytest.mark.parametrize(
+    ("name", "pairs"),
+    [
+        ("urdf_gepetto_yaml/5bar_linkage_iso3d", [("closedloop3D_1B", "closedloop3D_1A")]),
+        ("urdf_onshape_closing/reachy_mini", [(f"closing_{k}_1", f"closing_{k}_2") for k in range(1, 6)]),
+    ],
+)
+def test_closed_configurations_are_those_of_pinocchio(name: str, pairs: list[tuple[str, str]]) -> None:
+    """At the closed configuration and at closed neighbours: its link poses, its closed frames, the rank of its constraints."""
+    pin = pytest.importorskip("pinocchio")
+    found = robot(name)
+    closed = nearest_closed(found)
+    model = pin.buildModelFromUrdf(str(MODELS / f"{name}.urdf"))
+    data = model.createData()
+    states = [closed.state, *closed_neighbours(closed, 3, seed=2)]
+    assert len(states) > 1
+    for state in states:
+        values = {step.name: float(value[0]) for step, value in zip(closed.tree.steps, state, strict=True)}
+        q = np.array([values[model.names[k]] for k in range(1, model.njoints)])
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        own = closed.tree.placed(state)
+        for body, (carrier, pose) in all_frames(found).items():
+            if body != "base":
+                other = data.oMf[model.getFrameId(body, pin.FrameType.BODY)].homogeneous
+                assert np.allclose(np.asarray((own.displacement(carrier) @ pose).matrix), other, atol=1e-10), body
+        rows = []
+        for pair in pairs:
+            frames = [model.getFrameId(link, pin.FrameType.BODY) for link in pair]
+            first, second = (data.oMf[frame].translation for frame in frames)
+            assert np.allclose(first, second, atol=1e-10)
+            jacobians = [pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[:3] for frame in frames]
+            rows.append(jacobians[0] - jacobians[1])
+        assert np.linalg.matrix_rank(np.vstack(rows), tol=1e-8) == rank_at(closed.tree, state)

@@ -8,7 +8,7 @@ writes as closures come last, and join the tree only where nothing else reaches.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -65,10 +65,9 @@ def robot_of(graph: JointGraph) -> Robot:
     """The robot with its root as "base", placed where all joints of the tree are 0; what the root does not reach is left out."""
     graph = _uniquely_named(graph)
     tree = spanning_tree(graph)
-    reached = _reached(graph, tree)
-    placed = place(graph, tree)
-    rest = [joint for joint in graph.joints if joint.links[0] in reached and joint not in tree]
-    return _Assembly(graph, tree, placed).robot(rest, _unreached_note(graph, reached))
+    placed, in_tree = place(graph, tree), {joint.name for joint in tree}
+    rest = [joint for joint in graph.joints if joint.links[0] in placed and joint.name not in in_tree]
+    return _Assembly(graph, placed).robot(rest, _unreached_note(graph, placed))
 
 
 def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
@@ -118,10 +117,8 @@ def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
 class _Assembly:
     """The robot's parts in the base frame, under names that mechanisms may have."""
 
-    def __init__(
-        self, graph: JointGraph, tree: Sequence[GraphJoint], placed: Mapping[str, tuple[Pose, GraphJoint | None]]
-    ) -> None:
-        self.graph, self.tree, self.placed = graph, tree, placed
+    def __init__(self, graph: JointGraph, placed: Mapping[str, tuple[Pose, GraphJoint | None]]) -> None:
+        self.graph, self.placed = graph, placed
         self.part_of: dict[str, str] = {}
         self.carried: list[tuple[str, str, GraphJoint]] = []
         for link, (_, joint) in placed.items():
@@ -266,11 +263,7 @@ def _uniquely_named(graph: JointGraph) -> JointGraph:
     return replace(graph, joints=joints)
 
 
-def _reached(graph: JointGraph, tree: Sequence[GraphJoint]) -> set[str]:
-    return set(place(graph, tree))
-
-
-def _unreached_note(graph: JointGraph, reached: set[str]) -> list[str]:
+def _unreached_note(graph: JointGraph, reached: Collection[str]) -> list[str]:
     lost = [link for link in graph.links if link not in reached]
     return [f"nothing joins to the robot, and left out: {first_of(lost)}"] if lost else []
 

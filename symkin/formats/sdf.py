@@ -247,8 +247,8 @@ class _Reader:
         driven = {joint.name for joint in able if joint.name in named}
         if not driven:
             followers = {coupling.joint for coupling in graph.couplings}
-            tree = spanning_tree(graph)
-            driven = {joint.name for joint in able if joint in tree and joint.type != "U" and joint.name not in followers}
+            tree = {joint.name for joint in spanning_tree(graph)}
+            driven = {joint.name for joint in able if joint.name in tree and joint.type != "U" and joint.name not in followers}
             if driven:
                 self.notes.append("no motors are told: all movable joints of the tree of one coordinate are actuated")
         return replace(graph, joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints])

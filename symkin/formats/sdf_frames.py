@@ -54,9 +54,10 @@ class SdfFrames:
     """All frames of a file by their full names; links in order, joints with the model in which they stand."""
 
     frames: dict[str, _Frame] = field(default_factory=dict)
-    links: list[str] = field(default_factory=list)
+    links: dict[str, Element] = field(default_factory=dict)
     joints: list[tuple[Element, Scope]] = field(default_factory=list)
     scopes: list[Scope] = field(default_factory=list)
+    known: dict[str, Pose] = field(default_factory=dict)
 
     def add_model(self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None) -> None:
         """A model and all within it; `placed` is the include that places it in another way."""
@@ -74,7 +75,7 @@ class SdfFrames:
         for link in links:
             key = self._new(scope.prefix + link.attribute("name"), link)
             self.frames[key] = self._placed(link, scope, scope.model, key)
-            self.links.append(key)
+            self.links[key] = link
         for frame_element in element.all("frame"):
             self._add_frame(frame_element, scope)
         for child in nested:
@@ -85,8 +86,17 @@ class SdfFrames:
             self._add_joint(joint, scope)
 
     def pose(self, name: str) -> Pose:
-        """A frame's pose in the world."""
-        return self._chain(name, WORLD)
+        """A frame's pose in the world; those on the way there are kept."""
+        path: list[str] = []
+        at = self._full(name)
+        while at != WORLD and at not in self.known:
+            self._refuse_circle(at, path, name)
+            path.append(at)
+            at = self._full(self.frames[at].told_in)
+        pose = self.known.get(at, Pose.identity())
+        for key in reversed(path):
+            pose = self.known[key] = pose @ self._own(key)
+        return pose
 
     def link_of(self, name: str) -> str:
         """The link that carries a frame, or the world."""
@@ -181,22 +191,29 @@ class SdfFrames:
 
     def _chain(self, name: str, end: str) -> Pose:
         """The pose of a frame in one above it."""
-        total, at, seen = Pose.identity(), name, set()
+        path: list[str] = []
+        total, at = Pose.identity(), self._full(name)
         while at != end:
-            at = self._full(at)
-            frame = self.frames.get(at)
-            if frame is None:
-                raise self.frames[name].element.error(f"the frame {at!r} in which it is told is unknown")
-            if at in seen:
-                raise frame.element.error("the poses of frames are told in each other in a circle")
-            seen.add(at)
-            own = frame.pose
-            if frame.placement is not None:
-                own = own @ self._chain(frame.placement, at).inverse()
-            total, at = own @ total, frame.told_in
+            self._refuse_circle(at, path, name)
+            path.append(at)
+            total, at = self._own(at) @ total, self._full(self.frames[at].told_in)
             if at == WORLD and end != WORLD:
-                raise frame.element.error(f"the frame {name!r} does not stand within the model that it places")
+                raise self.frames[path[-1]].element.error(f"the frame {name!r} does not stand within the model that it places")
         return total
+
+    def _own(self, key: str) -> Pose:
+        """A frame's pose in the one in which it is told."""
+        frame = self.frames[key]
+        return frame.pose if frame.placement is None else frame.pose @ self._chain(frame.placement, key).inverse()
+
+    def _refuse_circle(self, at: str, path: Sequence[str], name: str) -> None:
+        """Raise MechanismError for a frame that is unknown, or has been passed."""
+        last = self.frames.get(path[-1] if path else name)
+        if at not in self.frames:
+            element = last.element if last is not None else next(iter(self.frames.values())).element
+            raise element.error(f"the frame {at!r} in which it is told is unknown")
+        if last is not None and len(path) > len(self.frames):
+            raise last.element.error("the poses of frames are told in each other in a circle")
 
 
 def sdf_version(root: Element) -> Version:

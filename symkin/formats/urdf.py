@@ -14,12 +14,11 @@ from symkin.formats.naming import robot_name
 from symkin.formats.robot import Robot
 from symkin.formats.sdf_joint import UNLIMITED, is_range
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
+from symkin.formats.urdf_motors import mimics, with_motors
 from symkin.formats.urdf_parts import direction, names_any, origin, plain_tag
 from symkin.formats.xml_text import Element, read_xml
-from symkin.model.graph import Coupling
 from symkin.model.joint import JointType
 from symkin.spatial.pose import Pose
-from symkin.text import first_of
 
 _TYPES: dict[str, JointType] = {
     "revolute": "R",
@@ -83,8 +82,8 @@ class _Reader:
         root = self._root_link(joints)
         joints = self._hold_the_root(joints, root)
         loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames)
-        joints = self._with_motors([*joints, *self._beside(), *loops.joints])
-        couplings = [*self._mimics(joints), *loops.couplings(joints)]
+        joints, of_motors = with_motors(self.root, self.beside, [*joints, *self._beside(), *loops.joints])
+        couplings = [*mimics(self.elements, joints), *loops.couplings(joints)]
         links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
         self._refuse_lost(links, root, joints)
         return JointGraph(
@@ -93,7 +92,7 @@ class _Reader:
             root=root,
             joints=joints,
             couplings=couplings,
-            notes=(*self.notes, *self.beside.notes, *loops.notes, *self._left_out()),
+            notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
             source=str(self.path),
             meshes=self._meshes(),
         )
@@ -129,8 +128,8 @@ class _Reader:
         for joint in joints:
             child = joint.links[1]
             if child in carried:
-                raise self._element(joint).error(
-                    f"the link {child!r} is the child of two joints, of {carried[child].name!r} as well; a URDF is a tree, write the loop "
+                raise MechanismError(
+                    f"{joint.where}: the link {child!r} is the child of two joints, of {carried[child].name!r} as well; a URDF is a tree, write the loop "
                     "as a closure, such as <loop_joint>"
                 )
             carried[child] = joint
@@ -138,9 +137,6 @@ class _Reader:
         if not roots:
             raise self.root.error("every link is a joint's child; one is needed that is not, the root of the tree")
         return roots[0]
-
-    def _element(self, joint: GraphJoint) -> Element:
-        return next(e for e in self.elements if joint.name.startswith(e.attribute("name")))
 
     def _refuse_lost(self, links: Sequence[str], root: str, joints: Sequence[GraphJoint]) -> None:
         graph = JointGraph("", tuple(dict.fromkeys(links)), root, joints)
@@ -256,67 +252,6 @@ class _Reader:
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
             made.append(GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where))
         return made
-
-    def _mimics(self, joints: Sequence[GraphJoint]) -> list[Coupling]:
-        made = {joint.name: joint for joint in joints}
-        found = []
-        for element in self.elements:
-            mimic = element.one("mimic")
-            if mimic is None:
-                continue
-            name, other = element.attribute("name"), mimic.attribute("joint")
-            if other == name:
-                raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
-            if other not in made:
-                near = get_close_matches(other, made, 1)
-                raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{f'; {near[0]}?' if near else ''}")
-            wrong = next((n for n in (name, other) if n not in made or made[n].type not in ("R", "P", "H")), None)
-            if wrong is not None:
-                if name in made and made[name].type == "weld":
-                    continue
-                raise mimic.error(f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or prismatic")
-            factor, offset = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
-            found.append(Coupling(name, {other: factor}, offset))
-        self._refuse_circles(found)
-        return found
-
-    def _refuse_circles(self, couplings: Sequence[Coupling]) -> None:
-        next_of = {coupling.joint: coupling.names[0] for coupling in couplings}
-        for name in next_of:
-            seen, at = {name}, next_of[name]
-            while at in next_of and at not in seen:
-                seen.add(at)
-                at = next_of[at]
-            if at == name:
-                element = next(e for e in self.elements if e.attribute("name") == name)
-                raise element.needed("mimic").error(f"the joints mimic each other in a circle: {', '.join(sorted(seen))}")
-
-    # --- motors ----------------------------------------------------------------------------------------------------
-
-    def _with_motors(self, joints: Sequence[GraphJoint]) -> list[GraphJoint]:
-        """The joints, those that motors drive actuated: as the YAML file, transmissions or URDF+ say, else all but mimics."""
-        names, source = self._motors()
-        able = {joint.name for joint in joints if joint.type in ("R", "P", "H", "U") and not joint.closing}
-        unknown = [name for name in names if name not in {joint.name for joint in joints}]
-        if unknown:
-            self.notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
-        names = [name for name in names if name in able]
-        if not names:
-            mimics = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
-            names = [j.name for j in joints if j.name in able - mimics and j.type in ("R", "P", "H")]
-            if names:
-                self.notes.append("no motors are told: all movable joints of the tree are actuated")
-        return [replace(joint, actuated=True) if joint.name in names else joint for joint in joints]
-
-    def _motors(self) -> tuple[list[str], str]:
-        if self.beside.motors:
-            return list(self.beside.motors), str(self.beside.file)
-        driven = [joint for t in self.root.all("transmission") for joint in t.all("joint")]
-        controlled = [j for c in self.root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
-        named = [name for e in (driven or controlled) if (name := e.attributes.get("name", e.text).strip())]
-        if named:
-            return list(dict.fromkeys(named)), "transmissions"
-        return [e.attribute("name") for e in self.elements if e.attributes.get("independent") == "true"], "joints"
 
     # --- what is left out -------------------------------------------------------------------------------------------
 

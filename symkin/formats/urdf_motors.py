@@ -1,0 +1,84 @@
+"""Which joints of a URDF are driven, and which follow others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+
+from symkin.formats.gepetto_yaml import LoopsBeside
+from symkin.formats.joint_graph import GraphJoint
+from symkin.formats.xml_text import Element
+from symkin.model.graph import Coupling
+from symkin.text import first_of
+
+ONE_COORDINATE = ("R", "P", "H")
+"""Joints that a mimic may follow, and that are driven where nothing says which are."""
+
+
+def with_motors(root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]) -> tuple[list[GraphJoint], list[str]]:
+    """The joints, those that motors drive actuated (as the YAML file, transmissions or URDF+ say, else all that move but mimics), and
+    notes."""
+    told, source = _told(root, beside)
+    notes = []
+    unknown = [name for name in told if name not in {joint.name for joint in joints}]
+    if unknown:
+        notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
+    driven = {j.name for j in joints if j.name in told and not j.closing and j.type in (*ONE_COORDINATE, "U")}
+    if not driven:
+        followers = {e.attribute("name") for e in root.all("joint", "drake:joint") if e.one("mimic") is not None}
+        driven = {j.name for j in joints if j.type in ONE_COORDINATE and not j.closing and j.name not in followers}
+        notes += ["no motors are told: all movable joints of the tree are actuated"] if driven else []
+    return [replace(joint, actuated=True) if joint.name in driven else joint for joint in joints], notes
+
+
+def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[Coupling]:
+    """joint = multiplier x other + offset, for every <mimic> of a joint that moves."""
+    made = {joint.name: joint for joint in joints}
+    found: dict[str, tuple[Coupling, Element]] = {}
+    for element in elements:
+        mimic = element.one("mimic")
+        if mimic is None:
+            continue
+        name, other = element.attribute("name"), mimic.attribute("joint")
+        if other == name:
+            raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
+        if other not in made:
+            near = get_close_matches(other, made, 1)
+            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{f'; {near[0]}?' if near else ''}")
+        if name in made and made[name].type == "weld":
+            continue
+        wrong = next((n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None)
+        if wrong is not None:
+            raise mimic.error(f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or prismatic")
+        found[name] = Coupling(name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)), mimic
+    _refuse_circles(found)
+    return [coupling for coupling, _ in found.values()]
+
+
+def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
+    """The driven joints that are told, and where."""
+    if beside.motors:
+        return frozenset(beside.motors), str(beside.file)
+    driven = [joint for t in root.all("transmission") for joint in t.all("joint")]
+    controlled = [j for c in root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
+    named = frozenset(e.attributes.get("name", e.text).strip() for e in (driven or controlled)) - {""}
+    if named:
+        return named, "transmissions" if driven else "controllers"
+    elements = root.all("joint", "drake:joint")
+    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent") == "true"), "joints"
+
+
+def _refuse_circles(found: dict[str, tuple[Coupling, Element]]) -> None:
+    followed = {name: coupling.names[0] for name, (coupling, _) in found.items()}
+    passed: set[str] = set()
+    for name in followed:
+        path: dict[str, None] = {}
+        at = name
+        while at in followed and at not in path and at not in passed:
+            path[at] = None
+            at = followed[at]
+        if at in path:
+            circle = list(path)[list(path).index(at) :]
+            raise found[at][1].error(f"the joints mimic each other in a circle: {', '.join(sorted(circle))}")
+        passed |= set(path)
