@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet, LinearEquation
 from symkin.formats.naming import allowed_names, renamed, robot_name

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.robot import Robot
 from symkin.model.joint import BASE, Joint

@@ -30,6 +30,11 @@ class ClosedConfiguration(Result):
     `units` (length, angle), `link_poses` the frames of links, and of bodies that are part of them, in the base frame. `closed` is
     False where no search closed the loops: then this is what comes nearest, and `notes` name the loop that resists. `reference` is
     the mechanism whose reference configuration this is, None where nothing closes or moves.
+
+    >>> import symkin
+    >>> found = symkin.close("jansen_leg")
+    >>> found.open_by < 1e-9, found.mobility, found.reference.name
+    (True, 1, 'jansen_leg')
     """
 
     mechanism: str

@@ -155,10 +155,11 @@ def judged_link(mechanism: Mechanism) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """What is read, as expressions of the variables of a closure and the `geometry` (symbol and nominal value by key path): `values`
+    """What is read, as expressions of the variables of a `closure` and the `geometry` (symbol and nominal value by key path): `values`
     by name (a joint's coordinate, a distance; else a point (3), or a link's pose), `pose` that of the judged link, or of its platform
     frame."""
 
+    closure: Closure
     values: dict[str, ca.SX | Pose]
     pose: Pose
     geometry: dict[str, tuple[ca.SX, float]]
@@ -171,7 +172,7 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
     closure = observing_closure(mechanism, names)
     wanted = observables_named(mechanism, names)
     if not wanted and mechanism.platform_link is not None:
-        return Observed({}, closure.pose, {})
+        return Observed(closure, {}, closure.pose, {})
     links = link_frames(closure)
     poses = {link: Pose(links.frames[link][:3], links.frames[link][3:]) for link in links.placed}
     places, geometry = _points(mechanism, poses)
@@ -194,7 +195,7 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
                     )
                 values[o.name] = poses[o.of[0]]
     pose = closure.pose if mechanism.platform_link is not None else poses[judged_link(mechanism)]
-    return Observed(values, pose, links.geometry | geometry)
+    return Observed(closure, values, pose, links.geometry | geometry)
 
 
 def _points(mechanism: Mechanism, poses: dict[str, Pose]) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:

@@ -53,9 +53,9 @@ def nominal_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> dict
 @lru_cache(maxsize=64)
 def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Mapping[str, float]:
     """The numbers of the description, by key path, on which the closure or what is read depends."""
-    closure = observing_closure(mechanism, read)
-    values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     found = observed(mechanism, read)
+    closure = found.closure
+    values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     others = {name: pair for name, pair in found.geometry.items() if name not in values}
     if others:
         seen = ca.vertcat(

@@ -21,7 +21,6 @@ from symkin.calibration.data.observables import (
     is_angular,
     observables_named,
     observed,
-    observing_closure,
 )
 from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, described_parameters, nominal_parameters
 from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
@@ -216,11 +215,12 @@ def _build_model(
     mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
     read: tuple[str, ...], names: tuple[str, ...]
 ) -> ConfigurationModel:  # fmt: skip
-    closure, seen = observing_closure(mechanism, read), observed(mechanism, read)
+    seen = observed(mechanism, read)
+    closure = seen.closure  # another one, of equal rows, would have other symbols
     table = _values_of(mechanism, read, names)
     symbols = {name: ca.SX.sym(name) if name in names else ca.SX(value) for name, (value, _) in table.items()}
     parameters = ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1)
-    known = _Known(closure, symbols, seen)
+    known = _Known(symbols, seen)
     system = known.system(parameters)
     world, target = (_frame(symbols, name) for name in ("world", "target"))
     pose = _framed(world, known.pose(seen.pose), target)
@@ -256,7 +256,8 @@ class _Known:
     """Expressions with what is known put in: readings of actuated joints in place of their coordinates, the parameters' symbols or
     numbers in place of the closure's geometry."""
 
-    def __init__(self, closure: Closure, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
+    def __init__(self, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
+        closure = seen.closure
         actuated = closure.role("actuated")
         self.closure, self.symbols, self.seen = closure, symbols, seen
         self.readings = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
