@@ -304,7 +304,8 @@ class Checks:
     def listed_places(self, modes: list[dict[str, Any]]) -> list[int] | None:
         if not modes:
             return None
-        return [i for i, n in enumerate(self.plain.numbers) if n.name in modes[0]["joints"]]
+        # idle coordinates make no mode
+        return [i for i in named_places(self.plain) if self.plain.numbers[i].name in modes[0]["joints"]]
 
     # --- other verbs ------------------------------------------------------------------------------------------------
 

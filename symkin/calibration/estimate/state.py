@@ -223,11 +223,12 @@ def _evaluate_parts(
 
 def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
     """Move the joint readings least (with the unknown coordinates, angles times the size) so that at p the configurations
-    close and every group has one inclination; return the problem with these, and the unknown coordinates there."""
+    close and every group has one inclination; return the problem with these, and the unknown coordinates there; as they are where
+    no such configurations are reached."""
     readings, model = problem.readings, problem.model
     if not readings.groups:
         return problem, z
-    joints, size = problem.measurements.joints, model.closure.characteristic_length
+    begin, joints, size = z, problem.measurements.joints, model.closure.characteristic_length
     columns, inside = readings.columns, readings.inside
     first, apart = readings.first[readings.group[inside]], readings.group < 0
     units = np.array([1.0 / size if c.is_angular else 1.0 for c in model.closure.role("actuated")])
@@ -242,6 +243,9 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
         matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
         matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = rows_z, rows_q * units, grouped
         step = _shortest_steps(matrix, -np.concatenate([rows, gap], axis=1))
+        # groups that no configuration can have, as under wrong labels, send the steps away
+        if not np.isfinite(step).all():
+            return problem, begin
         z, joints = model.system.move(z, step[:, :free]), joints + units * step[:, free:]
     return replace(problem, measurements=replace(problem.measurements, joints=joints)), z
 
