@@ -102,6 +102,15 @@ MISTAKES_OF_ENCODERS = {
 }  # fmt: skip
 
 
+def assert_named(machine, right, mistake, spoil, words) -> None:
+    """The spoilt readings are said to have the mistake, in a sentence of its own rule."""
+    spoilt = spoil(right)
+    said = diagnose(machine, spoilt)
+    assert any(words in sentence for sentence in said), said
+    rule = next(rule for rule in RULES if rule.mistake == mistake)
+    assert any(words in sentence for sentence, _ in rule.find(Case(machine, spoilt)))
+
+
 def test_right_encoders_are_not_suspected(encoders: Measurements) -> None:
     assert diagnose(LINKAGE, encoders) == ()
 
@@ -109,12 +118,7 @@ def test_right_encoders_are_not_suspected(encoders: Measurements) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES_OF_ENCODERS)
 def test_a_mistake_of_encoders_is_named_by_its_rule(encoders: Measurements, mistake: str) -> None:
-    spoil, words = MISTAKES_OF_ENCODERS[mistake]
-    spoilt = spoil(encoders)
-    said = diagnose(LINKAGE, spoilt)
-    assert any(words in sentence for sentence in said), said
-    rule = next(rule for rule in RULES if rule.mistake == mistake)
-    assert any(words in sentence for sentence, _ in rule.find(Case(LINKAGE, spoilt)))
+    assert_named(LINKAGE, encoders, mistake, *MISTAKES_OF_ENCODERS[mistake])
 
 
 def test_right_readings_are_not_suspected(poses: Measurements) -> None:
@@ -130,12 +134,7 @@ def test_every_rule_of_the_table_has_a_case_here() -> None:
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_named_by_its_rule(poses: Measurements, mistake: str) -> None:
     """The sentence is one of the rule's own, and is said of the file."""
-    spoil, words = MISTAKES[mistake]
-    spoilt = spoil(poses)
-    said = diagnose(MACHINE, spoilt)
-    assert any(words in sentence for sentence in said), said
-    rule = next(rule for rule in RULES if rule.mistake == mistake)
-    assert any(words in sentence for sentence, _ in rule.find(Case(MACHINE, spoilt)))
+    assert_named(MACHINE, poses, mistake, *MISTAKES[mistake])
 
 
 def test_a_wrong_label_of_a_group_is_named() -> None:

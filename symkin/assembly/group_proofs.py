@@ -74,36 +74,32 @@ def _joined(parts: list[PartialProof | None]) -> PartialProof | None:
 def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
     """Of solutions (n, variables) whose known values are within `far` (n, known) of what is given (length unit)."""
     n = len(values)
-    nothing = _Proved(np.zeros(n, dtype=bool), np.full(n, np.inf), np.full(n, None, dtype=object))
-    if _reason(group) is not None:
-        return nothing
+    found = _Proved(np.zeros(n, dtype=bool), np.full(n, np.inf), np.full(n, None, dtype=object))
+    # rows that are linear need no algebraic coordinates
+    if not is_linear(group) and unsuitable(group) is not None:
+        return found
     (block,) = group.blocks
     system, size = system_of(group, block), group.closure.characteristic_length
     named = {c.name: values[:, group.closure.slices[c.name]] for c in block.unknowns}
     z = algebraic_points(group, system, named)
     near = np.flatnonzero(np.isfinite(far).all(axis=1))
     if not near.size:
-        return nothing
+        return found
     knowns = _widened(knowns_of(group, values[near][:, group.known_places]), far[near] / size)
     rows = int(system.count)
     if rows > system.width - bool(system.projective):
         for place, i in enumerate(near.tolist()):
             proof = prove_independent_rows(system, z[:, i].real, knowns.numbers(place), size)
             if proof is not None:
-                nothing.partial[i], nothing.radius[i] = proof, proof.radius
-        return nothing
+                found.partial[i], found.radius[i] = proof, proof.radius
+        return found
     batch = certify_batch(system, z[:, near], knowns, np.arange(near.size), size)
     index, radius = batch.find(z[:, near], np.arange(near.size), None)
     sure = near[index >= 0]
-    nothing.certified[sure], nothing.radius[sure] = True, radius[index >= 0]
+    found.certified[sure], found.radius[sure] = True, radius[index >= 0]
     for i in sure.tolist():
-        nothing.partial[i] = PartialProof(rows, rows, float(nothing.radius[i]), 0.0)
-    return nothing
-
-
-def _reason(group: Problem) -> str | None:
-    """Why a group has no certificates; rows that are linear need no algebraic coordinates."""
-    return None if is_linear(group) else unsuitable(group)
+        found.partial[i] = PartialProof(rows, rows, float(found.radius[i]), 0.0)
+    return found
 
 
 def _widened(knowns: Knowns, radius: np.ndarray) -> Knowns:

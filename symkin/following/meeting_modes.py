@@ -21,7 +21,7 @@ from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""
@@ -149,7 +149,7 @@ def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | No
 
 def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:
     """How far each mode is from a configuration: the largest difference of their features, over the size."""
-    listed = [problem.select_values(variables_at(problem.closure, mode), problem.system.unknowns) for mode in modes]
+    listed = [problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns) for mode in modes]
     return _distances(problem, np.array(listed).reshape(-1, len(unknown)), unknown)
 
 

@@ -14,7 +14,7 @@ from symkin.following.sample import Sample, make_sample
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem, build_problem
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 from symkin.singularities.classification import classify
 from symkin.singularities.roles import Roles, roles_of
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
@@ -137,7 +137,7 @@ def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
     if problem.kind != "given":
         return ()
     listed = build_problem(problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates))
-    return singular_groups(listed, variables_at(listed.closure, place.solution))
+    return singular_groups(listed, variables_elsewhere(listed.closure, place.solution))
 
 
 def roles_followed(problem: Problem) -> Roles:

@@ -27,7 +27,7 @@ from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.start_notes import start_notes
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 
 _OFF_START = 1e-6
@@ -115,7 +115,7 @@ def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
     if mode is None:
         return _not_begun(trajectory, problem, "; ".join(notes))
     trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
-    unknown = problem.select_values(variables_at(problem.closure, mode), problem.system.unknowns)
+    unknown = problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
     watch = LimitWatch(problem, trajectory, off=not options.limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
     if problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION or limit is not None:
@@ -162,7 +162,7 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
     mechanism, problem = trajectory.mechanism, trajectory.problem
     if mode.mechanism != mechanism:
         raise InputError(f"start: the solution is one of {mode.mechanism.name}, the path one of {mechanism.name}")
-    values = problem.select_values(variables_at(problem.closure, mode), problem.known_coordinates)
+    values = problem.select_values(variables_elsewhere(problem.closure, mode), problem.known_coordinates)
     place = 0
     for c in trajectory.coordinates:
         here = slice(place, place + c.width)

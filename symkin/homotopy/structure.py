@@ -141,6 +141,11 @@ def _coefficients(system: AlgebraicSystem, kinds: tuple[str, ...]) -> ca.SX:
     return ca.mtimes(ca.horzcat(*values), ca.sparsify(ca.DM(inverse.T)))
 
 
+def _drawn_known(problem: Problem, rng: np.random.Generator) -> np.ndarray:
+    """Known values (known, draws) at which coefficients are compared."""
+    return np.array([known_values(problem, random_known(problem, rng, near=False)) for _ in range(_DRAWS)], dtype=complex).T
+
+
 def _products(z: ca.SX, kinds: tuple[str, ...]) -> list[ca.SX]:
     """The products phi_m of an unknown vector, in the order of the coefficients."""
     factors = []
@@ -156,7 +161,7 @@ def _is_whole(problem: Problem, system: AlgebraicSystem, kinds: tuple[str, ...],
     code = vectorise(ca.Function("difference", [system.z, system.k], [ca.densify(ca.horzcat(system.rows, sums))]))
     rng = np.random.default_rng(1)
     z = complex_normal(system.width * _DRAWS, rng).reshape(system.width, _DRAWS)
-    k = np.array([known_values(problem, random_known(problem, rng, near=False)) for _ in range(_DRAWS)], dtype=complex).T
+    k = _drawn_known(problem, rng)
     both = np.zeros((_DRAWS, system.count, 2), dtype=complex)
     code(z, k, both)
     scale = np.max(np.abs(both), axis=(0, 2))
@@ -167,7 +172,7 @@ def _terms(problem: Problem, system: AlgebraicSystem, coefficients: ca.SX) -> tu
     """The terms of each row, and the place (row, product) of each different coefficient."""
     rng = np.random.default_rng(2)
     evaluate = vectorise(ca.Function("c", [system.k], [ca.densify(coefficients)]))
-    k = np.array([known_values(problem, random_known(problem, rng, near=False)) for _ in range(_DRAWS)], dtype=complex).T
+    k = _drawn_known(problem, rng)
     values = np.zeros((_DRAWS, *coefficients.shape), dtype=complex)
     evaluate(k, values)
     largest = np.max(np.abs(values))

@@ -14,19 +14,17 @@ from symkin.position.readings import readings
 from symkin.position.solution import Solution
 
 
-def variables_at(closure: Closure, solution: Solution) -> np.ndarray:
-    """The full vector of a closure's variables at a solution, its own where the closure is the solution's."""
-    return solution.variables if solution.partition == closure.partition else variables_elsewhere(closure, solution)
-
-
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
-    """The full vector of a closure's variables at a solution."""
+    """The full vector of a closure's variables at a solution, its own where the closure is the solution's."""
     own = build_closure(solution.mechanism, solution.partition)
     return np.asarray(many_elsewhere(closure, own, solution.variables[None])[0])
 
 
 def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
-    """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of another one."""
+    """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of another one; these themselves where
+    both hold the same."""
+    if closure.partition == own.partition:
+        return values
     found = np.tile(closure.reference, (len(values), 1))
     links = link_poses(own, values)
     read = readings(own, links)

@@ -30,7 +30,7 @@ from symkin.position.given import Joints
 from symkin.position.given_by_name import Values
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
 from symkin.singularities.held_motions import held_motions
@@ -123,7 +123,7 @@ def classify(
     if output is not None and not roles.has_twist:
         raise InputError(_no_twist(roles, output))
     closure = roles.closure
-    values = variables_at(closure, solution)
+    values = variables_elsewhere(closure, solution)
     whole = limbwise_equations(closure, values, tolerance, roles)
     reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
     equations = whole if reduced is None else reduced.equations
@@ -158,7 +158,7 @@ def classify(
 def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[SingularGroup, ...]:
     """The structure groups of the problem whose known coordinates drive that are singular at a solution."""
     problem = build_problem(solution.mechanism, "given", roles.inputs or ())
-    return singular_groups(problem, variables_at(problem.closure, solution), tolerance)
+    return singular_groups(problem, variables_elsewhere(problem.closure, solution), tolerance)
 
 
 def _no_twist(roles: Roles, output: Output) -> str:

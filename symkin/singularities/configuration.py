@@ -20,7 +20,7 @@ from symkin.position.solution_list import make_solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveError, SolveResult
 from symkin.position.starts import start_values
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 
 _NEARLY_SINGULAR = 1e4
@@ -65,7 +65,7 @@ def _refined(solution: Solution, given: Values | None) -> Solution:
     mechanism = solution.mechanism
     names = [c.name for c in mechanism.actuated] if given is None else [name for name in given if name != "pose"]
     problem = build_problem(mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ())))
-    values = variables_at(problem.closure, solution)
+    values = variables_elsewhere(problem.closure, solution)
     known, z = (problem.select_values(values, c) for c in (problem.known_coordinates, problem.system.unknowns))
     z = _halved(problem, z, known)
     found = make_solution(problem, problem.join_values(z, known), notes=solution.notes)

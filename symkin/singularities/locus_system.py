@@ -31,7 +31,7 @@ from symkin.position.determination import refuse_unless_determined
 from symkin.position.given_by_name import plain_kind, pose_names, problem_of_names
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
-from symkin.position.transfer import variables_at
+from symkin.position.transfer import variables_elsewhere
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
 from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
@@ -122,7 +122,7 @@ def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, 
             f"plane = {', '.join(names)!r}; allowed: one or two of the coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
-    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", len(names))
+    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = _known_values(problem, here, names, u)
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, problem.system.unknowns, of_pose=False)
 
@@ -140,7 +140,7 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
     if of_pose and set(names) == {"gamma", "rz"}:
         raise InputError(f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are needed")
     problem = build_problem(mechanism, "inverse" if of_pose else "direct")
-    here, u = variables_at(problem.closure, solution), ca.SX.sym("uv", 2)
+    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", 2)
     values, coordinates = _pose_values(problem.closure, solution, names, u) if of_pose else _known_values(problem, here, names, u)
     free = problem.closure.role("actuated", "passive") if of_pose else problem.closure.role("passive", "pose")
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)

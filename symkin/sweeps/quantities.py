@@ -195,7 +195,7 @@ def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     names = list(dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates))
     roles = roles_of(mechanism, names) if problem.kind == "given" else Roles(mechanism)
     closure, generic = roles.closure, generic_ranks(mechanism, None, roles if roles.by_name else None)
-    there = found.values if closure is problem.closure else many_elsewhere(closure, problem.closure, found.values)
+    there = many_elsewhere(closure, problem.closure, found.values)
     rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles) for values in there]
     kinds = {"distance_type_1": "type 1", "distance_type_2": "type 2", "distance_increased": "increased"}
     return {name: np.array([row.get(kind, np.nan) for row in rows]) for name, kind in kinds.items()}

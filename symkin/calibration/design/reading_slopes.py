@@ -12,10 +12,10 @@ from symkin.calibration.design.simulation import Noise, simulate_readings
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
 from symkin.calibration.estimate.residuals import build_readings, whitening
-from symkin.calibration.estimate.transfer import variables_in
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.position.transfer import many_elsewhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ def reading_slopes(
     model = build_model(mechanism, taken, names)
     values, weights = build_readings(model, taken), noise.joints(mechanism)
     count = len(mechanism.actuated)
-    z = np.ascontiguousarray(variables_in(model.closure, build_closure(mechanism), made.values)[:, count:])
+    z = np.ascontiguousarray(many_elsewhere(model.closure, build_closure(mechanism), made.values)[:, count:])
     refuse_undetermined(model, z, made.joints, model.nominal)
     quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
     e = model.evaluate(z, made.joints, model.nominal, quaternions)

@@ -13,13 +13,13 @@ from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried, solve_configurations
 from symkin.calibration.estimate.starting import has_home
-from symkin.calibration.estimate.transfer import variables_in
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
 from symkin.calibration.judge.plausibility import judged_poses
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
+from symkin.position.transfer import many_elsewhere
 from symkin.spatial.pose import Pose
 
 _ACCURACY_POSES = 200
@@ -118,7 +118,7 @@ def _followed_between(
     """Configurations followed from measured ones part of the way to the joints of others."""
     observing = build_closure(identified, fit.problem.model.closure.partition)
     joints = fit.problem.measurements.joints
-    measured = variables_in(build_closure(identified), observing, np.hstack([joints, fit.state.z]))
+    measured = many_elsewhere(build_closure(identified), observing, np.hstack([joints, fit.state.z]))
     first, second = rng.integers(len(joints), size=(2, _DRAWN_POSES))
     solver = ClosureSolver(identified, home_pose(identified))
     towards = joints[first] + rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)) * (joints[second] - joints[first])
@@ -132,7 +132,7 @@ def _followed_between(
 def _between_measured(fit: Calibration, rng: np.random.Generator) -> np.ndarray:
     """Variables of the closure (k, width) between pairs of measured configurations, quaternions by the shorter way."""
     model = fit.problem.model
-    measured = variables_in(
+    measured = many_elsewhere(
         build_closure(fit.mechanism), model.closure, np.hstack([fit.problem.measurements.joints, fit.state.z])
     )
     first, second = measured[rng.integers(len(measured), size=(2, _DRAWN_POSES))]
