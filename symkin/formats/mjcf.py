@@ -97,7 +97,18 @@ def _plain(mujoco: ModuleType, spec: Any) -> dict[str, tuple[str, ...]]:
         site.material = ""
     for tendon in spec.tendons:
         tendon.material = ""
-    for entries in (spec.keys, spec.skins, spec.meshes, spec.hfields, spec.materials, spec.textures):
+    unneeded = (
+        spec.keys,
+        spec.skins,
+        spec.meshes,
+        spec.hfields,
+        spec.materials,
+        spec.textures,
+        spec.pairs,
+        spec.excludes,
+        spec.sensors,
+    )
+    for entries in unneeded:
         for entry in list(entries):
             spec.delete(entry)
     for body in spec.bodies:
