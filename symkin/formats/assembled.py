@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
+from symkin.formats.parts import whole_again
 from symkin.formats.robot import Closure, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
@@ -51,7 +52,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     joints += [_closing_joint(closure, closed) for closure in robot.closures]
     if not joints:
         raise MechanismError(f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least")
-    return Mechanism(
+    found = Mechanism(
         identifier(robot.name),
         link_joints=[LinkJoint(joint, links) for joint, links in joints],
         couplings=robot.couplings,
@@ -59,6 +60,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         angle_unit="rad",
         source=robot.source,
     )
+    return whole_again(found, robot.parts)
 
 
 def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]]:

@@ -14,6 +14,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet, LinearEquation
 from symkin.formats.naming import allowed_names, renamed, robot_name
+from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Closure, ClosureType, Robot
 from symkin.formats.xml_text import Element
 from symkin.model.graph import LinkJoint
@@ -82,7 +83,16 @@ class Reader:
             },
             floating=tuple(self.link_names[body] for body in self.floating),
             merged=merged,
+            parts=self._told_parts(),
         )
+
+    def _told_parts(self) -> Parts:
+        """Which joints are parts of one, as the text of this name tells."""
+        model, data = self.model, b""
+        for name, first, size in zip(model.name_textadr, model.text_adr, model.text_size, strict=True):
+            if bytes(model.names)[int(name) :].split(b"\0", 1)[0] == KEY.encode():
+                data = bytes(model.text_data)[int(first) : int(first) + int(size)]
+        return parts_from(data.rstrip(b"\0").decode("utf-8", "replace"), f"{self.path}: <text name={KEY!r}>")
 
     # --- bodies --------------------------------------------------------------------------------------------------------
 
