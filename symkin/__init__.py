@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.formats.load import load
+from symkin.formats.read_options import ReadOptions
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import shipped_names
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
@@ -78,6 +79,7 @@ __all__ = [
     "ModeGraph",
     "Modes",
     "Pose",
+    "ReadOptions",
     "Reading",
     "Rod",
     "RodLimb",

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
@@ -17,8 +19,10 @@ if TYPE_CHECKING:
 _SUFFIXES = (".toml", ".json", ".xml")
 
 
+@reads_robots
 def close(
     mech: MechArgument,
+    read: ReadOptions,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -34,7 +38,7 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
-    found = close_one(mech)
+    found = close_one(mech, read)
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
     written = f"\nwritten: {output}" if output is not None and found.closed else ""

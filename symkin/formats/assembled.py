@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from symkin.formats.robot import Closure, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
+from symkin.model.mesh import LinkMesh
 from symkin.model.names import identifier
 from symkin.spatial.pose import Pose
 
@@ -59,8 +60,18 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         length_unit="m",
         angle_unit="rad",
         source=robot.source,
+        link_meshes=list(_link_meshes(robot, closed)),
     )
     return whole_again(found, robot.parts)
+
+
+def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
+    """The meshes of links, and of bodies that are part of them, where the links are."""
+    for name, meshes in robot.meshes.items():
+        link, frame = robot.merged[name] if name in robot.merged else (name, robot.links[name])
+        for mesh in meshes:
+            pose = closed.placed.displacement(link) @ frame @ mesh.pose
+            yield LinkMesh(link, mesh.file, tuple(pose.position), tuple(pose.quaternion), mesh.scale)
 
 
 def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]]:

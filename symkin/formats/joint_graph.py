@@ -15,7 +15,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, renamed
-from symkin.formats.robot import Closure, ClosureType, Robot
+from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
 from symkin.spatial.pose import Pose
@@ -58,7 +58,7 @@ class JointGraph:
     couplings: Sequence[Coupling] = ()
     notes: tuple[str, ...] = ()
     source: str = ""
-    meshes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
 
 
 def robot_of(graph: JointGraph) -> Robot:
@@ -233,8 +233,8 @@ class _Assembly:
             if not self._is_kept(coupling, kept)
         ]
 
-    def _meshes(self) -> dict[str, tuple[str, ...]]:
-        return {self.link_names[link]: files for link, files in self.graph.meshes.items() if link in self.placed}
+    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
+        return {self.link_names[link]: meshes for link, meshes in self.graph.meshes.items() if link in self.placed}
 
 
 def _preference(joint: GraphJoint, coupled: bool) -> int:

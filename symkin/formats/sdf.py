@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
-from symkin.formats.robot import Robot
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
+from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
-from symkin.formats.sdf_joint import TYPES, is_range, sdf_axis, sdf_limits, sdf_pitch, sdf_type
-from symkin.formats.urdf_parts import names_any, unit
+from symkin.formats.sdf_joint import TYPES, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -23,25 +25,24 @@ _PARALLEL = 1e-6
 """Sine of the angle between axes that are taken for one direction."""
 
 
-def read_sdf(path: Path) -> Robot:
+def read_sdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that the one model of an SDF file describes, at the poses of the file.
 
     Raises InputError and MechanismError with file, line and element for what is not right.
     """
     path = Path(path)
     root = read_xml(path, "sdf")
-    return robot_of(_Reader(root, path).graph())
+    return robot_of(_Reader(root, path, read).graph())
 
 
-class _Reader:
+class _Reader(GraphReader):
     """The parts of an SDF file."""
 
-    def __init__(self, root: Element, path: Path) -> None:
-        self.path = path
-        self.notes: list[str] = []
+    def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
+        super().__init__(path, read)
         self.unlimited: list[str] = []
         self.model = self._model(root)
-        self.frames = SdfFrames()
+        self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
         self.poses = {link: self.frames.pose(link) for link in self.frames.links}
@@ -114,18 +115,10 @@ class _Reader:
         if kind in ("weld", "S"):
             return replace(made, type=kind)
         pitch = sdf_pitch(element) if kind == "H" else 0.0
-        limits = None if element.attributes.get("type") == "continuous" else self._limits(element)
-        return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
-
-    def _limits(self, element: Element) -> tuple[float, float] | None:
-        limits = sdf_limits(element)
-        if limits is None or is_range(*limits):
-            return limits
-        low, high = limits
-        self.notes.append(
-            f"line {element.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
+        limits = (
+            None if element.attributes.get("type") == "continuous" else self.range_of(sdf_limits(element), element, element.line)
         )
-        return None
+        return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
 
     def _body(self, element: Element, tag: str, scope: Scope) -> str:
         """The link that a joint's parent or child is, or carries the frame that it names."""
@@ -242,6 +235,8 @@ class _Reader:
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
+        if self.read.actuated:
+            return graph
         named = {e.text.strip() for p in self.model.walk() if p.tag == "plugin" for e in p.walk() if e.tag == "joint_name"}
         able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
         driven = {joint.name for joint in able if joint.name in named}
@@ -253,30 +248,31 @@ class _Reader:
                 self.notes.append("no motors are told: all movable joints of the tree of one coordinate are actuated")
         return replace(graph, joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints])
 
-    def _meshes(self) -> dict[str, tuple[str, ...]]:
-        found: dict[str, tuple[str, ...]] = {}
-        for link in self.frames.links:
-            element = self.frames.frames[link].element
-            files = [e.needed("uri").text.strip() for v in element.all("visual") for e in v.walk() if e.tag == "mesh"]
-            if files:
-                found[_plain(link)] = tuple(files)
+    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
+        found: dict[str, tuple[Mesh, ...]] = {}
+        for link, (element, scope) in self.frames.links.items():
+            meshes = [self._mesh(link, v, mesh, scope) for v in element.all("visual") for mesh in v.walk() if mesh.tag == "mesh"]
+            if meshes:
+                found[_plain(link)] = tuple(meshes)
         return found
 
+    def _mesh(self, link: str, visual: Element, mesh: Element, scope: Scope) -> Mesh:
+        """A mesh of a visual, which is told in the link's frame unless it says otherwise."""
+        pose, told_in = self.frames.relative(visual, scope, link)
+        scale = mesh.one("scale")
+        numbers = (1.0, 1.0, 1.0) if scale is None else scale.text_numbers(3)
+        at = self.poses[link].inverse() @ self.frames.pose(told_in) @ pose
+        return self.mesh(mesh, mesh.needed("uri").text.strip(), at, numbers)
+
     def _left_out(self) -> list[str]:
-        """Notes on elements of models that have no meaning here. Raises MechanismError for an unknown one that names links or joints."""
+        """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
-        found: dict[str, None] = {}
-        for element in (child for scope in self.frames.scopes for child in scope.element.children):
-            if element.tag in _KNOWN:
-                continue
-            if element.tag not in ("plugin", "gripper") and names_any(element, names):
-                raise element.error(
-                    f"<{element.tag}> is unknown in a model, and it names links or joints; remove it if it is no constraint"
-                )
-            found[f"<{element.tag}>"] = None
-        return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
+        others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
+        return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 
+_OF_NO_MEANING = {"plugin": "<plugin>", "gripper": "<gripper>"}
+"""Elements that name links and joints, and are no constraints."""
 _KNOWN = frozenset(
     ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
 )

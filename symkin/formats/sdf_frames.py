@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 
 from symkin.errors import InputError
+from symkin.formats.naming import nearest
+from symkin.formats.packages import Packages
 from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
 
@@ -51,10 +52,11 @@ class _Frame:
 
 @dataclass
 class SdfFrames:
-    """All frames of a file by their full names; links in order, joints with the model in which they stand."""
+    """All frames of a file by their full names; links and joints in order with the model in which they stand."""
 
+    packages: Packages
     frames: dict[str, _Frame] = field(default_factory=dict)
-    links: dict[str, Element] = field(default_factory=dict)
+    links: dict[str, tuple[Element, Scope]] = field(default_factory=dict)
     joints: list[tuple[Element, Scope]] = field(default_factory=list)
     scopes: list[Scope] = field(default_factory=list)
     known: dict[str, Pose] = field(default_factory=dict)
@@ -75,7 +77,7 @@ class SdfFrames:
         for link in links:
             key = self._new(scope.prefix + link.attribute("name"), link)
             self.frames[key] = self._placed(link, scope, scope.model, key)
-            self.links[key] = link
+            self.links[key] = link, scope
         for frame_element in element.all("frame"):
             self._add_frame(frame_element, scope)
         for child in nested:
@@ -118,8 +120,7 @@ class SdfFrames:
         known = self._full(scope.prefix + name)
         if known not in self.frames:
             own = [key[len(scope.prefix) :] for key in self.frames if key.startswith(scope.prefix)]
-            near = get_close_matches(name, own, 1)
-            raise element.error(f"the frame {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+            raise element.error(f"the frame {name!r} is unknown{nearest(name, own)}")
         return known
 
     def relative(self, element: Element, scope: Scope, default: str) -> tuple[Pose, str]:
@@ -163,7 +164,7 @@ class SdfFrames:
 
     def _include(self, element: Element, scope: Scope) -> None:
         """The model of another file, under its own name or that of the include, or merged into this model."""
-        path = _included(element, scope.files)
+        path = _included(element, scope.files, self.packages)
         root = read_xml(path, "sdf")
         model = root.needed("model")
         given = element.one("name")
@@ -250,17 +251,19 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
 
 
-def _included(element: Element, files: Sequence[Path]) -> Path:
-    """The file that an include names: beside this file or above it, a folder with model.sdf or a file."""
+def _included(element: Element, files: Sequence[Path], packages: Packages) -> Path:
+    """The file that an include names: in a folder of packages, beside this file or above it, a folder with model.sdf or a file."""
     uri = element.needed("uri").text.strip()
-    name = uri.removeprefix("model://").removeprefix("file://")
+    name = uri.removeprefix("model://").removeprefix("package://").removeprefix("file://")
     here = files[-1].parent
-    folders = [here, *list(here.parents)[:2]]
+    own = [folder.parent for folder in packages.folders if folder.resolve().name == Path(name).parts[0]] if name else []
+    folders = [*packages.folders, *own, here, *list(here.parents)[:2]]
     tries = [folder / name for folder in folders] + [folder / name / "model.sdf" for folder in folders]
     found = next((path.resolve() for path in tries if path.is_file()), None)
     if found is None:
         raise InputError(
-            f"{element.where}: the included model {uri!r} is not found beside the file or in the two folders above it"
+            f"{element.where}: the included model {uri!r} is not found beside the file, in the two folders above it or in a folder of "
+            "packages (--packages)"
         )
     if found in [file.resolve() for file in files]:
         raise element.error(f"{uri!r} includes itself")

@@ -62,6 +62,11 @@ def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | Non
     return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
 
 
+def is_bounded(low: float, high: float) -> bool:
+    """Whether bounds exclude anything."""
+    return low > -UNLIMITED or high < UNLIMITED
+
+
 def is_range(low: float, high: float) -> bool:
     """Whether bounds are two ends, the second above the first."""
     return -UNLIMITED < low < high < UNLIMITED

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.joint_graph import GraphJoint
+from symkin.formats.naming import nearest
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.text import first_of
@@ -44,8 +44,7 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[Co
         if other == name:
             raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
         if other not in made:
-            near = get_close_matches(other, made, 1)
-            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{f'; {near[0]}?' if near else ''}")
+            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{nearest(other, made)}")
         if name in made and made[name].type == "weld":
             continue
         wrong = next((n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None)
