@@ -48,18 +48,16 @@ def close(
 
 def _check_output(output: Path | None, mech: str) -> None:
     """Refuse, before the work, an output that cannot be written or would replace what is read."""
+    from symkin.files.outputs import check_output
+
     if output is None:
         return
-    if output.suffix not in _SUFFIXES:
-        raise InputError(f"-o: {str(output)!r} has another suffix than {', '.join(_SUFFIXES)}, which close writes")
+    check_output(output, _SUFFIXES, "close", mech)
     if output.suffix == ".xml" and Path(mech).suffix.lower() != ".xml":
         raise InputError(
-            f"-o: {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json"
+            f"output {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json, or "
+            "`symkin convert`"
         )
-    if output.is_dir() or not output.resolve().parent.is_dir():
-        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
-    if Path(mech).exists() and Path(mech).resolve() == output.resolve():
-        raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
 
 
 def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
+from symkin.formats.parts import whole_again
 from symkin.formats.robot import Closure, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
@@ -52,7 +53,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     joints += [_closing_joint(closure, closed) for closure in robot.closures]
     if not joints:
         raise MechanismError(f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least")
-    return Mechanism(
+    found = Mechanism(
         identifier(robot.name),
         link_joints=[LinkJoint(joint, links) for joint, links in joints],
         couplings=robot.couplings,
@@ -61,6 +62,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         source=robot.source,
         link_meshes=list(_link_meshes(robot, closed)),
     )
+    return whole_again(found, robot.parts)
 
 
 def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:

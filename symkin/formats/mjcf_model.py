@@ -46,6 +46,15 @@ class CompiledModel:
         """The name in the file, or one by its number."""
         return str(self.model.body(body).name) or f"body{body}"
 
+    def text(self, name: str) -> str:
+        """The custom text of a name; empty where there is none."""
+        model = self.model
+        for place, first, size in zip(model.name_textadr, model.text_adr, model.text_size, strict=True):
+            if bytes(model.names)[int(place) :].split(b"\0", 1)[0] == name.encode():
+                data = bytes(model.text_data)[int(first) : int(first) + int(size)]
+                return data.rstrip(b"\0").decode("utf-8", "replace")
+        return ""
+
     def at_qpos0(self, joint: int) -> float:
         """The value of a hinge or slide at the file's own configuration."""
         return float(self.model.qpos0[self.model.jnt_qposadr[joint]])

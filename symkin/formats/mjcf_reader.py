@@ -13,6 +13,7 @@ from symkin.formats.mjcf_couplings import couplings_of, driven, idle_actuators, 
 from symkin.formats.mjcf_equalities import Equality, active_equalities, body_of, frames_on_bodies, held_values, is_rigid
 from symkin.formats.mjcf_model import CompiledModel
 from symkin.formats.naming import allowed_names, renamed, robot_name
+from symkin.formats.parts import KEY, parts_from
 from symkin.formats.robot import Closure, Mesh, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint, JointType
@@ -69,6 +70,7 @@ class Reader:
             meshes=self._meshes(frames),
             floating=tuple(self.link_names[body] for body in self.floating),
             merged=merged,
+            parts=parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>"),
         )
 
     # --- bodies --------------------------------------------------------------------------------------------------------

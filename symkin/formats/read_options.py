@@ -131,4 +131,4 @@ def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
             raise InputError(f"actuated: {name!r} is given twice")
     joints = [LinkJoint(replace(e.joint, actuated=e.joint.name in names), e.links) for e in robot.joints]
     closures = [replace(closure, actuated=closure.name in names) for closure in robot.closures]
-    return replace(robot, joints=tuple(joints), closures=tuple(closures))
+    return replace(robot, joints=tuple(joints), closures=tuple(closures), parts=replace(robot.parts, actuated=None))

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.spatial.pose import Pose
 
@@ -53,7 +54,7 @@ class Robot:
     to the other; their `zero` is the value at the file's configuration, in radians and metres), closures, couplings of joints, and what
     was left out of the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on no joint, only on
     closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame. `meshes` show
-    links and merged bodies, by name."""
+    links and merged bodies, by name. `parts` tells which joints are parts of one."""
 
     name: str
     links: Mapping[str, Pose]
@@ -65,3 +66,4 @@ class Robot:
     meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
     floating: tuple[str, ...] = ()
     merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)
+    parts: Parts = field(default_factory=Parts)

@@ -1,0 +1,24 @@
+"""`symkin convert`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.cli.options import MechArgument
+from symkin.cli.reading import reads_robots
+from symkin.formats.read_options import ReadOptions
+
+
+@reads_robots
+def convert(
+    mech: MechArgument,
+    read: ReadOptions,
+    output: Annotated[Path, typer.Option("-o", metavar="FILE", help="The file to write: .toml, .xml (MJCF), .urdf or .sdf.")],
+) -> None:
+    """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are the same; masses are plain."""
+    from symkin.formats.convert import convert as convert_one
+
+    print(f"written: {convert_one(mech, output, read)}")
