@@ -141,6 +141,23 @@ def test_limits_and_motors(tmp_path: Path) -> None:
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
+def test_independent_joints_of_urdf_plus_are_driven_however_true_is_written(tmp_path: Path) -> None:
+    told = TREE.replace('name="a"', 'name="a" independent="true"').replace('name="b"', 'name="b" independent="True"')
+    driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).joints
+    assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a", "b"]
+
+
+def test_the_world_needs_no_link(tmp_path: Path) -> None:
+    """As Drake and MuJoCo read it: a joint from the world, which no <link> writes."""
+    robot = read(
+        tmp_path,
+        TREE + '<joint name="stand" type="fixed"><parent link="world"/><child link="ground"/><origin xyz="0 0 1"/></joint>',
+    )
+    assert robot.links["base"].position.tolist() == [0.0, 0.0, 0.0]
+    assert robot.merged["ground"][1].position.tolist() == [0.0, 0.0, 1.0]
+    assert any("'world'" in note and "no <link> writes" in note for note in robot.notes)
+
+
 @pytest.mark.parametrize(("kind", "freedoms"), [("planar", 3), ("floating", 6)])
 def test_joints_of_many_freedoms_are_chains(kind: str, freedoms: int, tmp_path: Path) -> None:
     more = f'<link name="x"/><joint name="p" type="{kind}"><parent link="rod"/><child link="x"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/></joint>'

@@ -101,7 +101,18 @@ def _plain(mujoco: ModuleType, spec: Any, root: Element, packages: Packages) -> 
         site.material = ""
     for tendon in spec.tendons:
         tendon.material = ""
-    for entries in (spec.keys, spec.skins, spec.meshes, spec.hfields, spec.materials, spec.textures):
+    unneeded = (
+        spec.keys,
+        spec.skins,
+        spec.meshes,
+        spec.hfields,
+        spec.materials,
+        spec.textures,
+        spec.pairs,
+        spec.excludes,
+        spec.sensors,
+    )
+    for entries in unneeded:
         for entry in list(entries):
             spec.delete(entry)
     for body in spec.bodies:

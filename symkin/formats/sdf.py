@@ -14,7 +14,7 @@ from symkin.formats.naming import robot_name
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
-from symkin.formats.sdf_joint import TYPES, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
 from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
@@ -23,6 +23,8 @@ from symkin.text import first_of
 
 _PARALLEL = 1e-6
 """Sine of the angle between axes that are taken for one direction."""
+_APART = 1e-6
+"""Metres beyond which a joint and the frame that is its parent are two places."""
 
 
 def read_sdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
@@ -68,7 +70,7 @@ class _Reader(GraphReader):
         graph = self._with_motors(graph)
         if self.unlimited:
             self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
-        return replace(graph, notes=(*self.notes, *self._left_out()))
+        return replace(graph, notes=(*self.frames.notes, *self.notes, *self._left_out()))
 
     def _model(self, root: Element) -> Element:
         """The one model of the file, or of its world: of several that which has joints."""
@@ -107,6 +109,7 @@ class _Reader(GraphReader):
         if parent == child:
             raise element.error(f"joins the link {_plain(parent)!r} to itself; two links are needed")
         at = self._joint_pose(element, scope)
+        self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
         made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
         if element.attributes.get("type") in ("revolute2", "universal"):
@@ -119,6 +122,19 @@ class _Reader(GraphReader):
             None if element.attributes.get("type") == "continuous" else self.range_of(sdf_limits(element), element, element.line)
         )
         return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
+
+    def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:
+        """Say where the parent is a frame away from the joint: it only names the link, and the poses of the file hold."""
+        name = element.needed("parent").text.strip()
+        full = WORLD if name == WORLD else self.frames.find(name, scope, element)
+        if full == WORLD or full in self.frames.links:
+            return
+        away = float(np.linalg.norm(np.asarray((self.frames.pose(full).inverse() @ at).position)))
+        if away > _APART:
+            self.notes.append(
+                f"line {element.line}: the parent frame {name!r} of {element.label} is {away:.3g} m from the joint, which stands at its child; "
+                "the frame names a link, and the poses of the file hold"
+            )
 
     def _body(self, element: Element, tag: str, scope: Scope) -> str:
         """The link that a joint's parent or child is, or carries the frame that it names."""
@@ -143,11 +159,10 @@ class _Reader(GraphReader):
         if scope.version < FIRST_WITH_FRAMES:
             return sdf_axis(element, tag, model.inverse() @ at, scope.version)
         axis = element.needed(tag)
-        if axis.one("use_parent_model_frame") is not None:
-            raise axis.error('use_parent_model_frame is of versions before 1.7; write <xyz expressed_in="__model__">')
         xyz = axis.needed("xyz")
         vector, name = xyz.text_numbers(3), xyz.attributes.get("expressed_in", "").strip()
         if not name:
+            refuse_model_frame(axis, vector, model.inverse() @ at)
             return unit(xyz, vector)
         told_in = self.frames.pose(self.frames.find(name, scope, xyz))
         turned = np.asarray((at.inverse() @ told_in).turn(np.asarray(vector)))

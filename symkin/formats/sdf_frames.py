@@ -60,6 +60,7 @@ class SdfFrames:
     joints: list[tuple[Element, Scope]] = field(default_factory=list)
     scopes: list[Scope] = field(default_factory=list)
     known: dict[str, Pose] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
     def add_model(self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None) -> None:
         """A model and all within it; `placed` is the include that places it in another way."""
@@ -68,13 +69,17 @@ class SdfFrames:
         nested = element.all("model")
         pose, name = sdf_pose(placed if placed is not None and placed.one("pose") is not None else element, scope.version)
         base = told_in if name is None else name
-        canonical = element.attributes.get("canonical_link") or next((e.attribute("name") for e in (*links, *nested)), _MODEL)
+        canonical = element.attributes.get("canonical_link") or next(
+            (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
+        )
         placement = (placed.one("placement_frame") if placed is not None else None) or None
         word = placement.text.strip() if placement is not None else element.attributes.get("placement_frame")
         attached = scope.prefix + canonical if canonical != _MODEL else WORLD
         frame = _Frame(pose, base, attached, element, None if word is None else scope.prefix + word)
         self.frames[scope.model] = frame
         for link in links:
+            if self._is_the_world(link, scope):
+                continue
             key = self._new(scope.prefix + link.attribute("name"), link)
             self.frames[key] = self._placed(link, scope, scope.model, key)
             self.links[key] = link, scope
@@ -134,6 +139,16 @@ class SdfFrames:
         pose, name = sdf_pose(element, scope.version)
         told_in = default if name is None else self._written(name, scope)
         return _Frame(pose, told_in, attached, element)
+
+    def _is_the_world(self, link: Element, scope: Scope) -> bool:
+        """Whether a link is what the model stands in, which only files before 1.7 write. Raises MechanismError for later ones."""
+        if link.attribute("name") != WORLD or scope.prefix:
+            return False
+        pose, _ = sdf_pose(link, scope.version)
+        if scope.version >= FIRST_WITH_FRAMES or pose.position.any() or pose.quaternion[1:].any():
+            raise link.error(f"the name {WORLD!r} is reserved for what the model stands in; give the link another name")
+        self.notes.append(f"line {link.line}: the link {WORLD!r} is what the model stands in, and is held")
+        return True
 
     def _written(self, name: str, scope: Scope) -> str:
         """The full name of a frame that may stand further down in the file."""

@@ -34,6 +34,8 @@ _TYPES: dict[str, JointType] = {
     "screw": "H",
 }
 """Joints of URDF, and those that Drake adds; floating and planar ones are chains of these."""
+_WORLD = "world"
+"""The link that Drake and MuJoCo know without a <link>."""
 _X, _Y, _W = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _OF_NO_MEANING = {
     "material": "materials",
@@ -124,6 +126,10 @@ class _Reader(GraphReader):
             links[name] = element
         if not links:
             raise self.root.error("no <link> is found; a robot has links and joints")
+        parents = {parent.attribute("link") for joint in self.root.all("joint", "drake:joint") for parent in joint.all("parent")}
+        if _WORLD in parents and _WORLD not in links:
+            self.notes.append(f"the link {_WORLD!r}, which no <link> writes, is what the robot stands on")
+            return {_WORLD: self.root, **links}
         return links
 
     def _known_link(self, name: str, element: Element) -> str:

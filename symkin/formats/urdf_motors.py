@@ -65,7 +65,7 @@ def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     if named:
         return named, "transmissions" if driven else "controllers"
     elements = root.all("joint", "drake:joint")
-    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent") == "true"), "joints"
+    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent", "").lower() == "true"), "joints"
 
 
 def _refuse_circles(found: dict[str, tuple[Coupling, Element]]) -> None:

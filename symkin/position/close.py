@@ -101,6 +101,11 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
         notes.append(
             "the rank at closed configurations beside this one is not clear: freedoms here may be lost away from it, or not"
         )
+    elif rank > generic.value:
+        notes.append(
+            f"the digits of the file make constraints of what is redundant: the rank is {rank} here, and {generic.value} at configurations "
+            "beside this one, which close to those digits"
+        )
     elif rank != generic.value:
         digits = ", which close to the digits of the file" if generic.to_digits else ""
         notes.append(
