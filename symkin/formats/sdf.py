@@ -70,7 +70,8 @@ class _Reader(GraphReader):
         graph = self._with_motors(graph)
         if self.unlimited:
             self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
-        return replace(graph, notes=(*self.frames.notes, *self.notes, *self._left_out()))
+        left_out = self._left_out()
+        return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
     def _model(self, root: Element) -> Element:
         """The one model of the file, or of its world: of several that which has joints."""
@@ -283,6 +284,12 @@ class _Reader(GraphReader):
         """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
         others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
+        run_time = [e for e in others if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")]
+        for plugin in run_time:
+            ends = [e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)]
+            self.notes.append(
+                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation runs; write a joint to have the loop"
+            )
         return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 
