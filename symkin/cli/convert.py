@@ -17,8 +17,14 @@ def convert(
     mech: MechArgument,
     read: ReadOptions,
     output: Annotated[Path, typer.Option("-o", metavar="FILE", help="The file to write: .toml, .xml (MJCF), .urdf or .sdf.")],
+    loops: Annotated[
+        str, typer.Option(metavar="loop|yaml", help="URDF: loops in the file as those of URDF+, or in a YAML file beside it.")
+    ] = "loop",
 ) -> None:
     """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are the same; masses are plain."""
     from symkin.formats.convert import convert as convert_one
 
-    print(f"written: {convert_one(mech, output, read)}")
+    written = convert_one(mech, output, read, loops=loops)  # type: ignore[arg-type]
+    print(f"written: {written}")
+    if loops == "yaml":
+        print(f"written: {written.with_suffix('.yaml')}")

@@ -22,9 +22,11 @@ from symkin.text import shown
 
 KEY = "symkin"
 """What the text is called: <text name="symkin"> of MJCF, <symkin:joints> of URDF and SDF."""
-NAMESPACE = "urn:symkin"
+JOINTS_TAG = f"{KEY}:joints"
+NAMESPACE = f"urn:{KEY}"
+"""Element and namespace of the text in XML that has none of its own."""
 _LISTS = ("actuated", "zeros", "reference", "welds", "order")
-_KINDS = ("R", "P", "H", "C", "U", "S", "rod")
+_KINDS = ("R", "P", "H", "C", "U", "S", "weld", "rod")
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,19 @@ class Parts:
     reference: Mapping[str, float] = field(default_factory=dict)
     welds: tuple[str, ...] = ()
     order: tuple[str, ...] = ()
+
+    def at(self, reference: Mapping[str, float]) -> Parts:
+        """The same with the values at which the loops are closed."""
+        return replace(self, reference=reference)
+
+    def renamed(self, old: str, new: str) -> Parts:
+        """The same where a part is called otherwise."""
+        wholes = [replace(w, parts=tuple(new if part == old else part for part in w.parts)) for w in self.wholes]
+        return replace(self, wholes=tuple(wholes))
+
+    def with_whole(self, whole: Whole) -> Parts:
+        """The same with one more joint in parts, which others may be parts of."""
+        return replace(self, wholes=(whole, *self.wholes))
 
 
 def parts_text(parts: Parts) -> str:
@@ -210,7 +225,7 @@ class _Made:
             case "H", "RP" if whole.number:
                 self.couplings.pop(moving[1].name, None)
                 return replace(first, name=whole.name, type="H", pitch=whole.number)
-            case "H", "H":
+            case ("H", "H") | ("U", "U") | ("weld", ""):
                 return replace(first, name=whole.name)
             case _:
                 raise self._unfit(whole)

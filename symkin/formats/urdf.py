@@ -12,11 +12,12 @@ from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
 from symkin.formats.naming import nearest, robot_name
 from symkin.formats.packages import Packages
+from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
 from symkin.formats.urdf_motors import mimics, with_motors
-from symkin.formats.urdf_parts import direction, origin, plain_tag
+from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.joint import JointType
@@ -111,6 +112,7 @@ class _Reader(GraphReader):
             notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
             source=str(self.path),
             meshes=self._meshes(),
+            parts=parts_within(self.root),
         )
 
     # --- links -----------------------------------------------------------------------------------------------------
@@ -268,7 +270,7 @@ class _Reader(GraphReader):
 
     def _left_out(self) -> list[str]:
         """Notes on elements of no meaning here."""
-        known = {"link", "joint", "drake:joint", *LOOP_TAGS}
+        known = {"link", "joint", "drake:joint", JOINTS_TAG, *LOOP_TAGS}
         names = {*self.links, *(e.attribute("name") for e in self.elements)}
         others = [e for e in self.root.children if e.tag not in known and plain_tag(e.tag) not in LOOP_TAGS]
         return self.left_out(others, _OF_NO_MEANING, names)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -20,8 +21,14 @@ from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
 
+Loops = Literal["loop", "yaml"]
+"""How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the YAML file of the Gepetto team beside it."""
+LOOPS: tuple[Loops, ...] = ("loop", "yaml")
 _CLOSED = 1e-10
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the reference."""
+
+_TURNED = 3.0
+"""Radians: closing joints have their values between half turns either way, and those nearer to one are joints of the tree."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,18 @@ class WrittenTree:
     def joints(self) -> tuple[Joint, ...]:
         """The joints of the tree."""
         return tuple(joint for entry in self.carried for joint in entry.joints)
+
+    def one_by_one(self) -> tuple[Carried, ...]:
+        """The tree with a link between each two joints."""
+        taken, found = {entry.link for entry in self.carried}, []
+        for entry in self.carried:
+            carrier = entry.carrier
+            for joint in entry.joints[:-1]:
+                link = _fresh(f"{joint.name}.link", taken)
+                found.append(Carried(carrier, link, (joint,)))
+                carrier = link
+            found.append(Carried(carrier, entry.link, entry.joints[-1:]))
+        return tuple(found)
 
 
 def written_tree(mechanism: Mechanism, form: Form) -> WrittenTree:
@@ -111,14 +130,14 @@ class _Writer:
 
     def _add_rod(self, rod: LinkRod) -> None:
         """A rod as links between spherical joints, a slide between them where it is actuated."""
-        ends = [self._fresh(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
+        ends = [_fresh(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
         first, second = Joint(ends[0], "S", rod.start), Joint(ends[1], "S", rod.end)
         if not rod.actuated:
-            link = self._fresh(rod.name, self.links)
+            link = _fresh(rod.name, self.links)
             self.entries += [LinkJoint(first, (rod.links[0], link)), LinkJoint(second, (link, rod.links[1]))]
             self.wholes.append(Whole(rod.name, "rod", (ends[0], ends[1]), rod.length or 0.0))
             return
-        near, far = (self._fresh(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston"))
+        near, far = (_fresh(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston"))
         along = np.subtract(rod.end, rod.start) if rod.reference_length else np.array([0.0, 0.0, 1.0])
         value = rod.reference_length - rod.offset
         slide = Joint(rod.name, "P", rod.end, tuple(along), actuated=True, zero=value, limits=rod.limits)
@@ -126,32 +145,24 @@ class _Writer:
         self.entries += [LinkJoint(joint, (start, end)) for joint, start, end in chain]
         self.wholes.append(Whole(rod.name, "rod", (ends[0], rod.name, ends[1]), rod.offset))
 
-    def _fresh(self, name: str, taken: set[str]) -> str:
-        """A name near this one that nothing has."""
-        number, found = 2, name
-        while found in taken:
-            found, number = f"{name}_{number}", number + 1
-        taken.add(found)
-        return found
-
     # --- the tree ----------------------------------------------------------------------------------------------------
 
     def _rank(self, entry: LinkJoint) -> int:
         """Joints of low rank carry links; those of high rank close loops where there is a choice."""
         joint = entry.joint
         if joint.type == "weld":
-            return 4
+            return 5
         if {c.name for c in joint.coordinates} & self.coupled:
             return 0
         if self._closes(joint):
-            return 3
+            return 4 if joint.type == "S" else 3
         return 1 if joint.actuated or joint.limits is not None else 2
 
     def _closes(self, joint: Joint) -> bool:
         """Whether the format has a closure for it."""
         if joint.type not in self.form.close or {c.name for c in joint.coordinates} & self.coupled:
             return False
-        free = not joint.actuated and joint.limits is None and abs(joint.zero) < math.pi
+        free = not joint.actuated and joint.limits is None and (joint.type == "P" or abs(joint.zero) < _TURNED)
         return free or not self.form.free_only
 
     def _refuse_welds(self, inside: Sequence[LinkJoint]) -> None:
@@ -168,8 +179,8 @@ class _Writer:
         joint, (first, second) = entry.joint, entry.links
         if self._closes(joint):
             return entry
-        leaf = self._fresh(f"{joint.name}.leaf", self.links)
-        weld = self._fresh(f"{joint.name}.weld", self.names)
+        leaf = _fresh(f"{joint.name}.leaf", self.links)
+        weld = _fresh(f"{joint.name}.weld", self.names)
         inside.append(LinkJoint(joint, (first, leaf)))
         self.wholes.append(Whole(joint.name, joint.type, (joint.name, weld), joint.pitch))
         return LinkJoint(Joint(weld, "weld", joint.point), (leaf, second))
@@ -228,15 +239,24 @@ class _Writer:
                     Joint(second, kind, point, other, actuated=driven),
                 ], 0.0
             case "S":
-                words = [self._fresh(f"{name}.{word}", self.names) for word in "xyz"]
+                words = [_fresh(f"{name}.{word}", self.names) for word in "xyz"]
                 return [Joint(word, "R", point, axis) for word, axis in zip(words, np.eye(3).tolist(), strict=True)], 0.0
             case "H":
-                slide = self._fresh(f"{name}.slide", self.names)
+                slide = _fresh(f"{name}.slide", self.names)
                 lead = joint.pitch / (2.0 * math.pi)
                 self.couplings.append(Coupling(slide, {name: lead}, -lead * joint.zero))
                 return [replace(joint, type="R", pitch=0.0), Joint(slide, "P", point, joint.axis)], joint.pitch
             case _:
                 raise MechanismError(f"joint {name!r}: {self.form.name} has no joint of type {joint.type}")
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    """A name near this one that nothing has, which is then taken."""
+    number, found = 2, name
+    while found in taken:
+        found, number = f"{name}_{number}", number + 1
+    taken.add(found)
+    return found
 
 
 def _join(heads: dict[str, str], links: Sequence[str]) -> bool:

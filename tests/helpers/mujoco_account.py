@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from symkin.closure.closure import build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
+from helpers.written_moves import configurations
 from symkin.formats.graph_form import as_graph
-from symkin.position.closed_configurations import closed_configurations
 from symkin.spatial.pose import Pose
 
 POSE = 1e-10
@@ -26,59 +24,40 @@ class MujocoAccount:
         self.mujoco, self.mechanism = mujoco, mechanism
         self.model = mujoco.MjModel.from_xml_path(str(path))
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
-        self.metres = 1e-3 if mechanism.length_unit == "mm" else 1.0
         self.reference = mujoco.MjData(self.model)
         mujoco.mj_resetDataKeyframe(self.model, self.reference, 0)
         mujoco.mj_forward(self.model, self.reference)
         np.testing.assert_array_equal(self.reference.qpos, self.model.qpos0)
 
-    def check(self, count: int = 2, seed: int = 5) -> None:
-        """At the reference and at random closed configurations."""
-        closure = build_closure(self.mechanism)
-        configurations = closed_configurations(closure, seed)[:count]
-        for values in [closure.reference, *configurations]:
-            poses = link_poses(closure, np.array([values])).at(0)
-            links = {n: Pose(self.metres * np.asarray(p.position), p.quaternion) for n, p in poses.items()}
-            read = joint_readings(closure, link_poses(closure, np.array([values])))
-            data = self.data_at({name: np.asarray(value)[..., 0] for name, value in read.items()}, links)
-            self._check_links(data, {link: pose for link, pose in links.items() if link in poses})
+    def check(self) -> None:
+        """At the reference and at closed configurations: links, closed equalities, and the freedoms that the rank leaves at the last,
+        the spin of each rod among them."""
+        for links, values, balls in configurations(self.mechanism):
+            data = self._data_at(values, balls)
+            self._check_links(data, links)
             errors, jacobian = self._rows(data)
             assert np.abs(errors).max(initial=0.0) <= POSE
-            self.rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
-        account = symkin.mobility(self.mechanism)
-        assert self.model.nv - self.rank == account.mobility + len(self.mechanism.bars)
+        rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
+        assert self.model.nv - rank == symkin.mobility(self.mechanism).mobility + len(self.mechanism.bars)
 
-    def data_at(self, read: dict[str, np.ndarray], links: dict[str, Pose]) -> object:
-        """MuJoCo's data for readings of joints by name, rods turned by the shortest way."""
-        graph, data = as_graph(self.mechanism), self.mujoco.MjData(self.model)
-        lengths = {c.name for c in self.mechanism.coordinates if c.kind == "length"}
-        values = {name: (self.metres if name in lengths else 1.0) * value for name, value in read.items()}
-        for rod in graph.link_rods:
-            start, end = np.array(rod.start), np.array(rod.end)
-            now = np.asarray((links[rod.links[0]].inverse() @ links[rod.links[1]]).apply(end)) - start
-            turn = Pose(np.zeros(3), _shortest_turn(end - start, now))
-            for link in (rod.name, f"{rod.name}.cylinder", f"{rod.name}.piston"):
-                links[link] = links[rod.links[0]] @ turn
-            values[rod.name] = np.linalg.norm(now) - rod.offset
-        for entry in graph.link_joints:
-            if entry.joint.name.startswith("platform.") and entry.joint.name not in values:
-                between = links[graph.platform_link]
-                at = np.asarray(between.apply(np.array(graph.platform_position)))
-                key = entry.joint.name.removeprefix("platform.")
-                turn = 2.0 * np.arctan2(between.quaternion[3], between.quaternion[0])
-                values[entry.joint.name] = (
-                    between.quaternion if key == "turn" else turn if key == "gamma" else at["xyz".index(key)]
-                )
+    def _data_at(self, values: dict[str, float], balls: dict[str, np.ndarray]) -> object:
+        """MuJoCo's data for values of joints by name."""
+        data = self.mujoco.MjData(self.model)
         for j in range(self.model.njnt):
-            joint, body = self.model.joint(j), int(self.model.jnt_bodyid[j])
+            joint, body = self.model.joint(j), self.model.body(int(self.model.jnt_bodyid[j]))
             value = values.get(joint.name)
             if int(self.model.jnt_type[j]) == int(self.mujoco.mjtJoint.mjJNT_BALL):
-                names = (self.model.body(b).name for b in (int(self.model.body_parentid[body]), body))
-                first, second = (links.get(name, Pose.identity()) for name in names)
-                value = (first.inverse() @ second).quaternion
+                value = balls[joint.name] * (1.0 if self._leads_to(joint.name, body.name) else np.array([1.0, -1, -1, -1]))
             data.qpos[joint.qposadr[0] : joint.qposadr[0] + np.size(value)] = value
         self.mujoco.mj_forward(self.model, data)
         return data
+
+    def _leads_to(self, joint: str, body: str) -> bool:
+        """Whether a spherical joint leads to the body that has it, and not from it."""
+        graph = as_graph(self.mechanism)
+        ends = {entry.joint.name: entry.links[1] for entry in graph.link_joints}
+        ends |= {f"{rod.name}.to": rod.links[1] for rod in graph.link_rods}
+        return joint.endswith(".from") if joint not in ends else ends[joint] == body
 
     def _check_links(self, data: object, links: dict[str, Pose]) -> None:
         names = [self.model.body(b).name for b in range(self.model.nbody)]
@@ -99,9 +78,3 @@ class MujocoAccount:
         else:
             jacobian = np.asarray(data.efc_J)[: count * nv].reshape(count, nv)
         return np.asarray(data.efc_pos[:count])[rows], jacobian[rows]
-
-
-def _shortest_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
-    quaternion = np.concatenate([[1.0 + start @ end], np.cross(start, end)])
-    return quaternion / np.linalg.norm(quaternion)

@@ -11,8 +11,9 @@ from symkin.model.joint import FREEDOMS
 _NAMES = ["knee", "q 1", "a'b", 'hip"2"', "toe#3", "Gelenk ä", "x/y", "1st", "l-r", "rod*"]
 
 
-def random_graph(seed: int, kinds: str = "RPHCUS", *, welds: bool = True, polynomials: bool = True) -> symkin.Mechanism:
-    """Three to six links with one to three loops; joints of these kinds, welds that close loops, rods, couplings."""
+def random_graph(seed: int, *, lines_only: bool = False) -> symkin.Mechanism:
+    """Three to six links with one to three loops; joints of all types, welds that close loops, rods, couplings (of one other joint, as
+    lines, where `lines_only`)."""
     rng = np.random.default_rng(seed)
     size = 100.0 if seed % 2 else 0.4
     links = ["base", *(f"link {k}" for k in range(1, int(rng.integers(3, 7))))]
@@ -22,7 +23,7 @@ def random_graph(seed: int, kinds: str = "RPHCUS", *, welds: bool = True, polyno
     joints = []
     for k, (name, pair) in enumerate(zip(names, [*pairs, *loops], strict=True)):
         pair = pair if rng.random() < 0.5 else pair[::-1]
-        kind = "weld" if welds and k >= len(pairs) and rng.random() < 0.1 else str(rng.choice(list(kinds)))
+        kind = "weld" if k >= len(pairs) and rng.random() < 0.1 else str(rng.choice(list("RPHCUS")))
         joints.append(symkin.LinkJoint(_joint(rng, kind, name, size), pair))
     rods = [_rod(rng, f"strut{k}", links, size) for k in range(int(rng.integers(0, 3)))]
     plain = symkin.Mechanism(
@@ -32,7 +33,7 @@ def random_graph(seed: int, kinds: str = "RPHCUS", *, welds: bool = True, polyno
         plain.name,
         link_joints=joints,
         link_rods=rods,
-        couplings=_couplings(rng, plain, polynomials=polynomials),
+        couplings=_couplings(rng, plain, lines_only=lines_only),
         length_unit=plain.length_unit,
         angle_unit="deg",
     )
@@ -62,15 +63,15 @@ def _rod(rng: np.random.Generator, name: str, links: list[str], size: float) -> 
     return symkin.LinkRod(name, pair, start, end, actuated=True, offset=size * float(rng.random()), limits=limits)
 
 
-def _couplings(rng: np.random.Generator, plain: symkin.Mechanism, *, polynomials: bool) -> list[symkin.Coupling]:
+def _couplings(rng: np.random.Generator, plain: symkin.Mechanism, *, lines_only: bool) -> list[symkin.Coupling]:
     """Each holds at the reference; each follows coordinates that come before it."""
     scalars = [c for c in plain.coordinates if c.kind != "quaternion" and c.name.partition("strut")[0]]
     found = []
     for k in range(1, len(scalars)):
         if rng.random() < 0.8:
             continue
-        own, others = scalars[k], [scalars[int(i)] for i in rng.choice(k, min(k, int(rng.integers(1, 3))), replace=False)]
-        if polynomials and rng.random() < 0.3:
+        own, others = scalars[k], [scalars[int(i)] for i in rng.choice(k, min(k, 1 if lines_only else 2), replace=False)]
+        if not lines_only and rng.random() < 0.3:
             powers = rng.uniform(-1, 1, int(rng.integers(3, 6))) / max(1.0, abs(others[0].reference[0])) ** 2
             rest = sum(c * others[0].reference[0] ** j for j, c in enumerate(powers) if j)
             powers[0] = own.reference[0] - rest
