@@ -11,11 +11,12 @@ import numpy as np
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
+from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
-from symkin.formats.urdf_parts import unit
+from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -44,6 +45,7 @@ class _Reader(GraphReader):
         super().__init__(path, read)
         self.unlimited: list[str] = []
         self.model = self._model(root)
+        self.parts = parts_within(self.model)
         self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
@@ -66,6 +68,7 @@ class _Reader(GraphReader):
             couplings=couplings,
             source=str(self.path),
             meshes=self._meshes(),
+            parts=self.parts,
         )
         graph = self._with_motors(graph)
         if self.unlimited:
@@ -112,7 +115,7 @@ class _Reader(GraphReader):
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
+        made = GraphJoint(name, "weld", (parent, child), frames, closing=name in self.parts.welds, where=element.where)
         if element.attributes.get("type") in ("revolute2", "universal"):
             return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
         kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
@@ -296,7 +299,19 @@ class _Reader(GraphReader):
 _OF_NO_MEANING = {"plugin": "<plugin>", "gripper": "<gripper>"}
 """Elements that name links and joints, and are no constraints."""
 _KNOWN = frozenset(
-    ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
+    [
+        JOINTS_TAG,
+        "allow_auto_disable",
+        "enable_wind",
+        "frame",
+        "include",
+        "joint",
+        "link",
+        "model",
+        "pose",
+        "self_collide",
+        "static",
+    ]
 )
 
 
