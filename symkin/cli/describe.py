@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 
 
 def list_() -> None:
@@ -21,8 +23,10 @@ def list_() -> None:
         print(f"{name:{max(map(len, names))}}  {load(name).title}")
 
 
+@reads_robots
 def show(
     mech: MechArgument,
+    read: ReadOptions,
     latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
     as_json: JsonOption = False,
@@ -32,7 +36,7 @@ def show(
 
     if latex and as_json:
         raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     if plot is not None:
         from symkin.plots.sketch import draw_sketch
 

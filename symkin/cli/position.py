@@ -25,6 +25,8 @@ from symkin.cli.options import (
     whole_numbers,
 )
 from symkin.cli.progress import progress_bar
+from symkin.cli.reading import reads_robots
+from symkin.formats.read_options import ReadOptions
 
 
 class Method(StrEnum):
@@ -37,8 +39,10 @@ class SolverName(StrEnum):
     ipopt = "ipopt"
 
 
+@reads_robots
 def modes(
     mech: MechArgument,
+    read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
     given: GivenOption = None,
@@ -65,7 +69,7 @@ def modes(
     from symkin.assembly.modes import modes as find_modes
     from symkin.formats.load import load
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -88,8 +92,10 @@ def modes(
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
 
+@reads_robots
 def solve(
     mech: MechArgument,
+    read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
     given: GivenOption = None,
@@ -101,7 +107,7 @@ def solve(
     from symkin.formats.load import load
     from symkin.position.solve import solve as solve_one
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     unit = mechanism.angle_unit
     result = solve_one(
         mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
