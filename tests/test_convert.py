@@ -39,6 +39,13 @@ def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
     assert len(after) == len(before) > 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"])
+def test_as_many_modes_of_limbs(name: str, tmp_path: Path, kept_starts: None) -> None:
+    """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of its own."""
+    test_as_many_modes(name, ".xml", tmp_path)
+
+
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_the_same_bytes_every_time(suffix: str, tmp_path: Path) -> None:
     first, second = (symkin.convert("ankle", tmp_path / f"{name}{suffix}").read_bytes() for name in ("a", "b"))
