@@ -312,6 +312,13 @@ def test_a_parent_frame_away_from_the_joint_is_told(tmp_path: Path) -> None:
     assert not any("parent frame" in note for note in at.notes)
 
 
+def test_a_loop_that_a_plugin_makes_at_run_time_is_told(tmp_path: Path) -> None:
+    plugin = "<plugin name='gz::sim::systems::DetachableJoint'><parent_link>a</parent_link><child_link>b</child_link></plugin>"
+    found = read(tmp_path, BODIES + GOOD + plugin, "1.8")
+    assert not found.closures
+    assert any("a plugin joins a and b when the simulation runs" in note for note in found.notes)
+
+
 # --- what is wrong -----------------------------------------------------------------------------------------------------
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
@@ -362,5 +369,5 @@ def test_several_models_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "w.sdf"
     model = f"<model name='{{}}'>{BODIES}{GOOD}</model>"
     path.write_text(f"<sdf version='1.7'><world name='w'>{model.format('m')}{model.format('n')}</world></sdf>")
-    with pytest.raises(SymkinError, match="2 models are found: m, n; one is needed"):
+    with pytest.raises(SymkinError, match="2 models are found: m, n; name one of them"):
         read_sdf(path)

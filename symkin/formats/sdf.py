@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.formats.couplings import ToldCoupling, couplings_told
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
@@ -16,6 +17,7 @@ from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.sdf_world import robot_model
 from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
@@ -44,7 +46,7 @@ class _Reader(GraphReader):
     def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
         super().__init__(path, read)
         self.unlimited: list[str] = []
-        self.model = self._model(root)
+        self.model = robot_model(root, read.model, self.notes)
         self.parts = parts_within(self.model)
         self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
@@ -54,7 +56,7 @@ class _Reader(GraphReader):
 
     def graph(self) -> JointGraph:
         joints = [self._joint(*entry) for entry in self.frames.joints if entry[0].attributes.get("type") != "gearbox"]
-        couplings = [*self._mimics(joints), *self._gears(joints)]
+        couplings = couplings_told([*self._mimics(joints), *self._gears(joints)])
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
         if not links:
@@ -73,31 +75,16 @@ class _Reader(GraphReader):
         graph = self._with_motors(graph)
         if self.unlimited:
             self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
-        return replace(graph, notes=(*self.frames.notes, *self.notes, *self._left_out()))
-
-    def _model(self, root: Element) -> Element:
-        """The one model of the file, or of its world: of several that which has joints."""
-        worlds = root.all("world")
-        models = [*root.all("model"), *(model for world in worlds for model in world.all("model"))]
-        for world in worlds:
-            for include in world.all("include", "joint"):
-                self.notes.append(f"line {include.line}: <{include.tag}> of the world is left out; the model is read alone")
-        moving = [model for model in models if any(e.tag == "joint" for e in model.walk())] or models
-        if len(moving) != 1:
-            names = first_of([str(model.attributes.get("name")) for model in moving])
-            raise root.error(
-                f"{len(moving)} models are found{f': {names}' if names else ''}; one is needed, in a file of its own"
-            )
-        static = moving[0].one("static")
-        if static is not None and static.text.strip().lower() in ("1", "true"):
-            raise static.error("the model is static: no joint of it moves")
-        return moving[0]
+        left_out = self._left_out()
+        return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
     def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
         """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
-        if any(canonical in joint.links for joint in joints) or not joints:
+        if any(canonical in joint.links for joint in joints):
             return canonical
+        if not joints:
+            return canonical if canonical in links else links[0]
         graph = JointGraph("", links, canonical, joints)
         tree = spanning_tree(graph)
         return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
@@ -181,7 +168,7 @@ class _Reader(GraphReader):
 
     # --- couplings -------------------------------------------------------------------------------------------------
 
-    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """follower = multiplier x (leader - reference) + offset."""
         made = {joint.name: joint for joint in joints}
         for element, scope in self.frames.joints:
@@ -198,14 +185,14 @@ class _Reader(GraphReader):
                 factor, offset, reference = (
                     _value(mimic, word, default) for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
-                yield Coupling(follower, {leader: factor}, offset - factor * reference)
+                yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic
 
     def _coordinate(self, made: dict[str, GraphJoint], name: str, axis: int, element: Element) -> str:
         if name not in made or made[name].type not in ("R", "P", "H", "U"):
             raise element.error(f"the joint {_plain(name)!r} is {'unknown' if name not in made else 'without an axis'}")
         return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
 
-    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body, about axis and axis2."""
         for element, scope in self.frames.joints:
             if element.attributes.get("type") != "gearbox":
@@ -223,7 +210,7 @@ class _Reader(GraphReader):
                 raise element.error("the gearbox couples no two joints")
             name = free[-1]
             own = factors.pop(name)
-            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()})
+            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()}), element
 
     def _turns(self, element: Element, joints: Sequence[GraphJoint], start: str, end: str, about: np.ndarray) -> dict[str, float]:
         """The revolute joints from one link to another about a direction, with the sense in which each turns the second link."""
@@ -286,6 +273,12 @@ class _Reader(GraphReader):
         """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
         others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
+        run_time = [e for e in others if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")]
+        for plugin in run_time:
+            ends = [e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)]
+            self.notes.append(
+                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation runs; write a joint to have the loop"
+            )
         return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 
