@@ -95,6 +95,8 @@ class GraphPainter:
         if len(corners) >= 3 and not self.planar:
             self._plate(corners, COLOURS["base"], COLOURS["base edge"], BASE, 1.0, hatch="////")
             points = np.array([p for p in points if np.min(np.linalg.norm(corners - self.at(p), axis=1)) > _NEAR * self.symbol])
+        elif len(corners) == 2 and not self.planar:
+            self._flat(corners[0], corners[1], 1.2, COLOURS["base edge"], BASE, 1.0, (0, (4.0, 2.0)))
         for point in np.unique(np.round(points, 9), axis=0) if len(points) else ():
             self._ground(point)
 
@@ -172,6 +174,23 @@ class GraphPainter:
         order = 6.0 + self.depth(centre) + (0.5 if drives else 0.0)
         draw_symbol(self.ax, kind, place, axes, self.symbol, actuated=drives, label=f"joint {kind} {name}", order=order)
         self.symbols.append(np.array([*place, 0.48 * self.symbol]))
+        if name in self.lines.closing:
+            self._ring(place, f"closes a loop: {name}")
+
+    def _ring(self, place: np.ndarray, gid: str) -> None:
+        from matplotlib.patches import Circle
+
+        self.ax.add_patch(
+            Circle(
+                tuple(place),
+                0.72 * self.symbol,
+                facecolor="none",
+                edgecolor=COLOURS["loop"],
+                linewidth=1.3 * self.width,
+                zorder=9.0,
+                gid=gid,
+            )
+        )
 
     def _frames(self) -> None:
         if self.origin:
