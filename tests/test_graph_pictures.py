@@ -13,6 +13,8 @@ import symkin
 from helpers.command_line import run
 from symkin.formats.load import read_robot
 from symkin.model.file import parse
+from symkin.model.graph import LinkJoint
+from symkin.model.joint import Joint
 from symkin.plots.graph_figures import sketch_of_graph
 from symkin.plots.graph_lines import reference_graph_lines, solution_lines, view_axes
 from symkin.plots.modes_plot import figure_of_modes, figure_of_solution
@@ -239,6 +241,23 @@ def test_a_robot_is_legible(name):
     assert len(labels) >= 20
     told = [text.get_text() for text in ax.texts if "find no room" in text.get_text()]
     assert bool(told) == (name == CROWDED[2])
+
+
+def test_a_planar_linkage_that_a_ball_closes_is_seen_along_its_axes():
+    """As MJCF closes it, by a connect; a ball within the tree may turn in any way."""
+    joints = [
+        LinkJoint(Joint(name, "R", point, (0, 0, 1)), links)
+        for name, point, links in (
+            ("a", (0, 0, 0), ("base", "crank")),
+            ("b", (0, 1, 0), ("crank", "rod")),
+            ("c", (4, 0, 0), ("base", "rocker")),
+        )
+    ]
+    ball = LinkJoint(Joint("pin", "S", (4, 3, 0)), ("rod", "rocker"))
+    closed = symkin.Mechanism("closed", link_joints=[*joints, ball])
+    assert view_axes(reference_graph_lines(closed))[1]
+    within = symkin.Mechanism("within", link_joints=[ball, *joints])
+    assert not view_axes(reference_graph_lines(within))[1]
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from symkin.model.joint import BASE
-from symkin.plots.graph_painter import GraphPainter
+from symkin.plots.graph_painter import RING, GraphPainter
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.sheet import direction, text_extent
 from symkin.plots.style import COLOURS
@@ -92,9 +92,10 @@ def _joints(painter: GraphPainter, names: Names) -> Iterator[_Name]:
     for here, place in places:
         loops = [name for name in here if name in closing]
         others = [name for name in here if name not in closing]
+        reach = (RING + 0.1 if loops else 0.6) * painter.symbol
         for group, colour in ((loops, "loop"), (others, "text")):
             if group and (names == "all" or group is loops):
-                yield _Name(_joined(group), place, 0.6 * painter.symbol, 9.5, {"color": COLOURS[colour]})
+                yield _Name(_joined(group), place, reach, 9.5, {"color": COLOURS[colour]})
 
 
 def _places(painter: GraphPainter) -> list[tuple[list[str], np.ndarray]]:

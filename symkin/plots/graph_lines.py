@@ -224,9 +224,11 @@ _BALL: JointType = "S"
 
 
 def _plane_normal(lines: GraphLines) -> np.ndarray | None:
-    """The axis about which everything turns and across which everything slides; None where there is none."""
+    """The axis about which everything turns and across which everything slides; None where there is none. A ball that closes a loop turns
+    about it too, as the links that it joins do."""
     turning = [joint.axes[0] for joint in lines.joints if joint.type == "R"]
-    if not turning or lines.rods or any(joint.type not in ("R", "P", "weld") for joint in lines.joints):
+    others = [joint for joint in lines.joints if joint.type not in ("R", "P", "weld")]
+    if not turning or lines.rods or any(joint.type != "S" or joint.name not in lines.closing for joint in others):
         return None
     normal = turning[0] * np.sign(turning[0][int(np.argmax(np.abs(turning[0])))])
     parallel = all(np.linalg.norm(np.cross(axis, normal)) < _SAME for axis in turning)
