@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import symkin
-from helpers.made_robots import MACHINES, Machine
+from helpers.made_robots import MACHINES, Machine, humanoid, opened
 from helpers.robot_accounts import MuJoCo, Pinocchio, ball_values, freedom, rank
 from helpers.robot_texts import write
 from symkin.formats.closing import rank_at
@@ -87,8 +88,10 @@ def part_poses(one: Read, solution: symkin.Solution) -> dict[str, np.ndarray]:
 
 
 def values_of(one: Read, solution: symkin.Solution) -> dict[str, Any]:
-    """Joint values in the machine's own terms."""
-    scalars = {c: solution.joints[c] for part in one.machine.parts for c in part.coordinates}
+    """Joint values in the machine's own terms: those of universal joints count from the reference in the mechanism."""
+    universal = {c.name for entry in one.robot.joints if entry.joint.type == "U" for c in entry.joint.coordinates}
+    start = {name: one.closed.joints[name] for name in universal}
+    scalars = {c: solution.joints[c] + start.get(c, 0.0) for part in one.machine.parts for c in part.coordinates}
     return {**scalars, **ball_values(one.machine, part_poses(one, solution))}
 
 
@@ -189,6 +192,25 @@ def pose_numbers(pose: np.ndarray) -> np.ndarray:
     return np.array([*pose[:3, 3], azimuth, tilt, np.arctan2(turn[2, 1], -turn[2, 0]) + azimuth])
 
 
+@pytest.mark.parametrize("suffix", ["xml", "urdf"])
+@pytest.mark.parametrize("name", [name for name in MACHINES if name not in (*LARGE, "universal_loop", "leg")])
+def test_files_that_are_open(name: str, suffix: str, tmp_path: Path) -> None:
+    """Joints told from other zeros: closed by `close` where MuJoCo's constraints are closed, with MuJoCo's poses; and so beside it."""
+    machine = opened(MACHINES[name](), 0.3, seed=len(name))
+    mujoco, path = MuJoCo(machine), write(machine, suffix, tmp_path, 1)
+    robot = read_robot(path)
+    one = Read(machine, robot, Tree(robot), symkin.load(path), symkin.close(path), mujoco, Pinocchio(machine))
+    assert one.closed.open_by > 1e-3
+    assert one.closed.mobility == machine.mobility
+    given = {n: one.closed.joints[n] + 0.1 * machine.reach for n in machine.given}
+    for solution in (symkin.solve(one.mechanism, given=g).solution for g in ({n: one.closed.joints[n] for n in given}, given)):
+        qpos = mujoco.place(values_of(one, solution))
+        assert np.abs(mujoco.rows(qpos)[0]).max() <= 1e-9
+        poses = mujoco.poses(qpos)
+        for part, pose in part_poses(one, solution).items():
+            np.testing.assert_allclose(pose, poses[part], atol=POSE)
+
+
 @pytest.mark.parametrize("form", range(5))
 @pytest.mark.parametrize("name", ["four_bar", "five_bar", "gripper", "screw_drive"])
 def test_every_way_of_writing_a_loop_in_urdf_is_the_same_machine(name: str, form: int, read_one: Any) -> None:
@@ -220,3 +242,16 @@ def test_a_loop_of_universal_joints_closes_by_one_in_a_graph(read_one: Any) -> N
         suffix: [c.type for c in read_one("universal_loop", suffix, len("universal_loop")).robot.closures] for suffix in FORMATS
     }
     assert kinds == {"xml": ["weld"], "urdf": ["weld"], "sdf": ["U"]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_robot_of_sixty_joints_and_six_loops(suffix: str, tmp_path: Path) -> None:
+    """Read and closed with the mobility of MuJoCo's constraints: each planar loop takes two freedoms, though it is told by five rows."""
+    machine = humanoid()
+    found = symkin.close(write(machine, suffix, tmp_path))
+    mujoco = MuJoCo(machine)
+    _, jacobian = mujoco.rows(mujoco.place({part.joint_name: 0.0 for part in machine.parts}))
+    assert (len(machine.parts), len(machine.pins)) == (60, 6)
+    assert found.mobility == mujoco.model.nv - rank(jacobian) == machine.mobility
+    assert symkin.mobility(symkin.load(write(machine, suffix, tmp_path))).mobility == machine.mobility

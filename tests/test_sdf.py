@@ -369,5 +369,5 @@ def test_several_models_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "w.sdf"
     model = f"<model name='{{}}'>{BODIES}{GOOD}</model>"
     path.write_text(f"<sdf version='1.7'><world name='w'>{model.format('m')}{model.format('n')}</world></sdf>")
-    with pytest.raises(SymkinError, match="2 models are found: m, n; one is needed"):
+    with pytest.raises(SymkinError, match="2 models are found: m, n; name one of them"):
         read_sdf(path)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from symkin.errors import InputError, MechanismError
@@ -36,7 +37,8 @@ def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
         _refuse_for_files_of_ours(read, text)
         return read_file(path)
     if is_robot(path):
-        return mechanism_of(read_robot(path, read))
+        with _naming(path):
+            return mechanism_of(read_robot(path, read))
     raise InputError(
         f"mechanism {shown(text)} is unknown; allowed: a path to a .toml, {', '.join(_READERS)} file, or {', '.join(shipped_names())}"
     )
@@ -51,10 +53,16 @@ def read_robot(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that a file of another format describes, its loops open as they are there."""
     reader, allowed, because = _READERS[path.suffix.lower()]
     read.refuse_but(allowed, str(path), because)
-    try:
+    with _naming(path):
         return read.told(reader(path, read))
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Put the file before what parts of a robot, which name themselves, say is wrong."""
+    try:
+        yield
     except MechanismError as error:
-        # parts of a robot name themselves, but not their file
         text = str(error)
         raise error if str(path) in text or path.name in text else MechanismError(f"{path}: {text}") from None
 

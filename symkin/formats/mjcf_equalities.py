@@ -38,9 +38,7 @@ def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equalit
     written = list(_written(compiled.root, compiled.path))
     tags = [_kind(compiled, k) for k in range(model.neq)]
     for k, kind in enumerate(tags):
-        # of multiplied elements, and those that the compiler makes, the place is not known
-        told = [element.tag for element in written] == tags
-        where = written[k].where if told else f"{compiled.path}: <{kind}> number {k + 1} of the equality constraints"
+        where = _place(compiled, written, tags, k)
         equality = Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
         if not model.eq_active0[k]:
             notes.append(f"{where}: it is not active, and left out")
@@ -51,6 +49,21 @@ def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equalit
         else:
             found.append(equality)
     return found
+
+
+def _place(compiled: CompiledModel, written: list[Element], tags: list[str], number: int) -> str:
+    """Where a constraint stands in the file: of multiplied elements, and those that the compiler makes of others, that is not known."""
+    kind = tags[number]
+    same = [element for element in written if element.tag == kind]
+    if len(same) == tags.count(kind):
+        return same[tags[:number].count(kind)].where
+    flex = int(compiled.mujoco.mjtObj.mjOBJ_FLEX)
+    number_of = int(compiled.model.eq_obj1id[number])
+    name = compiled.mujoco.mj_id2name(compiled.model, flex, number_of) if kind.startswith("flex") else ""
+    maker = next(
+        (e for e in compiled.root.walk() if name and e.tag.startswith("flex") and e.attributes.get("name") == name), None
+    )
+    return f"{compiled.path}: <{kind}> number {number + 1} of the equality constraints" if maker is None else maker.where
 
 
 def held_values(compiled: CompiledModel, equalities: list[Equality], notes: list[str]) -> dict[int, float]:

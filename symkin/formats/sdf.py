@@ -8,14 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.formats.couplings import ToldCoupling, couplings_told
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
+from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
-from symkin.formats.urdf_parts import unit
+from symkin.formats.sdf_world import robot_model
+from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -43,7 +46,8 @@ class _Reader(GraphReader):
     def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
         super().__init__(path, read)
         self.unlimited: list[str] = []
-        self.model = self._model(root)
+        self.model = robot_model(root, read.model, self.notes)
+        self.parts = parts_within(self.model)
         self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
@@ -52,7 +56,7 @@ class _Reader(GraphReader):
 
     def graph(self) -> JointGraph:
         joints = [self._joint(*entry) for entry in self.frames.joints if entry[0].attributes.get("type") != "gearbox"]
-        couplings = [*self._mimics(joints), *self._gears(joints)]
+        couplings = couplings_told([*self._mimics(joints), *self._gears(joints)])
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
         if not links:
@@ -66,6 +70,7 @@ class _Reader(GraphReader):
             couplings=couplings,
             source=str(self.path),
             meshes=self._meshes(),
+            parts=self.parts,
         )
         graph = self._with_motors(graph)
         if self.unlimited:
@@ -73,29 +78,13 @@ class _Reader(GraphReader):
         left_out = self._left_out()
         return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
-    def _model(self, root: Element) -> Element:
-        """The one model of the file, or of its world: of several that which has joints."""
-        worlds = root.all("world")
-        models = [*root.all("model"), *(model for world in worlds for model in world.all("model"))]
-        for world in worlds:
-            for include in world.all("include", "joint"):
-                self.notes.append(f"line {include.line}: <{include.tag}> of the world is left out; the model is read alone")
-        moving = [model for model in models if any(e.tag == "joint" for e in model.walk())] or models
-        if len(moving) != 1:
-            names = first_of([str(model.attributes.get("name")) for model in moving])
-            raise root.error(
-                f"{len(moving)} models are found{f': {names}' if names else ''}; one is needed, in a file of its own"
-            )
-        static = moving[0].one("static")
-        if static is not None and static.text.strip().lower() in ("1", "true"):
-            raise static.error("the model is static: no joint of it moves")
-        return moving[0]
-
     def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
         """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
-        if any(canonical in joint.links for joint in joints) or not joints:
+        if any(canonical in joint.links for joint in joints):
             return canonical
+        if not joints:
+            return canonical if canonical in links else links[0]
         graph = JointGraph("", links, canonical, joints)
         tree = spanning_tree(graph)
         return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
@@ -112,7 +101,7 @@ class _Reader(GraphReader):
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
+        made = GraphJoint(name, "weld", (parent, child), frames, closing=name in self.parts.welds, where=element.where)
         if element.attributes.get("type") in ("revolute2", "universal"):
             return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
         kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
@@ -179,7 +168,7 @@ class _Reader(GraphReader):
 
     # --- couplings -------------------------------------------------------------------------------------------------
 
-    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """follower = multiplier x (leader - reference) + offset."""
         made = {joint.name: joint for joint in joints}
         for element, scope in self.frames.joints:
@@ -196,14 +185,14 @@ class _Reader(GraphReader):
                 factor, offset, reference = (
                     _value(mimic, word, default) for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
-                yield Coupling(follower, {leader: factor}, offset - factor * reference)
+                yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic
 
     def _coordinate(self, made: dict[str, GraphJoint], name: str, axis: int, element: Element) -> str:
         if name not in made or made[name].type not in ("R", "P", "H", "U"):
             raise element.error(f"the joint {_plain(name)!r} is {'unknown' if name not in made else 'without an axis'}")
         return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
 
-    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body, about axis and axis2."""
         for element, scope in self.frames.joints:
             if element.attributes.get("type") != "gearbox":
@@ -221,7 +210,7 @@ class _Reader(GraphReader):
                 raise element.error("the gearbox couples no two joints")
             name = free[-1]
             own = factors.pop(name)
-            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()})
+            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()}), element
 
     def _turns(self, element: Element, joints: Sequence[GraphJoint], start: str, end: str, about: np.ndarray) -> dict[str, float]:
         """The revolute joints from one link to another about a direction, with the sense in which each turns the second link."""
@@ -296,7 +285,19 @@ class _Reader(GraphReader):
 _OF_NO_MEANING = {"plugin": "<plugin>", "gripper": "<gripper>"}
 """Elements that name links and joints, and are no constraints."""
 _KNOWN = frozenset(
-    ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
+    [
+        JOINTS_TAG,
+        "allow_auto_disable",
+        "enable_wind",
+        "frame",
+        "include",
+        "joint",
+        "link",
+        "model",
+        "pose",
+        "self_collide",
+        "static",
+    ]
 )
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from symkin.errors import MechanismError
+from symkin.formats.couplings import couplings_told
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
@@ -100,7 +101,7 @@ class _Reader(GraphReader):
         loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop)
         joints = [*joints, *self._beside(), *loops.joints]
         joints, of_motors = (joints, []) if self.read.actuated else with_motors(self.root, self.beside, joints)
-        couplings = [*mimics(self.elements, joints), *loops.couplings(joints)]
+        couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
         links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
         self._refuse_lost(links, root, joints)
         return JointGraph(

@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from symkin.formats.couplings import ToldCoupling
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
 from symkin.formats.naming import nearest
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
@@ -52,11 +53,11 @@ class Loops:
     gears: tuple[GearPair, ...]
     notes: tuple[str, ...]
 
-    def couplings(self, joints: Sequence[GraphJoint]) -> list[Coupling]:
+    def couplings(self, joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
         """The couplings of joints that the pairs of links mean."""
-        found: list[Coupling] = []
+        found: list[ToldCoupling] = []
         for gear in self.gears:
-            found.append(_coupling(gear, joints, {coupling.joint for coupling in found}))
+            found.append((_coupling(gear, joints, {coupling.joint for coupling, _ in found}), gear.element))
         return found
 
 

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -76,6 +76,8 @@ class Machine:
     reach: float = 0.15
     followers: tuple[Follower, ...] = ()
     seed: int = field(default=1)
+    turned: Mapping[str, float] = field(default_factory=dict)
+    """Angles by which revolute parts are turned where their joints are 0: then the file is open there."""
 
     @cached_property
     def frames(self) -> dict[str, np.ndarray]:
@@ -102,8 +104,12 @@ class Machine:
         return next(part for part in self.parts if part.name == name)
 
     def in_parent(self, part: Part) -> np.ndarray:
-        """A part's frame in that of its parent."""
-        return np.asarray(np.linalg.inv(self.frames[part.parent]) @ self.frames[part.name])
+        """A part's frame in that of its parent where its joint is 0."""
+        turn = np.eye(4)
+        if part.name in self.turned:
+            angle = self.turned[part.name] * self.direction(part.name, part.axis)
+            turn[:3, :3] = Rotation.from_rotvec(angle).as_matrix()
+        return np.asarray(np.linalg.inv(self.frames[part.parent]) @ self.frames[part.name] @ turn)
 
     def direction(self, name: str, axis: Vector) -> np.ndarray:
         """A direction of the world in a part's frame."""
@@ -265,6 +271,37 @@ def screw_drive() -> Machine:
     )
     pins = (Pin("slot", "weld", ("nut", "guide"), (0.2, 0, 0)), Pin("end", "R", ("rod", "lever"), (0.45, 0, 0.3), Y))
     return Machine("screw_drive", parts, pins, 1, ("q_spindle",), 0.8)
+
+
+def humanoid(limbs: int = 6) -> Machine:
+    """Limbs of ten joints on the ground: five in series about changing axes, a planar four-bar, and two more behind its coupler."""
+    parts: list[Part] = []
+    pins = []
+    for k in range(limbs):
+        turn = Rotation.from_euler("z", 2.0 * np.pi * k / limbs).as_matrix()
+        axes = (X, Y, X, Z, Y)
+        parent = GROUND
+
+        def add(name: str, parent: str, at: Vector, axis: Vector, k: int = k, turn: np.ndarray = turn) -> str:
+            parts.append(Part(f"{name}{k}", parent, "R", tuple(turn @ np.array(at)), tuple(turn @ np.array(axis))))
+            return f"{name}{k}"
+
+        for j, axis in enumerate(axes):
+            parent = add(f"hip{j}_", parent, (0.3 + 0.02 * j, 0.0, -0.1 * j), axis)
+        crank = add("crank", parent, (0.4, 0, -0.5), Y)
+        coupler = add("coupler", crank, (0.5, 0, -0.48), Y)
+        rocker = add("rocker", parent, (0.42, 0, -0.8), Y)
+        wrist = add("wrist", coupler, (0.55, 0, -0.9), X)
+        add("tool", wrist, (0.6, 0, -0.9), Z)
+        pins.append(Pin(f"pin{k}", "R", (coupler, rocker), tuple(turn @ np.array((0.53, 0, -0.79))), tuple(turn @ np.array(Y))))
+    given = tuple(part.joint_name for part in parts if not part.name.startswith(("coupler", "rocker")))
+    return Machine("humanoid", tuple(parts), tuple(pins), 8 * limbs, given)
+
+
+def opened(machine: Machine, by: float, seed: int = 0) -> Machine:
+    """The machine with revolute joints told from other zeros, at which its loops are open."""
+    rng = np.random.default_rng(seed)
+    return replace(machine, turned={part.name: by * rng.uniform(-1, 1) for part in machine.parts if part.joint == "R"})
 
 
 MACHINES = {
