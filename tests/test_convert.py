@@ -13,7 +13,7 @@ from symkin.cli.app import main
 from symkin.formats.graph_form import as_graph
 
 pytest.importorskip("mujoco")
-FORMATS = (".xml", ".urdf")
+FORMATS = (".xml", ".urdf", ".sdf")
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -67,7 +67,7 @@ def test_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     before = path.read_bytes()
     for arguments, sentence in [
         ((path, "-o", path), "is read by this command"),
-        ((path, "-o", tmp_path / "four_bar.stl"), "another suffix than .toml, .xml, .urdf"),
+        ((path, "-o", tmp_path / "four_bar.stl"), "another suffix than .toml, .xml, .urdf, .sdf"),
         ((path, "-o", tmp_path / "none" / "four_bar.xml"), "its folder does not exist"),
         ((path, "-o", tmp_path), "another suffix"),
         ((tmp_path / "none.xml", "-o", tmp_path / "out.toml"), "there is no such file"),

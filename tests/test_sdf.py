@@ -313,6 +313,13 @@ def test_a_parent_frame_away_from_the_joint_is_told(tmp_path: Path) -> None:
     assert not any("parent frame" in note for note in at.notes)
 
 
+def test_a_loop_that_a_plugin_makes_at_run_time_is_told(tmp_path: Path) -> None:
+    plugin = "<plugin name='gz::sim::systems::DetachableJoint'><parent_link>a</parent_link><child_link>b</child_link></plugin>"
+    found = read(tmp_path, BODIES + GOOD + plugin, "1.8")
+    assert not found.closures
+    assert any("a plugin joins a and b when the simulation runs" in note for note in found.notes)
+
+
 # --- what is wrong -----------------------------------------------------------------------------------------------------
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")

@@ -242,10 +242,21 @@ def test_loops_motors_and_types_beside_the_file(tmp_path: Path) -> None:
     assert [name for name, joint in joints.items() if joint.actuated] == ["a"]
 
 
+def test_frames_beside_the_file_may_be_named_by_their_joints(tmp_path: Path) -> None:
+    """As Pinocchio names frames: that of a joint is its child's."""
+    (tmp_path / "r.yaml").write_text("closed_loop: [[d1, d2]]\ntype: [3d]")
+    by_link = read(tmp_path, TREE + PAIR)
+    (tmp_path / "r.yaml").write_text("closed_loop: [[d1_frame, d2]]\ntype: [3d]")
+    by_joint = read(tmp_path, TREE + PAIR)
+    ((one,), (other,)) = (by_link.closures, by_joint.closures)
+    assert one.links == other.links
+    np.testing.assert_array_equal(one.first.position, other.first.position)
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("closed_loop: [[d1, d9]]\ntype: [3d]", "names the frame 'd9', which is no link of r.urdf"),
+        ("closed_loop: [[d1, d9]]\ntype: [3d]", "names the frame 'd9', which is no link or joint of r.urdf"),
         ("closed_loop: [[d1, d2]]\ntype: [4d]", "type: '4d' is unknown; allowed: 3d, 6d"),
         ("closed_loop: [[d1, d2]]\ntype: []", "type has 0 entries and closed_loop 1"),
         ("closed_loop: [d1, d2]\ntype: [3d]", "is no list of pairs of links"),

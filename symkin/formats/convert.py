@@ -79,4 +79,10 @@ def _urdf(mechanism: Mechanism) -> str:
     return urdf_text(mechanism)
 
 
-_WRITERS: dict[str, Callable[[Mechanism], str]] = {".toml": _toml, ".xml": _mjcf, ".urdf": _urdf}
+def _sdf(mechanism: Mechanism) -> str:
+    from symkin.formats.sdf_text import sdf_text
+
+    return sdf_text(mechanism)
+
+
+_WRITERS: dict[str, Callable[[Mechanism], str]] = {".toml": _toml, ".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}

@@ -58,6 +58,10 @@ class Parts:
         """The same with the values at which the loops are closed."""
         return replace(self, reference=reference)
 
+    def in_file(self, zeros: Mapping[str, float], welds: tuple[str, ...]) -> Parts:
+        """The same with what is added to the file's values, and welds by their names there."""
+        return replace(self, zeros=zeros, welds=welds)
+
     def renamed(self, old: str, new: str) -> Parts:
         """The same where a part is called otherwise."""
         wholes = [replace(w, parts=tuple(new if part == old else part for part in w.parts)) for w in self.wholes]
@@ -166,12 +170,25 @@ class _Made:
         for name in whole.parts:
             del self.joints[name]
         moving = [joint for joint in path if joint.type != "weld"]
+        if len(moving) == 1 and moving[0].name != whole.name:
+            self._rename_coordinates(moving[0], whole.name)
         if whole.name in self.joints or whole.name in self.rods:
             raise self._error(f"two joints are named {whole.name!r}")
         if whole.kind == "rod":
             self.rods[whole.name] = self._rod_of(whole, moving, links)
         else:
             self.joints[whole.name] = LinkJoint(self._joint_of(whole, moving), links)
+
+    def _rename_coordinates(self, joint: Joint, name: str) -> None:
+        """In couplings, for a joint that is called otherwise."""
+        new = {c.name: name + c.name.removeprefix(joint.name) for c in joint.coordinates}
+        if not set(new) & {n for c in self.couplings.values() for n in (c.joint, *c.names)}:
+            return
+        found = {}
+        for c in self.couplings.values():
+            of = new.get(c.of, c.of) if isinstance(c.of, str) else tuple((new.get(n, n), f) for n, f in c.terms)
+            found[new.get(c.joint, c.joint)] = replace(c, joint=new.get(c.joint, c.joint), of=of)
+        self.couplings = found
 
     def mechanism(self) -> Mechanism:
         """All of it, in the order that is told."""

@@ -12,12 +12,13 @@ from symkin.formats.couplings import ToldCoupling, couplings_told
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
+from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
 from symkin.formats.sdf_world import robot_model
-from symkin.formats.urdf_parts import unit
+from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -46,6 +47,7 @@ class _Reader(GraphReader):
         super().__init__(path, read)
         self.unlimited: list[str] = []
         self.model = robot_model(root, read.model, self.notes)
+        self.parts = parts_within(self.model)
         self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
@@ -68,11 +70,13 @@ class _Reader(GraphReader):
             couplings=couplings,
             source=str(self.path),
             meshes=self._meshes(),
+            parts=self.parts,
         )
         graph = self._with_motors(graph)
         if self.unlimited:
             self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
-        return replace(graph, notes=(*self.frames.notes, *self.notes, *self._left_out()))
+        left_out = self._left_out()
+        return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
     def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
         """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
@@ -97,7 +101,7 @@ class _Reader(GraphReader):
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
+        made = GraphJoint(name, "weld", (parent, child), frames, closing=name in self.parts.welds, where=element.where)
         if element.attributes.get("type") in ("revolute2", "universal"):
             return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
         kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
@@ -269,13 +273,31 @@ class _Reader(GraphReader):
         """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
         others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
+        run_time = [e for e in others if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")]
+        for plugin in run_time:
+            ends = [e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)]
+            self.notes.append(
+                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation runs; write a joint to have the loop"
+            )
         return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 
 _OF_NO_MEANING = {"plugin": "<plugin>", "gripper": "<gripper>"}
 """Elements that name links and joints, and are no constraints."""
 _KNOWN = frozenset(
-    ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
+    [
+        JOINTS_TAG,
+        "allow_auto_disable",
+        "enable_wind",
+        "frame",
+        "include",
+        "joint",
+        "link",
+        "model",
+        "pose",
+        "self_collide",
+        "static",
+    ]
 )
 
 

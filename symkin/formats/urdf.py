@@ -254,18 +254,22 @@ class _Reader(GraphReader):
 
     def _beside(self) -> list[GraphJoint]:
         """The closures of the YAML file beside the URDF."""
-        made = []
-        for k, (kind, first, second) in enumerate(self.beside.closures, start=1):
-            for link in (first, second):
-                if link not in self.links:
-                    raise MechanismError(
-                        f"{self.beside.file}: closed_loop[{k - 1}] names the frame {link!r}, which is no link of {self.path.name}"
-                        + nearest(link, self.links)
-                    )
-            frames = (Pose.identity(), Pose.identity())
+        made, frames = [], (Pose.identity(), Pose.identity())
+        for k, (kind, *names) in enumerate(self.beside.closures, start=1):
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
+            first, second = (self._frame_beside(name, where) for name in names)
             made.append(GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where))
         return made
+
+    def _frame_beside(self, name: str, where: str) -> str:
+        """The link whose frame is meant: one by its name, or the child of the joint of that name."""
+        children = {e.attribute("name"): e.needed("child").attribute("link") for e in self.elements}
+        if name not in self.links and name not in children:
+            raise MechanismError(
+                f"{where} names the frame {name!r}, which is no link or joint of {self.path.name}"
+                + nearest(name, [*self.links, *children])
+            )
+        return name if name in self.links else children[name]
 
     # --- what is left out -------------------------------------------------------------------------------------------
 

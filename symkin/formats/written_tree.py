@@ -30,6 +30,9 @@ _CLOSED = 1e-10
 _TURNED = 3.0
 """Radians: closing joints have their values between half turns either way, and those nearer to one are joints of the tree."""
 
+_SQUARE = 1e-14
+"""Cosine between the axes of a universal joint that is zero to rounding."""
+
 
 @dataclass(frozen=True)
 class Form:
@@ -160,10 +163,14 @@ class _Writer:
 
     def _closes(self, joint: Joint) -> bool:
         """Whether the format has a closure for it."""
-        if joint.type not in self.form.close or {c.name for c in joint.coordinates} & self.coupled:
+        if joint.type not in self.form.close or not _is_plain(joint) or {c.name for c in joint.coordinates} & self.coupled:
             return False
         free = not joint.actuated and joint.limits is None and (joint.type == "P" or abs(joint.zero) < _TURNED)
         return free or not self.form.free_only
+
+    def _carries(self, joint: Joint) -> bool:
+        """Whether a joint may be one of the tree as it is."""
+        return joint.type in self.form.carry and _is_plain(joint)
 
     def _refuse_welds(self, inside: Sequence[LinkJoint]) -> None:
         for entry in inside:
@@ -175,10 +182,17 @@ class _Writer:
                 )
 
     def _closed(self, entry: LinkJoint, inside: list[LinkJoint]) -> LinkJoint:
-        """The closure of a joint outside the tree; what the format has none for carries a leaf, which is welded to the link."""
+        """The closure of a joint outside the tree: itself, the second of its parts, or a weld of the leaf that it carries."""
         joint, (first, second) = entry.joint, entry.links
         if self._closes(joint):
             return entry
+        if joint.type in ("U", "C") and not self._carries(joint):
+            made, number = self._parts_of(joint)
+            if self._closes(made[1]) and not {part.name for part in made} & self.coupled:
+                middle = _fresh(f"{made[0].name}.link", self.links)
+                inside.append(LinkJoint(made[0], (first, middle)))
+                self.wholes.append(Whole(joint.name, joint.type, (made[0].name, made[1].name), number))
+                return LinkJoint(made[1], (middle, second))
         leaf = _fresh(f"{joint.name}.leaf", self.links)
         weld = _fresh(f"{joint.name}.weld", self.names)
         inside.append(LinkJoint(joint, (first, leaf)))
@@ -213,7 +227,7 @@ class _Writer:
 
     def _in_parts(self, joint: Joint) -> list[Joint]:
         """The joint by joints that the format has; the list of wholes is told."""
-        if joint.type in self.form.carry:
+        if self._carries(joint):
             return [joint]
         made, number = self._parts_of(joint)
         names = tuple(part.name for part in made)
@@ -248,6 +262,11 @@ class _Writer:
                 return [replace(joint, type="R", pitch=0.0), Joint(slide, "P", point, joint.axis)], joint.pitch
             case _:
                 raise MechanismError(f"joint {name!r}: {self.form.name} has no joint of type {joint.type}")
+
+
+def _is_plain(joint: Joint) -> bool:
+    """Whether formats that have its type have it so: axes of universal joints are square to each other there."""
+    return joint.axis is None or joint.axis2 is None or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
 
 
 def _fresh(name: str, taken: set[str]) -> str:

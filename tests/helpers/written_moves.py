@@ -37,6 +37,7 @@ def _moved(mechanism: symkin.Mechanism, closure, variables: np.ndarray) -> Moved
         start, end = np.array(rod.start), np.array(rod.end)
         now = np.asarray((links[rod.links[0]].inverse() @ links[rod.links[1]]).apply(end)) - start
         turn = _shortest_turn(end - start, now)
+        links |= _of_rod(rod, links[rod.links[0]], start, now, turn)
         back = (Pose(np.zeros(3), turn).inverse() @ links[rod.links[0]].inverse() @ links[rod.links[1]]).quaternion
         balls |= {f"{rod.name}.from": turn, f"{rod.name}.to": back}
         values[rod.name] = float(np.linalg.norm(now)) - rod.offset
@@ -44,6 +45,17 @@ def _moved(mechanism: symkin.Mechanism, closure, variables: np.ndarray) -> Moved
         if entry.joint.type == "S":
             balls[entry.joint.name] = (links[entry.links[0]].inverse() @ links[entry.links[1]]).quaternion
     return links, values | _of_platform(graph, links, values), balls
+
+
+def _of_rod(rod: symkin.LinkRod, carrier: Pose, start: np.ndarray, now: np.ndarray, turn: np.ndarray) -> dict[str, Pose]:
+    """The links of a rod, turned about its start by the shortest way, and slid to its end."""
+    turned = Pose(np.zeros(3), turn)
+    hung = carrier @ Pose(start - np.asarray(turned.apply(start)), turn)
+    if not rod.actuated:
+        return {rod.name: hung}
+    longer = now * (1.0 - rod.reference_length / np.linalg.norm(now))
+    slid = carrier @ Pose(start + longer - np.asarray(turned.apply(start)), turn)
+    return {f"{rod.name}.cylinder": hung, f"{rod.name}.piston": slid}
 
 
 def _of_platform(graph: symkin.Mechanism, links: dict[str, Pose], values: dict[str, float]) -> dict[str, float]:
