@@ -11,7 +11,9 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.block_paths import BlockPaths, BlockRoots
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.checked_roots import BlockRoots
+from symkin.assembly.closed_roots import ClosedBlock, closed_block
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
 from symkin.computed_once import cached_property, lru_cache
@@ -46,14 +48,20 @@ class Plain:
 
 @dataclass(frozen=True, eq=False)
 class PlainModes:
-    """What is prepared once for all inputs of one problem: its blocks with their paths, none where some block has none."""
+    """What is prepared once for all inputs of one problem: its blocks with their formulas or paths, none where some block has
+    neither."""
 
     problem: Problem
-    parts: tuple[BlockPaths, ...]
+    parts: tuple[BlockPaths | ClosedBlock, ...]
+
+    @property
+    def method(self) -> str:
+        """How the modes are found."""
+        return self.parts[0].method
 
     @property
     def engine(self) -> str | None:
-        """What tracks the paths."""
+        """What tracks the paths or has the formulas."""
         return ", ".join(dict.fromkeys(part.engine for part in self.parts)) or None
 
     @cached_property
@@ -77,7 +85,7 @@ class PlainModes:
         """Hash of the roots from which paths begin."""
         digest = hashlib.sha256()
         for part in self.parts:
-            digest.update(part.start.z.tobytes() + part.start.k.tobytes())
+            digest.update(part.digest)
         return digest.hexdigest()
 
     @cached_property
@@ -205,8 +213,12 @@ def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.nda
     return certified[order].astype(int), np.where(certified, radius, np.nan)[order]
 
 
-def plain_modes(problem: Problem, progress: Progress | None = None) -> PlainModes:
-    """The blocks of a problem with their paths; a start that is not kept yet is computed."""
+def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas: bool = True) -> PlainModes:
+    """The blocks of a problem with their formulas, if they are wanted and there are some, or with their paths; a start that is not
+    kept yet is computed."""
+    closed = closed_block(problem) if formulas else None
+    if closed is not None:
+        return _by_formulas(closed)
     if (
         problem.is_explicit
         or problem.system.freedom > problem.generic_rank
@@ -221,6 +233,11 @@ def plain_modes(problem: Problem, progress: Progress | None = None) -> PlainMode
             return PlainModes(problem, ())
         found.append((system_of(problem, block), start))
     return _prepared(problem, tuple(found))
+
+
+@lru_cache(maxsize=128)
+def _by_formulas(closed: ClosedBlock) -> PlainModes:
+    return PlainModes(closed.problem, (closed,))
 
 
 @lru_cache(maxsize=256)
