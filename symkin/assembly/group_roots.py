@@ -11,7 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from symkin.assembly.block_formulas import block_formulas
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.block_roots import BlockSolver
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
@@ -87,7 +89,7 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return _linear(group, known)
-    paths = group_paths(group) if search.method == "continuation" else None
+    paths = group_solver(group) if search.method == "continuation" else None
     if paths is None:
         return one_by_one(group, known, search, progress)
     found = paths.roots(known, certify=False)
@@ -144,8 +146,11 @@ def _statement(roots: Roots) -> Completeness:
 
 
 @lru_cache(maxsize=256)
-def group_paths(group: Problem) -> BlockPaths | None:
-    """What tracks the paths of a group; None where it has no start."""
+def group_solver(group: Problem) -> BlockSolver | None:
+    """The formulas of a group, else what tracks its paths; None where it has neither."""
+    formulas = block_formulas(group, 0)
+    if formulas is not None:
+        return formulas
     if unsuitable(group) is not None:
         return None
     (block,) = group.blocks
@@ -163,7 +168,7 @@ def most_roots(group: Problem) -> int | None:
     """The most isolated solutions of a group at one row of values; None where no paths tell."""
     if is_linear(group):
         return 1
-    paths = group_paths(group)
+    paths = group_solver(group)
     return None if paths is None else paths.most_roots
 
 

@@ -11,7 +11,9 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.block_paths import BlockPaths, BlockRoots
+from symkin.assembly.block_formulas import block_formulas
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.block_roots import BlockRoots, BlockSolver
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
 from symkin.computed_once import cached_property, lru_cache
@@ -46,10 +48,10 @@ class Plain:
 
 @dataclass(frozen=True, eq=False)
 class PlainModes:
-    """What is prepared once for all inputs of one problem: its blocks with their paths, none where some block has none."""
+    """What is prepared once for all inputs of one problem: its blocks with their formulas or paths, none where some block has none."""
 
     problem: Problem
-    parts: tuple[BlockPaths, ...]
+    parts: tuple[BlockSolver, ...]
 
     @property
     def engine(self) -> str | None:
@@ -77,7 +79,7 @@ class PlainModes:
         """Hash of the roots from which paths begin."""
         digest = hashlib.sha256()
         for part in self.parts:
-            digest.update(part.start.z.tobytes() + part.start.k.tobytes())
+            digest.update(part.digest)
         return digest.hexdigest()
 
     @cached_property
@@ -214,13 +216,20 @@ def plain_modes(problem: Problem, progress: Progress | None = None) -> PlainMode
         or redundant_distances(problem)
     ):
         return PlainModes(problem, ())
-    found = []
+    found: list[_Way] = []
     for number, block in enumerate(problem.blocks):
+        if block_formulas(problem, number) is not None:
+            found.append(None)
+            continue
         start = _kept_start(problem, number, progress, str(cache_folder()))
         if start is None:
             return PlainModes(problem, ())
         found.append((system_of(problem, block), start))
     return _prepared(problem, tuple(found))
+
+
+_Way = tuple[AlgebraicSystem, Fibre] | None
+"""How a block is solved: paths of a system from a start, or formulas."""
 
 
 @lru_cache(maxsize=256)
@@ -231,6 +240,13 @@ def _kept_start(problem: Problem, number: int, progress: Progress | None, _folde
 
 
 @lru_cache(maxsize=128)
-def _prepared(problem: Problem, found: tuple[tuple[AlgebraicSystem, Fibre], ...]) -> PlainModes:
-    parts = zip(problem.blocks, found, strict=True)
-    return PlainModes(problem, tuple(BlockPaths(problem, block, system, start) for block, (system, start) in parts))
+def _prepared(problem: Problem, found: tuple[_Way, ...]) -> PlainModes:
+    return PlainModes(problem, tuple(_solver(problem, number, way) for number, way in enumerate(found)))
+
+
+def _solver(problem: Problem, number: int, way: _Way) -> BlockSolver:
+    formulas = block_formulas(problem, number)
+    if way is None and formulas is not None:
+        return formulas
+    assert way is not None  # noqa: S101 - a block without formulas has paths
+    return BlockPaths(problem, problem.blocks[number], *way)
