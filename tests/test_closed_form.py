@@ -6,9 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 
 import symkin
+from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of
@@ -88,7 +88,9 @@ def test_there_are_as_many_as_paths_find(name: str) -> None:
     assert formulas(name).count == start.z.shape[1]
 
 
-@pytest.mark.parametrize("name", ["five-bar direct", "delta direct", "zhao2000 direct", "3-RRR limb", "slider_crank 0", "jansen_leg 2"])
+@pytest.mark.parametrize(
+    "name", ["five-bar direct", "delta direct", "zhao2000 direct", "3-RRR limb", "slider_crank 0", "jansen_leg 2"]
+)
 def test_newton_from_random_starts_finds_no_other(name: str) -> None:
     found, (problem, _) = formulas(name), PARTS[name]
     block, rng = found.system, np.random.default_rng(3)

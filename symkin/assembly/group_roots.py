@@ -145,12 +145,15 @@ def _statement(roots: Roots) -> Completeness:
     return "incomplete" if roots.unresolved or roots.complex_sets or roots.continuum is not None else "probability one"
 
 
-@lru_cache(maxsize=256)
 def group_solver(group: Problem) -> BlockSolver | None:
     """The formulas of a group, else what tracks its paths; None where it has neither."""
     formulas = block_formulas(group, 0)
-    if formulas is not None:
-        return formulas
+    return group_paths(group) if formulas is None else formulas
+
+
+@lru_cache(maxsize=256)
+def group_paths(group: Problem) -> BlockPaths | None:
+    """What tracks the paths of a group; None where it has no start."""
     if unsuitable(group) is not None:
         return None
     (block,) = group.blocks

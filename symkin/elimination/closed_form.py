@@ -43,26 +43,52 @@ class Solutions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
-    """Formulas of all unknowns of a system.
+    """Formulas of all unknowns of a system, with choices between two values.
 
-    unknowns = `values`(known; signs), each sign +1 or -1, where all `discriminants`(known; signs) are at least 0; `told` are
-    expressions of (known, unknowns) that have these signs, by which a configuration says which of the values it is. Formulas divide
-    by `divisors`. `steps` are the derivation, a sentence each. `samples` are the known values at which coefficients were compared.
+    unknowns = `values`(known; signs, roots): of each choice a sign, +1 or -1, and a root, the square root of one of the
+    `discriminants`(known; signs and roots of those before), which are at least 0 where a solution is real; `told` are expressions of
+    (known, unknowns; signs and roots of those before) that equal sign times root, by which a configuration says which of the values
+    it is. Formulas divide by `divisors`.
+    `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the choices decide. `samples` are the known values at which coefficients
+    were compared.
     """
 
     system: System
     signs: ca.SX
-    values: ca.SX
+    roots: ca.SX
+    first: ca.SX
+    second: ca.SX
     discriminants: ca.SX
     divisors: ca.SX
     told: ca.SX
     steps: tuple[str, ...]
+    names: tuple[str, ...]
     samples: np.ndarray
 
     @property
     def count(self) -> int:
         """How many solutions the formulas have, over the complex numbers."""
         return int(2 ** int(self.signs.shape[0]))
+
+    @property
+    def values(self) -> ca.SX:
+        """The unknowns, angles within half a turn of 0."""
+        return self.values_about(np.zeros(self.system.width))
+
+    def values_about(self, near: np.ndarray) -> ca.SX:
+        """The unknowns, each angle within half a turn of the multiple of a quarter turn that is next to its value in `near` (width,)."""
+        found = []
+        for k, coordinate in enumerate(self.system.unknowns):
+            if not coordinate.is_angular:
+                found.append(self.first[k])
+                continue
+            quarters = round(float(near[k]) / (0.5 * np.pi))
+            cosine, sine = self.first[k], self.second[k]
+            for _ in range(quarters % 4):
+                cosine, sine = sine, -cosine
+            angle = ca.atan2(sine, cosine)
+            found.append(angle + 0.5 * np.pi * quarters if quarters else angle)
+        return ca.vertcat(*found)
 
     @cached_property
     def choices(self) -> np.ndarray:
@@ -71,15 +97,39 @@ class ClosedForm:
 
     @cached_property
     def _mapped(self) -> Mapped:
-        return Mapped.of([self.signs, self.system.known], [self.values, self.discriminants, self.divisors])
+        whole = ca.vertcat(self.values, self.discriminants, self.divisors)
+        for k in reversed(range(int(self.roots.shape[0]))):
+            whole = ca.substitute(whole, self.roots[k], ca.sqrt(ca.fmax(self.discriminants[k], 0.0)))
+        width, choices = self.system.width, int(self.signs.shape[0])
+        parts = [whole[:width], whole[width : width + choices], whole[width + choices :]]
+        return Mapped.of([self.signs, self.system.known], parts)
 
     @cached_property
     def _signs(self) -> ca.Function:
-        return ca.Function("signs", [self.system.unknown, self.system.known], [self.told])
+        told = self.told
+        for k in range(int(self.signs.shape[0])):
+            told = ca.substitute(told, self.signs[k], ca.if_else(told[k] < 0, -1, 1))
+            told = ca.substitute(told, self.roots[k], ca.fabs(told[k]))
+        return ca.Function("signs", [self.system.unknown, self.system.known], [told])
+
+    def sides(self, signs: np.ndarray) -> ca.SX:
+        """Expressions (choices,) of (known, unknowns) that are at least 0 where a configuration has these signs."""
+        told = ca.substitute(self.told, self.signs, ca.SX(ca.DM(signs)))
+        found: list[ca.SX] = []
+        for k, sign in enumerate(signs):
+            part = told[k]
+            for before, root in enumerate(found):
+                part = ca.substitute(part, self.roots[before], root)
+            found.append(sign * part)
+        return ca.vertcat(ca.SX(0, 1), *found)
 
     def signs_at(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The signs (choices,) of a configuration."""
         return np.where(np.asarray(self._signs(unknown, known)).ravel() < 0.0, -1.0, 1.0)
+
+    def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
+        """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(len(known), -1)
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""
@@ -175,12 +225,12 @@ def _run(work: Workspace) -> bool:
 
 def _made(system: System, work: Workspace, before: dict[int, int], samples: np.ndarray) -> ClosedForm:
     ring = work.ring
-    values, own, whole = [], [], [ca.SX(0)] * system.width
+    found, own, whole = [], [], [ca.SX(0)] * system.width
     for k, coordinate in enumerate(ring.unknowns):
         parts = [work.values[place] for place in ring.places[k]]
         z = system.unknown[k]
         if not coordinate.is_angular:
-            values.append(parts[0])
+            found.append((parts[0], ca.SX(0)))
             own.append((ring.places[k][0], z))
             continue
         if k in before:
@@ -191,17 +241,30 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
             whole[k] = whole[before[k]] + z
         else:
             whole[k] = z
-        values.append(ca.atan2(parts[1], parts[0]))
+        found.append((parts[0], parts[1]))
         own += [(ring.places[k][0], ca.cos(whole[k])), (ring.places[k][1], ca.sin(whole[k]))]
     signs = ca.vertcat(ca.SX(0, 1), *(c.sign for c in work.choices))
     outputs = [
-        ca.vertcat(*values),
+        *(ca.vertcat(*column) for column in zip(*found, strict=True)),
         ca.vertcat(ca.SX(0, 1), *(c.discriminant for c in work.choices)),
         ca.vertcat(ca.SX(0, 1), *work.divisors),
     ]
     symbols = [symbol for symbol, _ in work.definitions]
-    found, discriminants, divisors = _inlined(symbols, [expression for _, expression in work.definitions], outputs)
-    return ClosedForm(system, signs, found, discriminants, divisors, _told(work, dict(own)), tuple(work.steps), samples)
+    first, second, discriminants, divisors = _inlined(symbols, [expression for _, expression in work.definitions], outputs)
+    roots = ca.vertcat(ca.SX(0, 1), *(c.root for c in work.choices))
+    return ClosedForm(
+        system,
+        signs,
+        roots,
+        first,
+        second,
+        discriminants,
+        divisors,
+        _told(work, dict(own)),
+        tuple(work.steps),
+        tuple(c.name for c in work.choices),
+        samples,
+    )
 
 
 def _told(work: Workspace, own: dict[int, ca.SX]) -> ca.SX:
@@ -212,9 +275,6 @@ def _told(work: Workspace, own: dict[int, ca.SX]) -> ca.SX:
     read = [solved.get(_key(symbol), expression) for symbol, expression in work.definitions]
     told = ca.substitute(ca.vertcat(ca.SX(0, 1), *(c.tells for c in work.choices)), places, parts)
     (told,) = _inlined(symbols, read, [told])
-    for k, choice in enumerate(work.choices):
-        # later choices may read earlier ones
-        told = ca.substitute(told, choice.sign, ca.if_else(told[k] < 0, -1, 1))
     return told
 
 

@@ -25,11 +25,12 @@ _PARALLEL = 1e-10
 
 
 class Choice(NamedTuple):
-    """A formula with two values: its `sign` symbol, +1 or -1, the `discriminant`, below zero where no value is real, and `tells`, an
-    expression of a solution's generators (`Workspace.own`) that has this sign."""
+    """A formula with two values: symbols of its `sign`, +1 or -1, and of its `root`, the square root of the `discriminant`, below zero
+    where no value is real; `tells` is an expression of a solution's generators (`Workspace.own`) that equals sign times root."""
 
     name: str
     sign: ca.SX
+    root: ca.SX
     discriminant: ca.SX
     tells: ca.SX
 
@@ -130,15 +131,14 @@ class Workspace:
         return symbol
 
     def choose(self, name: str, discriminant: ca.SX, tells: ca.SX) -> ca.SX:
-        """The root of a discriminant with its sign: a choice between two values. `tells` is what the product equals."""
+        """The root of a discriminant with its sign: a choice between two values."""
         under = self.define(discriminant, f"D_{name}")
-        root = self._symbol(
-            ca.sqrt(ca.fmax(under, 0.0)), f"root_{name}", np.sqrt(np.abs(self.numbers([under])))
-        )  # a sample without real values takes part as if it had some
-        sign = ca.SX.sym(f"sign_{name}")
-        self.symbols.append(sign)
-        self.samples = np.hstack([self.samples, np.ones((len(self.samples), 1))])
-        self.choices.append(Choice(name, sign, under, tells))
+        root, sign = ca.SX.sym(f"root_{name}"), ca.SX.sym(f"sign_{name}")
+        # a sample without real values takes part as if it had some
+        numbers = np.sqrt(np.abs(self.numbers([under])))
+        self.symbols += [root, sign]
+        self.samples = np.hstack([self.samples, numbers, np.ones_like(numbers)])
+        self.choices.append(Choice(name, sign, root, under, tells))
         return sign * root
 
     def solve(self, unknown: int, values: Sequence[ca.SX]) -> None:
