@@ -113,6 +113,11 @@ class LimbPlatform:
         """Whether a limb is more than a rod, whose length the pose decides."""
         return any(block.rod is None for block in self.blocks)
 
+    @property
+    def tells_branch(self) -> bool:
+        """Whether signs tell every limb's branch: all are rods or have closed forms."""
+        return all(block.kernel is None for block in self.blocks)
+
     @cached_property
     def conditions(self) -> System:
         """Rows that no joint enters: the pose alone must satisfy them."""

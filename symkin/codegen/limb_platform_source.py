@@ -91,7 +91,7 @@ class LimbPlatformSource:
         """Values of the names in the templates of this kind, the tests and the header."""
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
         passive = sum(c.width for c in made.passive)
-        answer = "w.x" if self._tells_branch else f"{ga}&w.x[{passive}]"
+        answer = "w.x" if self.made.tells_branch else f"{ga}&w.x[{passive}]"
         branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
         unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"w.aim = {p}_unwrap_joints(w.at, joints, given);"]
         return self._common | {
@@ -183,18 +183,13 @@ class LimbPlatformSource:
     # --- branches and turns ------------------------------------------------------------------------------------------
 
     @property
-    def _tells_branch(self) -> bool:
-        """Whether signs tell every limb's branch."""
-        return all(block.kernel is None for block in self.made.blocks)
-
-    @property
     def _check_branch(self) -> str:
         """NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where
         errors of the tolerance are their square roots in joint values: what differs by less is one."""
         made = self.made
         if not made.has_dead_centres:
             return ""
-        if self._tells_branch:
+        if self.made.tells_branch:
             return branch_text(made, self._common, self.code.tuning.tolerance)
         size = made.closure.characteristic_length
         # near a dead centre the pose moves by the square of the joint: an error t of the pose is sqrt(t) there
