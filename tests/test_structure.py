@@ -53,7 +53,7 @@ def _empty_cache(tmp_path, monkeypatch):
     # as in a process that has not met these blocks
     monkeypatch.setattr(group_roots, "group_paths", group_paths)
     # blocks that have a closed form take their paths here
-    monkeypatch.setattr(group_roots, "block_formulas", lambda _group, _number: None)
+    monkeypatch.setattr(group_roots, "closed_block", lambda _group, _number: None)
 
 
 # --- the polynomials -----------------------------------------------------------------------------------------------

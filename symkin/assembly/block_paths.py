@@ -7,12 +7,13 @@ its own, every root is real or not beyond doubt, and every real one is well cond
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from symkin.assembly.block_proofs import BlockProver, block_prover
-from symkin.assembly.block_roots import BlockRoots, Candidates, checked_roots
+from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.computed_once import cached_property
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
@@ -39,16 +40,12 @@ class BlockPaths:
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
+    method: ClassVar[str] = "continuation"
 
     @property
     def engine(self) -> str:
         """What tracks the paths."""
         return engine_of(self.algebraic)[1]
-
-    @property
-    def digest(self) -> bytes:
-        """The roots from which paths begin."""
-        return self.start.z.tobytes() + self.start.k.tobytes()
 
     @property
     def most_roots(self) -> int:
@@ -63,6 +60,11 @@ class BlockPaths:
     @cached_property
     def prover(self) -> BlockProver:
         return block_prover(self.problem, self.algebraic, self.block)
+
+    @property
+    def digest(self) -> bytes:
+        """What the roots begin from."""
+        return self.start.z.tobytes() + self.start.k.tobytes()
 
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
@@ -82,14 +84,9 @@ class BlockPaths:
         counts, origin, columns, owner = self._real_ones(
             z, instance, plain, None if proved is None else proved.real == "not real"
         )
-        candidates = self._points(columns, owner, origin, k, known)
-        several = 1 << len(replaced_universal_joints(self.problem))
-        found, origin = checked_roots(self.block, candidates, known, plain, several * counts)
-        if not certify:
-            return found
-        proofs = self.prover.roots(proved, found.points, found.owner, known, origin)
-        plain[found.owner[~proofs.certified]] = False
-        return replace(found, proofs=proofs)
+        counts = counts << len(replaced_universal_joints(self.problem))
+        found, origin = checked_roots(self.block, self._points(columns, owner, origin, k, known), known, plain, counts)
+        return with_proofs(found, self.prover, proved, known, origin) if certify else found
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
         """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose and in each limb."""

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from symkin.assembly.block_roots import BlockSolver
+from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_solver, most_roots
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
 from symkin.assembly.modes_by_name import modes_by_name
@@ -102,7 +103,7 @@ class GroupFinder:
     search: Search
 
     @cached_property
-    def _paths(self) -> list[BlockSolver]:
+    def _paths(self) -> list[BlockPaths | ClosedBlock]:
         found = (None if is_linear(group) else group_solver(group) for group in structure_groups(self.problem))
         return [paths for paths in found if paths is not None]
 

@@ -16,6 +16,7 @@ from symkin.model.joint import JointType
 from symkin.text import first_of, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
+YAML_ENDINGS = (".yaml", ".yml")
 _AXES: dict[str, Direction] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 _UNIVERSAL = re.compile(r"UJOINT_([XYZ])([XYZ])")
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
@@ -42,7 +43,7 @@ class LoopsBeside:
 
 def loops_beside(path: Path) -> LoopsBeside:
     """What stands in the YAML file of a URDF's name; nothing where there is none, or it closes no loop."""
-    file = next((f for ending in (".yaml", ".yml") if (f := path.with_suffix(ending)).is_file()), None)
+    file = next((f for ending in YAML_ENDINGS if (f := path.with_suffix(ending)).is_file()), None)
     if file is None:
         return LoopsBeside()
     text = _text(file)

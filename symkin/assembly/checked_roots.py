@@ -1,17 +1,13 @@
-"""Real roots of one block of a problem at many instances: what every way to find them ends in.
-
-Candidates are polished by Newton's method on the block's own rows and checked on all rows. An instance is plain where nothing leaves a
-doubt: every root is well conditioned and differs from the others.
-"""
+"""Candidates for real roots of one block at many instances: polished, checked on all rows, told apart, proved."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symkin.assembly.block_proofs import BlockProver, RootProofs
+from symkin.certificate.certificate import CertificateBatch
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
 from symkin.numeric.system import System
@@ -50,36 +46,16 @@ class Candidates:
     origin: np.ndarray
 
 
-class BlockSolver(Protocol):
-    """A way to find all roots of a block: `engine` says which, `digest` what it begins with, `most_roots` how many complex roots a
-    generic instance has, `notes` what holds of every instance."""
-
-    @property
-    def block(self) -> System: ...
-    @property
-    def engine(self) -> str: ...
-    @property
-    def digest(self) -> bytes: ...
-    @property
-    def most_roots(self) -> int: ...
-    @property
-    def notes(self) -> tuple[str, ...]: ...
-    @property
-    def prover(self) -> BlockProver: ...
-    def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
-        """Roots at instances known (n, values)."""
-
-
 def checked_roots(
     block: System, candidates: Candidates, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
 ) -> tuple[BlockRoots, np.ndarray]:
     """Candidates polished on the block's own rows; those that close on all rows, written in the standard way, and their origin.
-    Instances that leave a doubt are taken out of `plain`."""
+    Instances (n,) with roots that are badly conditioned or equal are no longer `plain`; `counts` (n,) are their complex roots."""
     owner = candidates.owner
     here = known[owner]
     polished = block.polish_many(candidates.points, here)
-    slices = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
-    points = canonical(block.unknowns, slices, polished.points)
+    places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
+    points = canonical(block.unknowns, places, polished.points)
     residual = block.residuals(points, here)
     closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.characteristic_length)
     points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
@@ -94,6 +70,15 @@ def checked_roots(
         complex_count=counts,
         proofs=None,
     ), candidates.origin[closed]
+
+
+def with_proofs(
+    found: BlockRoots, prover: BlockProver, ends: CertificateBatch | None, known: np.ndarray, origin: np.ndarray
+) -> BlockRoots:
+    """The roots with what is proved of them; instances with one that is not certified are no longer plain."""
+    proofs = prover.roots(ends, found.points, found.owner, known, origin)
+    found.plain[found.owner[~proofs.certified]] = False
+    return replace(found, proofs=proofs)
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
