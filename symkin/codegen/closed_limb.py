@@ -5,7 +5,7 @@ Of each choice between two values the reference's is taken. A discriminant below
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
@@ -19,6 +19,8 @@ from symkin.elimination.closed_form import ClosedForm
 from symkin.numeric.system import System
 from symkin.text import c_comment
 
+_RESOLVED = 32.0
+"""Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the joint is not decided there."""
 _SINGULAR = 1e-3
 """Share of a root's usual size below which the limb is near a dead centre, where rates are without bound."""
 
@@ -52,11 +54,8 @@ class _Formulas:
         values, discriminants = (self._signed(part) for part in (self.formulas.values_about(home), self.formulas.discriminants))
         actuated = values[actuated_places(self.block), 0]
         rates = _rates(self.made, self.block, actuated, discriminants, self.formulas.roots)
-        width = self.block.system.width
-        low = self.real.literal(0.0)
-        joints = self._lines(values, discriminants, [low] * width, "x", "OUT_OF_RANGE", ">=")
-        limits = [self.real.literal(rounded((_SINGULAR * root) ** 2)) for root in self.usual_roots]
-        return joints, self._lines(ca.vec(rates.T), discriminants, limits, "rates", "SINGULAR", ">")
+        joints = self._lines(values, discriminants, _RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
+        return joints, self._lines(ca.vec(rates.T), discriminants, _SINGULAR, "rates", "SINGULAR")
 
     def _signed(self, expression: ca.SX) -> ca.SX:
         signs = home_signs(self.made, self.block, self.formulas)
@@ -70,22 +69,24 @@ class _Formulas:
         found = self.formulas.discriminants_at(poses, home_signs(self.made, self.block, self.formulas))
         return np.asarray(np.sqrt(np.median(np.abs(found), axis=0)))
 
-    def _lines(
-        self, results: ca.SX, discriminants: ca.SX, limits: Sequence[str], array: str, refused: str, test: str
-    ) -> list[str]:
-        """Statements of discriminants, their roots, the status and the results."""
+    def _lines(self, results: ca.SX, discriminants: ca.SX, least: float, array: str, refused: str) -> list[str]:
+        """Statements of discriminants, their roots, the results and the status: refused where a root is below the `least` share of its
+        usual size."""
+        limits = [self.real.literal(rounded((least * root) ** 2)) for root in self.usual_roots]
         known, roots = self.formulas.system.known, self.formulas.roots
         outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (discriminants, results)]
         function = ca.Function("limb", [known, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
         emitter = Emitter(function, [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]], self.real)
-        lines, tests, one = emitter.lines, [], self.real.literal(1.0 if test == ">" else 0.0)
+        lines, tests, one = emitter.lines, [], self.real.literal(1.0)
         for k in range(count):
             text = emitter.value(0, k)
             real, sqrt = self.real.type, self.real.call("sqrt")
-            lines.append(f"const {real} d{k + 1} = {text}; /* {self.formulas.names[k]} has two values where this is above 0 */")
+            lines.append(
+                f"const {real} d{k + 1} = {text}; /* above 0 where {c_comment(self.formulas.names[k])} has two values */"
+            )
             lines.append(f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : {one};")
-            tests.append(f"(d{k + 1} {test} {limits[k]})")
+            tests.append(f"(d{k + 1} > {limits[k]})")
         stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
         name = self.made.name
         status = f"{name.upper()}_OK"
