@@ -56,8 +56,9 @@ class PlainModes:
 
     @property
     def method(self) -> str:
-        """How the modes are found."""
-        return self.parts[0].method
+        """How the modes are found: by formulas where all blocks have some."""
+        methods = {part.method for part in self.parts}
+        return methods.pop() if len(methods) == 1 else "continuation"
 
     @property
     def engine(self) -> str | None:
@@ -216,18 +217,16 @@ def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.nda
 def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas: bool = True) -> PlainModes:
     """The blocks of a problem with their formulas, if they are wanted and there are some, or with their paths; a start that is not
     kept yet is computed."""
-    closed = closed_block(problem) if formulas else None
-    if closed is not None:
-        return _by_formulas(closed)
-    if (
-        problem.is_explicit
-        or problem.system.freedom > problem.generic_rank
-        or unsuitable(problem)
-        or redundant_distances(problem)
-    ):
+    unsolvable = problem.is_explicit or problem.system.freedom > problem.generic_rank
+    if unsolvable:
         return PlainModes(problem, ())
-    found = []
+    found: list[_Way] = []
     for number, block in enumerate(problem.blocks):
+        if formulas and closed_block(problem, number) is not None:
+            found.append(None)
+            continue
+        if unsuitable(problem) or redundant_distances(problem):
+            return PlainModes(problem, ())
         start = _kept_start(problem, number, progress, str(cache_folder()))
         if start is None:
             return PlainModes(problem, ())
@@ -235,9 +234,8 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
     return _prepared(problem, tuple(found))
 
 
-@lru_cache(maxsize=128)
-def _by_formulas(closed: ClosedBlock) -> PlainModes:
-    return PlainModes(closed.problem, (closed,))
+_Way = tuple[AlgebraicSystem, Fibre] | None
+"""How a block is solved: by paths of a system from a start, or by formulas."""
 
 
 @lru_cache(maxsize=256)
@@ -248,6 +246,13 @@ def _kept_start(problem: Problem, number: int, progress: Progress | None, _folde
 
 
 @lru_cache(maxsize=128)
-def _prepared(problem: Problem, found: tuple[tuple[AlgebraicSystem, Fibre], ...]) -> PlainModes:
-    parts = zip(problem.blocks, found, strict=True)
-    return PlainModes(problem, tuple(BlockPaths(problem, block, system, start) for block, (system, start) in parts))
+def _prepared(problem: Problem, found: tuple[_Way, ...]) -> PlainModes:
+    return PlainModes(problem, tuple(_solver(problem, number, way) for number, way in enumerate(found)))
+
+
+def _solver(problem: Problem, number: int, way: _Way) -> BlockPaths | ClosedBlock:
+    closed = closed_block(problem, number) if way is None else None
+    if closed is not None:
+        return closed
+    assert way is not None  # noqa: S101 - a block without formulas has paths
+    return BlockPaths(problem, problem.blocks[number], *way)
