@@ -193,7 +193,7 @@ class ClosedCode:
             "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
             "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
             "reach": literal(_REACH * self._farthest),
-            "finish": indent(self._finish_lines), "named": indent(named, 2),
+            "named": indent(named, 2),
         }  # fmt: skip
 
     @property
@@ -203,15 +203,10 @@ class ClosedCode:
         return max(self.plan.arm.size, *(float(np.linalg.norm(point)) for point in points))
 
     @property
-    def _finish_lines(self) -> list[str]:
-        """What is done with each branch before its angles are turned."""
-        p, ga = self.values["p"], self.values["ga"]
-        return [f"status = {p}_finish({ga}x, joints);"] if self.newton is not None else []
-
-    @property
     def text(self) -> str:
         """All functions of the closed form."""
-        return self._finish + fill("closed.c", self._names)
+        first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
+        return fill("closed.c", self._names | {"finish": self._finish, "settle": first})
 
     @property
     def _finish(self) -> str:

@@ -30,18 +30,7 @@ static @{p}_status @{p}_turn_near(const @{real} about[@{nn}], @{real} joints[@{n
     return status;
 }
 
-/* Brings the joint values of a branch to where they are wanted: whole turns, and their ranges. */
-static @{p}_status @{p}_settle(const @{real} x[7], const @{real} about[@{nn}], @{real} joints[@{nn}])
-{
-    @{p}_status status = @{P}_OK;
-    (void)x;
 @{finish}
-    if (status == @{P}_OK) {
-        status = @{p}_turn_near(about, joints);
-    }
-    return status;
-}
-
 /* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
 static @{p}_status @{p}_read_pose(const @{p}_pose *pose, @{real} x[7])
 {
@@ -66,7 +55,7 @@ static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{n
     @{p}_status status = @{p}_read_pose(pose, x);
     if (status == @{P}_OK) {
         if (@{p}_branches(x, near, wanted, found, &undecided) == 1) {
-            status = @{p}_settle(x, about, found[0]);
+            status = @{settle}about, found[0]);
         } else {
             status = undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
         }
@@ -91,7 +80,7 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
     if (status == @{P}_OK) {
         const int all = @{p}_branches(x, near, @{both}, joints, &undecided);
         for (int k = 0; k < all; ++k) {
-            if (@{p}_settle(x, middle, joints[k]) == @{P}_OK) {
+            if (@{settle}middle, joints[k]) == @{P}_OK) {
                 for (int i = 0; i < @{nn}; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -119,9 +108,9 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
 /* The branch nearest to the guess, choice by choice. */
 @{p}_status @{p}_inverse_nearest(const @{p}_pose *pose, const @{real} guess[@{nn}], @{real} joints[@{nn}])
 {
-    @{real} near[@{nears}];
     @{p}_status status = @{p}_check_finite(guess, @{nn}, @{P}_OK);
     if (status == @{P}_OK) {
+        @{real} near[@{nears}] = { @{zero} };
 @{near}
         status = @{p}_one_branch(pose, near, 0U, guess, joints);
     }

@@ -4,7 +4,7 @@ static @{p}_status @{p}_finish(const @{real} x[7], @{real} joints[@{nn}])
 {
     @{k}_work work;
     @{k}_work *const w = &work;
-    @{real} residual = @{huge};
+    @{real} residual;
     @{real} size = @{zero};
     int turn = 1;
     for (int i = 0; i < @{nn}; ++i) {
@@ -30,3 +30,12 @@ static @{p}_status @{p}_finish(const @{real} x[7], @{real} joints[@{nn}])
     return (residual <= @{P}_TOLERANCE + @{rounding}) ? @{P}_OK : ((turn == 0) ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE);
 }
 
+/* Brings the joint values of a branch to where they are wanted: this arm's pose, whole turns, and their ranges. */
+static @{p}_status @{p}_settle(const @{real} x[7], const @{real} about[@{nn}], @{real} joints[@{nn}])
+{
+    @{p}_status status = @{p}_finish(x, joints);
+    if (status == @{P}_OK) {
+        status = @{p}_turn_near(about, joints);
+    }
+    return status;
+}
