@@ -2548,6 +2548,26 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
+{
+    const yao2020_real number = angle * 0.15915494309189535;
+    yao2020_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint. */
@@ -2790,13 +2810,8 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
 static yao2020_status yao2020_read_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        status = yao2020_check_finite(x, 7, YAO2020_OK);
-    }
-    for (int i = 0; (i < 3) && (status == YAO2020_OK); ++i) {
-        if (!(fabs(x[i]) < 2220090.088262186)) {
-            status = YAO2020_OUT_OF_RANGE;
-        }
+    if (!((fabs(x[0]) < 2220090.088262186) && (fabs(x[1]) < 2220090.088262186) && (fabs(x[2]) < 2220090.088262186))) {
+        status = yao2020_check_finite(x, 3, (status == YAO2020_OK) ? YAO2020_OUT_OF_RANGE : status);
     }
     return status;
 }
@@ -2868,12 +2883,9 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
     yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
     if (status == YAO2020_OK) {
         yao2020_real near[6] = { 0.0 };
-        near[0] = cos(guess[3]);
-        near[1] = sin(guess[3]);
-        near[2] = cos(guess[4]);
-        near[3] = sin(guess[4]);
-        near[4] = cos(guess[1]);
-        near[5] = sin(guess[1]);
+        near[0] = yao2020_sine(guess[3] + 1.5707963267948966);
+        near[2] = yao2020_sine(guess[4] + 1.5707963267948966);
+        near[4] = yao2020_sine(guess[1] + 1.5707963267948966);
         status = yao2020_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

@@ -35,13 +35,8 @@ static @{p}_status @{p}_turn_near(const @{real} about[@{nn}], @{real} joints[@{n
 static @{p}_status @{p}_read_pose(const @{p}_pose *pose, @{real} x[7])
 {
     @{p}_status status = @{p}_normalise_pose(pose, x);
-    if (status == @{P}_OK) {
-        status = @{p}_check_finite(x, 7, @{P}_OK);
-    }
-    for (int i = 0; (i < 3) && (status == @{P}_OK); ++i) {
-        if (!(@{fabs}(x[i]) < @{reach})) {
-            status = @{P}_OUT_OF_RANGE;
-        }
+    if (!((@{fabs}(x[0]) < @{reach}) && (@{fabs}(x[1]) < @{reach}) && (@{fabs}(x[2]) < @{reach}))) {
+        status = @{p}_check_finite(x, 3, (status == @{P}_OK) ? @{P}_OUT_OF_RANGE : status);
     }
     return status;
 }
