@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,13 @@ def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
     metres = {n: v if kinds[n] or mechanism.length_unit == "m" else 1e-3 * v for n, v in values.items()}
     before, after = symkin.modes(mechanism, given=own), symkin.modes(written, given=metres)
     assert len(after) == len(before) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"])
+def test_as_many_modes_of_limbs(name: str, tmp_path: Path, kept_starts: None) -> None:
+    """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of its own."""
+    test_as_many_modes(name, ".xml", tmp_path)
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
@@ -132,3 +140,20 @@ def test_without_the_text_parts_are_joints_of_their_own(tmp_path: Path) -> None:
     plain = symkin.load(path)
     assert {e.joint.name for e in plain.link_joints} >= {"ankle.1", "ankle.2", "upper_rod.from", "upper_rod.to"}
     assert not plain.link_rods
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("name", ["bricard", "zhang2009", "ankle"])
+def test_motors_are_those_of_the_mechanism(name: str, suffix: str, tmp_path: Path) -> None:
+    """What moves and no motor drives is not taken for driven, though nothing else tells motors; and motors may be told beside it."""
+    mechanism = symkin.load(name)
+    joints = [replace(e, joint=replace(e.joint, actuated=False)) for e in mechanism.link_joints]
+    idle = replace(mechanism, link_joints=joints, link_rods=[r for r in mechanism.link_rods if not r.actuated])
+    path = symkin.convert(idle, tmp_path / f"m{suffix}")
+    expected = [c.name for c in idle.actuated]
+    assert [c.name for c in symkin.load(path).actuated] == expected
+    assert sorted(symkin.close(path).actuated) == sorted(expected)
+    assert not any("no motors are told" in note for note in symkin.close(path).notes)
+    first = next((e.joint.name for e in idle.link_joints if e.joint.type == "R"), None)
+    if first is not None:
+        assert [c.name for c in symkin.load(path, symkin.ReadOptions(actuated=[first])).actuated] == [first]

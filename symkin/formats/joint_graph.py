@@ -202,7 +202,7 @@ class _Assembly:
             axis=None if axis is None else _numbers(axis),
             axis2=None if axis2 is None else _numbers(axis2),
             pitch=joint.pitch,
-            actuated=joint.actuated,
+            actuated=joint.actuated or self.graph.parts.drives(joint.name, joint.type),
             zero=self.graph.parts.reference.get(joint.name, 0.0) if FREEDOMS[joint.type] == 1 else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
         )
@@ -231,7 +231,8 @@ class _Assembly:
         parts = (self.link_names[self.part_of[joint.links[0]]], self.link_names[self.part_of[joint.links[1]]])
         kind: ClosureType = joint.type
         limits = joint.limits if FREEDOMS[joint.type] == 1 else None
-        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, joint.actuated)
+        driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
+        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, driven)
 
     def _coupling(self, coupling: Coupling) -> Coupling:
         new = self._coordinate

@@ -14,7 +14,7 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.parts import KEY, parts_text
 from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
-from symkin.formats.xml_written import Element, document, element, inside, is_zero
+from symkin.formats.xml_written import Element, document, element, inside, is_zero, number
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint
@@ -25,6 +25,11 @@ _TYPES = {"R": "hinge", "P": "slide", "S": "ball"}
 _WORLD = "world"
 _MASS, _INERTIA = 0.1, 1e-3
 """Kilograms and kilogram square metres of every body: any that are not zero do."""
+
+_BAR = {"type": "capsule", "contype": "0", "conaffinity": "0", "mass": "0"}
+"""Bars are seen and touch nothing."""
+_THICKNESS, _SHORTEST = 0.01, 1e-3
+"""Of the size: radius of bars, and length of those that are left out."""
 
 
 def mjcf_text(mechanism: Mechanism) -> str:
@@ -47,11 +52,16 @@ class _Text:
         graph = self.tree.graph
         root = element("mujoco", model=graph.name)
         inside(root, "compiler", angle="radian", autolimits=True)
+        bars = inside(inside(root, "default"), "geom")
+        for key, value in _BAR.items():
+            bars.set(key, value)
+        bars.set("size", number(_THICKNESS * graph.characteristic_length))
         custom = inside(root, "custom")
         inside(custom, "text", name=KEY, data=parts_text(self.tree.parts))
         self.bodies[BASE] = inside(root, "worldbody")
         for entry in self.tree.carried:
             self._body(entry)
+        self._bars()
         self._sites()
         self._equality(root)
         self._actuator(root)
@@ -81,6 +91,20 @@ class _Text:
                 ref=joint.zero or None,
                 range_=joint.limits,
             )
+
+    def _bars(self) -> None:
+        """What viewers show of a body: bars from its origin to the joints that it carries."""
+        ends = {
+            link: [self.places[e.link] for e in self.tree.carried if e.carrier == link] for link in self.bodies if link != BASE
+        }
+        for entry in self.tree.closures:
+            for link in set(entry.links) - {BASE}:
+                ends[link].append(np.array(entry.joint.point))
+        size = self.tree.graph.characteristic_length
+        for link, points in ends.items():
+            for away in (point - self.places[link] for point in points):
+                if float(np.linalg.norm(away)) > _SHORTEST * size:
+                    inside(self.bodies[link], "geom", fromto=[0.0, 0.0, 0.0, *away])
 
     def _sites(self) -> None:
         """The platform frame and points of links, which others may measure at."""

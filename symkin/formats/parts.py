@@ -54,6 +54,14 @@ class Parts:
     welds: tuple[str, ...] = ()
     order: tuple[str, ...] = ()
 
+    def drives(self, joint: str, kind: str) -> bool:
+        """Whether a joint of the file is actuated, or what it is a part of: of a rod the slide, of a screw the turn."""
+        driven = self.actuated or ()
+        whole = next((w for w in self.wholes if joint in w.parts and w.name in driven), None)
+        if whole is None:
+            return joint in driven
+        return kind == "P" if whole.kind == "rod" else joint == whole.parts[0] if whole.kind == "H" else kind != "weld"
+
     def at(self, reference: Mapping[str, float]) -> Parts:
         """The same with the values at which the loops are closed."""
         return replace(self, reference=reference)
@@ -201,7 +209,11 @@ class _Made:
         rods = sorted(self.rods.values(), key=lambda rod: places.get(rod.name, len(places)))
         if driven is not None:
             joints = [replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in driven)) for entry in joints]
-        return replace(self.given, link_joints=joints, link_rods=rods, couplings=tuple(self.couplings.values()))
+        couplings = tuple(self.couplings.values())
+        try:
+            return replace(self.given, link_joints=joints, link_rods=rods, couplings=couplings)
+        except MechanismError as error:
+            raise self._error(str(error)) from None
 
     def _known(self, name: str) -> LinkJoint:
         if name not in self.joints:

@@ -240,7 +240,7 @@ class _Reader(GraphReader):
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
-        if self.read.actuated:
+        if self.read.actuated or self.parts.actuated is not None:
             return graph
         named = {e.text.strip() for p in self.model.walk() if p.tag == "plugin" for e in p.walk() if e.tag == "joint_name"}
         able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]

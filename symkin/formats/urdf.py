@@ -89,7 +89,7 @@ class _Reader(GraphReader):
 
     def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
         super().__init__(path, read)
-        self.root = root
+        self.root, self.parts = root, parts_within(root)
         self.links = self._links()
         self.elements = root.all("joint", "drake:joint")
         self.beside = loops_beside(path)
@@ -100,7 +100,8 @@ class _Reader(GraphReader):
         joints = self._hold_the_root(joints, root)
         loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop)
         joints = [*joints, *self._beside(), *loops.joints]
-        joints, of_motors = (joints, []) if self.read.actuated else with_motors(self.root, self.beside, joints)
+        told = self.read.actuated or self.parts.actuated is not None
+        joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
         couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
         links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
         self._refuse_lost(links, root, joints)
@@ -113,7 +114,7 @@ class _Reader(GraphReader):
             notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
             source=str(self.path),
             meshes=self._meshes(),
-            parts=parts_within(self.root),
+            parts=self.parts,
         )
 
     # --- links -----------------------------------------------------------------------------------------------------

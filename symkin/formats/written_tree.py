@@ -123,11 +123,11 @@ class _Writer:
         closures = [self._closed(entry, inside) for entry in self.entries if entry not in inside]
         carried = self._carried(inside)
         graph = self.graph
-        order = (*(entry.joint.name for entry in graph.link_joints), *(rod.name for rod in graph.link_rods))
-        actuated = tuple(entry.joint.name for entry in graph.link_joints if entry.joint.actuated)
+        parts: list[Joint | LinkRod] = [*(entry.joint for entry in graph.link_joints), *graph.link_rods]
+        actuated = tuple(part.name for part in parts if part.actuated)
         welds = tuple(entry.joint.name for entry in closures if entry.joint.type == "weld")
-        parts = Parts(tuple(self.wholes), actuated, welds=welds, order=order)
-        return WrittenTree(graph, tuple(carried), tuple(closures), tuple(self.couplings), parts)
+        told = Parts(tuple(self.wholes), actuated, welds=welds, order=tuple(part.name for part in parts))
+        return WrittenTree(graph, tuple(carried), tuple(closures), tuple(self.couplings), told)
 
     # --- rods --------------------------------------------------------------------------------------------------------
 
