@@ -87,9 +87,10 @@ _ALONE = Lock()
 
 @contextmanager
 def _told(xacro: Any, packages: Packages) -> Iterator[None]:
-    """Let xacro find packages where they are told, and read files of no entities and of bounded size only."""
+    """Let xacro find packages where they are told, read files of no entities and of bounded size only, and print nothing."""
     substitutions: Any = import_module("xacro.substitution_args")
-    find, inner, parse = substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse
+    find, inner = substitutions._eval_find, substitutions._eval_dict["find"]
+    parse, warning = xacro.parse, xacro.warning
 
     def found(name: str) -> str:
         folder = packages.folder(name)
@@ -106,11 +107,12 @@ def _told(xacro: Any, packages: Packages) -> Iterator[None]:
         return parse(text, filename)
 
     substitutions._eval_find = substitutions._eval_dict["find"] = found
-    xacro.parse = safe
+    xacro.parse, xacro.warning = safe, lambda *_words, **_options: None
     try:
         yield
     finally:
-        substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse = find, inner, parse
+        substitutions._eval_find, substitutions._eval_dict["find"] = find, inner
+        xacro.parse, xacro.warning = parse, warning
 
 
 def _place(xacro: Any, path: Path) -> str:
