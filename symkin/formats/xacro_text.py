@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
+from io import StringIO
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
@@ -89,8 +90,7 @@ _ALONE = Lock()
 def _told(xacro: Any, packages: Packages) -> Iterator[None]:
     """Let xacro find packages where they are told, read files of no entities and of bounded size only, and print nothing."""
     substitutions: Any = import_module("xacro.substitution_args")
-    find, inner = substitutions._eval_find, substitutions._eval_dict["find"]
-    parse, warning = xacro.parse, xacro.warning
+    find, inner, parse = substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse
 
     def found(name: str) -> str:
         folder = packages.folder(name)
@@ -107,12 +107,12 @@ def _told(xacro: Any, packages: Packages) -> Iterator[None]:
         return parse(text, filename)
 
     substitutions._eval_find = substitutions._eval_dict["find"] = found
-    xacro.parse, xacro.warning = safe, lambda *_words, **_options: None
+    xacro.parse = safe
     try:
-        yield
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            yield
     finally:
-        substitutions._eval_find, substitutions._eval_dict["find"] = find, inner
-        xacro.parse, xacro.warning = parse, warning
+        substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse = find, inner, parse
 
 
 def _place(xacro: Any, path: Path) -> str:
