@@ -80,8 +80,13 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         joints=_tree_values(robot, found),
         link_poses=poses,
         notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
-        reference=assembled(robot, found) if found.to_digits and row_count(robot) + len(robot.joints) else None,
+        reference=assembled(robot, found) if found.to_digits and _moves(robot) else None,
     )
+
+
+def _moves(robot: Robot) -> bool:
+    """Whether a joint or a closure leaves any freedom."""
+    return bool(robot.joints) or any(closure.type != "weld" for closure in robot.closures)
 
 
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
