@@ -42,7 +42,10 @@ def _moved(mechanism: symkin.Mechanism, closure, variables: np.ndarray) -> Moved
         balls |= {f"{rod.name}.from": turn, f"{rod.name}.to": back}
         values[rod.name] = float(np.linalg.norm(now)) - rod.offset
     for entry in graph.link_joints:
-        if entry.joint.type == "S":
+        joint = entry.joint
+        if joint.type == "H":
+            values[f"{joint.name}.slide"] = joint.pitch / (2.0 * np.pi) * (values[joint.name] - joint.zero)
+        if joint.type == "S":
             balls[entry.joint.name] = (links[entry.links[0]].inverse() @ links[entry.links[1]]).quaternion
     return links, values | _of_platform(graph, links, values), balls
 
