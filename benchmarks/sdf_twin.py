@@ -1,6 +1,6 @@
 """An account of SDF files of its own, by maximal coordinates: where links are, and the mobility of joints between free bodies.
 
-It reads plain files: one model, poses and axes by the version's rules, no includes, gears or models in models.
+It reads plain files: one model, poses and axes by the version's rules, gears, no includes, mimics or models in models.
 """
 
 from __future__ import annotations
@@ -17,7 +17,17 @@ from symkin.formats.tree_motion import Tree
 
 _POSE = 1e-9
 _RANK = 1e-9
-_FREE = {"revolute": 1, "continuous": 1, "prismatic": 1, "screw": 1, "universal": 2, "revolute2": 2, "ball": 3, "fixed": 0}
+_FREE = {
+    "revolute": 1,
+    "continuous": 1,
+    "prismatic": 1,
+    "screw": 1,
+    "universal": 2,
+    "revolute2": 2,
+    "ball": 3,
+    "fixed": 0,
+    "gearbox": 5,
+}
 
 
 class NotPlainError(Exception):
@@ -39,7 +49,7 @@ def sdf_agreement(path: Path, robot: Robot) -> str:
         apart = np.linalg.inv(ours[first]) @ ours[name] - np.linalg.inv(poses[first]) @ poses[name]
         if np.abs(apart).max() > _POSE * max(1.0, np.abs(poses[name]).max()):
             raise DisagreementError(f"{name} is {np.abs(apart).max():.2g} from where the plain account has it")
-    if robot.couplings:
+    if len(robot.couplings) != sum(joint.attrib["type"] == "gearbox" for joint in account.joints.values()):
         return f"as the plain account: {len(common)} poses"
     tree = Tree(robot)
     mobility = tree.freedom - rank_at(tree, tree.own)
@@ -65,7 +75,7 @@ class _Plain:
         self.frames = {frame.attrib["name"]: frame for frame in self.model.findall("frame")} if self.version >= (1, 7) else {}
         self.joints = {joint.attrib["name"]: joint for joint in self.model.findall("joint")}
         if any(joint.attrib["type"] not in _FREE for joint in self.joints.values()):
-            raise NotPlainError("gears")
+            raise NotPlainError("joints of other types")
         self.own = _pose(self.model.find("pose"))[0]
 
     @property
@@ -78,7 +88,8 @@ class _Plain:
     def mobility(self, poses: dict[str, np.ndarray]) -> int | None:
         """Freedoms of all bodies less the rank of what joints forbid; None where a part hangs on nothing."""
         bodies = [*poses, "world"] if self.on_world else list(poses)
-        ends = [(self._link(_text(j, "parent")), self._link(_text(j, "child"))) for j in self.joints.values()]
+        solid = [j for j in self.joints.values() if j.attrib["type"] != "gearbox"]
+        ends = [(self._link(_text(j, "parent")), self._link(_text(j, "child"))) for j in solid]
         held = "world" if self.on_world else bodies[0]
         reached = {held}
         while more := {b for pair in ends for b in pair if set(pair) & reached} - reached:
@@ -88,14 +99,26 @@ class _Plain:
         place = {body: k for k, body in enumerate(b for b in bodies if b != held)}
         rows = []
         for name, joint in self.joints.items():
-            forbidden = self._forbidden(name, joint)
-            row = np.zeros((len(forbidden), 6 * len(place)))
-            for body, sign in zip((self._link(_text(joint, "parent")), self._link(_text(joint, "child"))), (-1, 1), strict=True):
+            parts = self._gear(name, joint) if joint.attrib["type"] == "gearbox" else self._both_ends(name, joint)
+            row = np.zeros((len(parts[0][1]), 6 * len(place)))
+            for body, block in parts:
                 if body != held:
-                    row[:, 6 * place[body] : 6 * place[body] + 6] += sign * forbidden
+                    row[:, 6 * place[body] : 6 * place[body] + 6] += block
             rows.append(row)
         s = np.linalg.svd(np.concatenate(rows), compute_uv=False)
         return 6 * len(place) - int(np.sum(s > _RANK * s[0]))
+
+    def _both_ends(self, name: str, joint: ElementTree.Element) -> list[tuple[str, np.ndarray]]:
+        """What a joint holds at 0, by the twists of its links."""
+        forbidden = self._forbidden(name, joint)
+        return [(self._link(_text(joint, "parent")), -forbidden), (self._link(_text(joint, "child")), forbidden)]
+
+    def _gear(self, name: str, joint: ElementTree.Element) -> list[tuple[str, np.ndarray]]:
+        """theta_2 = -ratio theta_1, the angles of child and parent against the reference body about axis2 and axis."""
+        at, ratio = self._at(name), float(_text(joint, "gearbox_ratio"))
+        first, second = (np.concatenate([self._axis(joint, tag, at), np.zeros(3)])[None] for tag in ("axis", "axis2"))
+        parent, child, reference = (self._link(_text(joint, tag)) for tag in ("parent", "child", "gearbox_reference_body"))
+        return [(child, second), (parent, ratio * first), (reference, -second - ratio * first)]
 
     def _forbidden(self, name: str, joint: ElementTree.Element) -> np.ndarray:
         """Rows on the relative twist (turn; velocity at the origin) that a joint holds at 0."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from symkin.formats.load import load, read_robot
 from symkin.formats.read_options import ReadOptions
 from symkin.formats.sdf import read_sdf
 from symkin.formats.urdf import read_urdf
-from tests.test_urdf import FORMS, TREE, closed_values
+from tests.test_urdf import FORMS, PAIR, TREE, closed_values
 
 CLOSING = f"<robot name='r'>{TREE}{FORMS['closing']}</robot>"
 
@@ -221,3 +222,25 @@ def test_models_of_sdf_are_included_from_packages(tmp_path: Path) -> None:
         assert "arm/p" in read_sdf(path, ReadOptions(packages=[folder])).links
     with pytest.raises(InputError, match=r"is not found beside the file, .* or in a folder of packages"):
         read_sdf(path)
+
+
+def test_loops_beside_a_file_in_xacro_are_those_of_its_name(tmp_path: Path) -> None:
+    """leg.yaml tells the loops of leg.urdf.xacro, as of leg.urdf."""
+    pytest.importorskip("xacro")
+    inside = TREE.replace('"1 0 0"', '"${2 - 1} 0 0"') + PAIR
+    path = in_file(tmp_path, f"{HEAD}{inside}</robot>", "leg.urdf.xacro")
+    (tmp_path / "leg.yaml").write_text("closed_loop: [[d1, d2]]\ntype: [3d]\n", encoding="utf-8")
+    (closure,) = read_urdf(path).closures
+    assert (closure.type, closure.links) == ("S", ("rod", "rocker"))
+
+
+def test_files_in_xacro_are_read_by_many_threads_at_once(tmp_path: Path) -> None:
+    """Each thread gets the robot of its own arguments."""
+    pytest.importorskip("xacro")
+    path = in_file(tmp_path, MACROS)
+
+    def reach(k: int) -> float:
+        return float(read_urdf(path, ReadOptions(arguments={"name": f"rod{k}", "reach": str(k)})).links[f"rod{k}"].position[0])
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(reach, range(1, 25))) == [float(k) for k in range(1, 25)]

@@ -77,6 +77,29 @@ def test_a_robot_that_is_read_otherwise_is_noticed(file: str, tmp_path: Path) ->
         agreement(path, _with_a_turned_axis(robot))
 
 
+@pytest.mark.usefixtures("twins")
+def test_gears_count_in_the_plain_account(tmp_path: Path) -> None:
+    """Two shafts that a gear couples; without it the robot has one freedom more."""
+    from sdf_twin import sdf_agreement
+
+    shafts = "".join(
+        f"<link name='{x}'><pose>{k} 0 0 0 0 0.3</pose></link><joint name='{x}_j' type='revolute'><parent>box</parent><child>{x}</child>"
+        "<axis><xyz>0 0 1</xyz></axis></joint>"
+        for k, x in enumerate("ab", start=1)
+    )
+    gear = (
+        "<joint name='g' type='gearbox'><parent>a</parent><child>b</child><gearbox_ratio>3</gearbox_ratio>"
+        "<gearbox_reference_body>box</gearbox_reference_body><axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 1</xyz></axis2></joint>"
+    )
+    path = tmp_path / "gears.sdf"
+    path.write_text(f"<sdf version='1.6'><model name='m'><link name='box'/>{shafts}{gear}</model></sdf>", encoding="utf-8")
+    robot = read_robot(path)
+    assert sdf_agreement(path, robot) == "as the plain account: 2 poses, mobility 1"
+    ungeared = path.with_name("ungeared.sdf")
+    ungeared.write_text(path.read_text(encoding="utf-8").replace(gear, ""), encoding="utf-8")
+    assert sdf_agreement(ungeared, read_robot(ungeared)) == "as the plain account: 2 poses, mobility 2"
+
+
 def _with_a_turned_axis(robot: Robot) -> Robot:
     first, *others = robot.joints
     axis = np.roll(np.array(first.joint.axis), 1)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import symkin
 from symkin.errors import SymkinError
 from symkin.formats.assembled import assembled
 from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
@@ -371,3 +372,16 @@ def test_several_models_are_refused(tmp_path: Path) -> None:
     path.write_text(f"<sdf version='1.7'><world name='w'>{model.format('m')}{model.format('n')}</world></sdf>")
     with pytest.raises(SymkinError, match="2 models are found: m, n; name one of them"):
         read_sdf(path)
+
+
+def test_show_and_close_give_one_account_of_a_singular_file_that_closes_to_its_digits() -> None:
+    """Minitaur's own configuration is singular, and beside it the legs close only to the file's digits: both say 12 and 8."""
+    path = MODELS / "sdf/minitaur.sdf"
+    told = facts("sdf/minitaur")
+    shown, closed = symkin.mobility(symkin.load(path)).to_dict(), symkin.close(path).to_dict()
+    for account in (shown, closed):
+        assert account["mobility"] == told["mobility_at_configuration"]
+        assert account["generic"]["mobility"] == told["mobility_generic"]
+        (note,) = (note for note in account["notes"] if "singular" in note)
+        assert "digits of the file" in note
+        assert {" 12", " 8"} <= {word.rstrip(",;") and " " + word.rstrip(",;") for word in note.split()}

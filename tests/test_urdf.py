@@ -141,6 +141,17 @@ def test_limits_and_motors(tmp_path: Path) -> None:
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
+def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> None:
+    def transmission(name: str, interface: str) -> str:
+        return f'<transmission name="{name}_t"><joint name="{name}"><hardwareInterface>{interface}</hardwareInterface></joint></transmission>'
+
+    told = transmission("a", "hardware_interface/EffortJointInterface") + transmission(
+        "b", "hardware_interface/PassiveJointInterface"
+    )
+    driven = read(tmp_path, TREE + told + transmission("c", "hardware_interface/JointStateInterface")).joints
+    assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
+
+
 def test_independent_joints_of_urdf_plus_are_driven_however_true_is_written(tmp_path: Path) -> None:
     told = TREE.replace('name="a"', 'name="a" independent="true"').replace('name="b"', 'name="b" independent="True"')
     driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).joints

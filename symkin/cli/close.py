@@ -31,6 +31,7 @@ def close(
             help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
         ),
     ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
@@ -38,10 +39,18 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
+    if plot is not None:
+        from symkin.plots.picture_file import check_picture_path
+
+        check_picture_path(plot)
     found = close_one(mech, read)
+    written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
-    written = f"\nwritten: {output}" if output is not None and found.closed else ""
+        written = f"\nwritten: {output}"
+    if plot is not None and found.closed:
+        found.plot(plot)
+        written += f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + written)
     raise typer.Exit(0 if found.closed else 3)
 

@@ -47,8 +47,12 @@ def modes(
     pose: PoseOption = None,
     given: GivenOption = None,
     method: Annotated[
-        Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
-    ] = Method.continuation,
+        Method | None,
+        typer.Option(
+            help="Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "continuation."
+        ),
+    ] = None,
     starts: Annotated[
         int | None,
         typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
@@ -77,7 +81,7 @@ def modes(
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
             given=named_from(given, "given", mechanism.angle_unit),
             choose=whole_numbers(choose, "choose"),
-            method=method.value,
+            method=None if method is None else method.value,
             starts=starts,
             seed=seed,
             progress=progress,

@@ -42,8 +42,10 @@ class LoopsBeside:
 
 
 def loops_beside(path: Path) -> LoopsBeside:
-    """What stands in the YAML file of a URDF's name; nothing where there is none, or it closes no loop."""
-    file = next((f for ending in YAML_ENDINGS if (f := path.with_suffix(ending)).is_file()), None)
+    """What stands in the YAML file of a URDF's name (leg.yaml of leg.urdf, and of leg.urdf.xacro); nothing where there is none, or it
+    closes no loop."""
+    names = [path, path.with_suffix("")] if path.with_suffix("").suffix == ".urdf" else [path]
+    file = next((f for name in names for ending in YAML_ENDINGS if (f := name.with_suffix(ending)).is_file()), None)
     if file is None:
         return LoopsBeside()
     text = _text(file)

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
+from threading import Lock
 from types import ModuleType
 from typing import Any
 
@@ -74,17 +75,22 @@ def _compiler() -> ModuleType:
         raise InputError(_INSTALL) from None
 
 
+_ALONE = Lock()
+"""Held while the compiler works: what hears its warnings is one for all threads."""
+
+
 @contextmanager
 def _quiet(mujoco: ModuleType) -> Iterator[None]:
     """Keep warnings of the compiler from the terminal and from the file MUJOCO_LOG.TXT."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _text: None)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        mujoco.set_mju_user_warning(before)
+    with _ALONE:
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(lambda _text: None)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                yield
+        finally:
+            mujoco.set_mju_user_warning(before)
 
 
 def _plain(mujoco: ModuleType, spec: Any, root: Element, packages: Packages) -> list[tuple[Any, Mesh]]:

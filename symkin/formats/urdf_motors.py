@@ -55,11 +55,17 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[To
     return found
 
 
+def _is_passive(joint: Element) -> bool:
+    """Whether a transmission's joint has an interface that only reads it."""
+    interfaces = [e.text for e in joint.all("hardwareInterface")]
+    return bool(interfaces) and all("PassiveJoint" in text or "JointStateInterface" in text for text in interfaces)
+
+
 def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     """The driven joints that are told, and where."""
     if beside.motors:
         return frozenset(beside.motors), str(beside.file)
-    driven = [joint for t in root.all("transmission") for joint in t.all("joint")]
+    driven = [joint for t in root.all("transmission") for joint in t.all("joint") if not _is_passive(joint)]
     controlled = [j for c in root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
     named = frozenset(e.attributes.get("name", e.text).strip() for e in (driven or controlled)) - {""}
     if named:

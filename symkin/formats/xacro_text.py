@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
+from threading import Lock
 from types import ModuleType
 from typing import Any
 from xml.parsers import expat
@@ -43,7 +44,7 @@ def expanded(path: Path, arguments: Mapping[str, str], packages: Packages) -> El
     Raises InputError without the package, MechanismError with what xacro says of a file that is not right.
     """
     xacro: Any = _package(path)
-    with _told(xacro, packages):
+    with _ALONE, _told(xacro, packages):
         xacro.all_includes = []
         try:
             document = xacro.process_file(str(path), mappings=dict(arguments), verbosity=0)
@@ -78,6 +79,10 @@ def _package(path: Path) -> ModuleType:
         return import_module("xacro")
     except ImportError:
         raise InputError(f"{path}: {_INSTALL}") from None
+
+
+_ALONE = Lock()
+"""Held while xacro expands: it keeps its state in its module."""
 
 
 @contextmanager

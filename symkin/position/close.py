@@ -95,7 +95,7 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
 def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> list[str]:
     if not found.to_digits:
         return [open_sentence(found)]
-    notes = []
+    notes, freedom = [], found.tree.freedom
     if not found.closed:
         notes.append(f"the loops close only to the digits of the file: the nearest configuration leaves {found.residual:.1e} m")
     if generic is None:
@@ -110,7 +110,8 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
     elif rank != generic.value:
         digits = ", which close to the digits of the file" if generic.to_digits else ""
         notes.append(
-            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}"
+            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}: "
+            f"the mobility is {freedom - rank} here, and {freedom - generic.value} there"
         )
     return notes
 
@@ -155,7 +156,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         freedoms=account.freedoms,
         rows=account.rows,
         rank=rank,
-        generic_rank=account.rank.value,
+        generic_rank=account.generic_rank,
         actuated=tuple(c.name for c in mechanism.actuated),
         loops=(),
         open_by=open_by,
