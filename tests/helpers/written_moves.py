@@ -19,9 +19,10 @@ Moved = tuple[dict[str, Pose], dict[str, float], dict[str, np.ndarray]]
 
 
 def configurations(mechanism: symkin.Mechanism, count: int = 2, seed: int = 5) -> Iterator[Moved]:
-    """The reference, and closed configurations from random steps off it."""
+    """The reference, and closed configurations from random steps off it where any are found."""
     closure = build_closure(mechanism)
-    for values in [closure.reference, *closed_configurations(closure, seed)[:count]]:
+    others = [values for values in closed_configurations(closure, seed)[:count] if not np.array_equal(values, closure.reference)]
+    for values in [closure.reference, *others]:
         yield _moved(mechanism, closure, np.array([values]))
 
 
