@@ -119,6 +119,9 @@ def test_what_no_format_holds(tmp_path: Path) -> None:
         ("ankle = U", "ankle = C", "make no C"),
         ("ankle = U", "ankle = H x", "holds no finite number"),
         ("actuated: ", "actuated: nobody, ", "names the joint 'nobody'"),
+        ("platform: foot | ", "platform: foot | x | ", "is no LINK | X | Y"),
+        ("platform: foot | ", "platform: shank | ", "platform.link = 'shank' is unknown"),
+        ("points: toe | foot | ", "points: toe | ", "is no NAME | LINK | X"),
         ("upper_rod = rod: upper_rod.from, upper_rod.to", "upper_rod = rod: upper_rod.from", "make no rod"),
     ],
 )
@@ -175,3 +178,15 @@ def test_an_open_reference_is_closed(suffix: str, tmp_path: Path) -> None:
     assert found.reference is not None
     for entry in written.link_joints:
         assert entry.joint.zero == pytest.approx(found.joints[entry.joint.name], abs=1e-12)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_the_tool_stands_where_it_stood(suffix: str, tmp_path: Path) -> None:
+    """The platform frame comes back: the pose of an arm for the same joint values, in metres."""
+    mechanism = symkin.load("gluon_6l3")
+    written = symkin.load(symkin.convert(mechanism, tmp_path / f"arm{suffix}"))
+    values = [10.0, -20.0, 30.0, 40.0, -50.0, 60.0]
+    before = symkin.solve(mechanism, joints=values).solution
+    after = symkin.solve(written, joints=[math.radians(v) for v in values]).solution
+    np.testing.assert_allclose(after.position, 1e-3 * np.asarray(before.position), atol=1e-10)
+    assert min(np.abs(after.quaternion - sign * np.asarray(before.quaternion)).max() for sign in (1, -1)) <= 1e-10

@@ -122,7 +122,14 @@ class _Writer:
         parts: list[Joint | LinkRod] = [*(entry.joint for entry in graph.link_joints), *graph.link_rods]
         actuated = tuple(part.name for part in parts if part.actuated)
         welds = tuple(entry.joint.name for entry in closures if entry.joint.type == "weld")
-        told = Parts(tuple(self.wholes), actuated, welds=welds, order=tuple(part.name for part in parts))
+        told = Parts(
+            tuple(self.wholes),
+            actuated,
+            welds=welds,
+            order=tuple(part.name for part in parts),
+            platform=None if graph.platform_link is None else (graph.platform_link, graph.reference_pose),
+            points=tuple(graph.link_points),
+        )
         return WrittenTree(graph, tuple(carried), tuple(closures), tuple(self.couplings), told)
 
     # --- rods --------------------------------------------------------------------------------------------------------
