@@ -1,10 +1,10 @@
 """Whether anything is ever lost: many random machines and inputs, every count checked.
 
-    python benchmarks/completeness.py [--count 1000] [--seed 0] [--cases platforms,legs,arm,generic]
+    python benchmarks/completeness.py [--count 1000] [--seed 0] [--cases platforms,legs,arm,generic,closed]
 
 platforms: random 6-6 geometries at the lengths of a random pose. legs: one symmetric platform (zhang2009) at random
 lengths. arm: gluon_6l3 at random poses, against EAIK where it is installed. generic: other mechanisms against 20,000
-random starts. Each line says how many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the
+random starts. closed: random arms of each structure that has a closed form, against continuation. Each line says how many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the
 one that made the input), a duplicate or an odd number of real modes, and the largest closure error over the size.
 """
 
@@ -184,11 +184,34 @@ def flat(mode: Solution, size: float) -> np.ndarray:
     return np.concatenate([mode.position / size, mode.rotation.ravel(), angles])
 
 
+def closed(count: int, rng: np.random.Generator) -> None:
+    """Of random arms of each structure that has a closed form: the modes of formulas are those of continuation."""
+    from helpers.arms import random_values, structures
+
+    arms = structures(rng) | {"gluon_6l3": symkin.load("gluon_6l3"), "yao2020": symkin.load("yao2020")}
+    for name, mechanism in arms.items():
+        values = [
+            [
+                mechanism.angle_out(v) if c.is_angular else v
+                for c, v in zip(mechanism.actuated, random_values(mechanism, rng), strict=True)
+            ]
+            for _ in range(count)
+        ]
+        poses = [symkin.solve(mechanism, joints=v).solution.pose for v in values]
+        ours = symkin.modes(mechanism, pose=poses)
+        theirs = symkin.modes(mechanism, pose=poses, method="continuation")
+        lost = sum(missing(b, a) for a, b in zip(ours, theirs, strict=True))
+        more = sum(missing(a, b) for a, b in zip(ours, theirs, strict=True))
+        left = sum(a.method != "closed" for a in ours)
+        print(f"{name}: {count} inputs, {left} left to paths; {lost} modes of paths lost, {more} found beyond them", flush=True)
+
+
 CASES: dict[str, Callable[[int, np.random.Generator], None]] = {
     "platforms": platforms,
     "legs": legs,
     "arm": arm,
     "generic": generic,
+    "closed": closed,
 }
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
     platform = symkin.load("platform.toml")
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
-Verbs: `load`, `shipped_names`, `close`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
+Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
 `sweep`; `calibrate`, `plan_measurements`; `write_firmware`. Each returns a result that prints its table, has a short repr, HTML
 for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
 """
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.formats.load import load
+from symkin.formats.read_options import ReadOptions
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.file import shipped_names
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
+    from symkin.formats.convert import convert
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
     from symkin.position.least_squares import LeastSquares as LeastSquares
@@ -77,6 +79,7 @@ __all__ = [
     "ModeGraph",
     "Modes",
     "Pose",
+    "ReadOptions",
     "Reading",
     "Rod",
     "RodLimb",
@@ -89,6 +92,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "close",
+    "convert",
     "jacobian",
     "load",
     "mobility",
@@ -124,6 +128,7 @@ _LATER = {
     "Track": "symkin.following.track_result",
     "calibrate": "symkin.calibration.calibrate",
     "close": "symkin.position.close",
+    "convert": "symkin.formats.convert",
     "jacobian": "symkin.velocity.jacobian",
     "mobility": "symkin.position.mobility",
     "mode_graph": "symkin.following.mode_graph",

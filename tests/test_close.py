@@ -110,6 +110,21 @@ def test_what_no_configuration_closes(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "no configuration was found that closes the loops" in err
 
 
+def test_the_picture_of_the_closed_configuration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Written where the loops close; none where they do not, and a wrong name is refused before the work."""
+    picture = tmp_path / "closed.png"
+    status, out, _ = run(capsys, "close", str(open_four_bar(tmp_path, 0.6)), "--plot", str(picture))
+    assert status == 0
+    assert f"picture: {picture}" in out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    nothing = tmp_path / "nothing.png"
+    assert run(capsys, "close", str(open_four_bar(tmp_path, 1.0)), "--plot", str(nothing))[0] == 3
+    assert not nothing.exists()
+    status, _, err = run(capsys, "close", str(open_four_bar(tmp_path, 0.6)), "--plot", str(tmp_path / "a.txt"))
+    assert status == 2
+    assert "has no picture format" in err
+
+
 def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The mechanism file has the closed configuration as its reference: it is closed, with the same joint values and mobility."""
     path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.toml"

@@ -3,6 +3,8 @@ of a constrained minimum, and the mechanism assembled there against its own clos
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from symkin.formats.robot import Closure, Robot
 from symkin.formats.tree_motion import Tree
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import Joint
+from symkin.position.close import close_robot
 from symkin.position.closed_configurations import whole_system
 from symkin.spatial.pose import Pose
 
@@ -149,6 +152,38 @@ def test_link_poses_are_those_of_the_tree() -> None:
         for link in ("arm", "coupler", "lever"):
             moved = placed.displacement(link) @ found.placed.displacement(link).inverse()
             np.testing.assert_allclose(mode.link_poses[link].matrix, moved.matrix, atol=1e-9)
+
+
+def test_two_hinges_with_one_axis_forbid_nothing() -> None:
+    """All their rows vanish but for rounding, which is no rank."""
+    tilted = tuple(np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8]))
+    frame = Pose.from_rotation_vector(np.array([1.1, 2.2, 3.3]), np.array([0.2, 0.7, -0.4]))
+    axis = tuple(np.asarray(frame.rotation)[:, 2])
+    hinge = LinkJoint(Joint("hinge", "R", tuple(frame.position), axis), ("base", "door"))
+    robot = Robot(
+        "door",
+        {"base": Pose.identity(), "door": Pose.identity()},
+        (hinge,),
+        (Closure("other", "R", ("base", "door"), frame, frame),),
+    )
+    assert nearest_closed(robot).rank() == 0
+    assert symkin.mobility(mechanism_of(robot)).mobility == 1
+    across = replace(robot, joints=(LinkJoint(replace(hinge.joint, axis=tilted), hinge.links),))
+    assert nearest_closed(across).rank() == 1
+
+
+def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
+    """A four-bar, closed in the file, with one axis 1e-7 rad off the others: rigid to the letter, one freedom to the digits."""
+    robot = four_bar(reach=4.0)
+    *others, follower = robot.joints
+    off = replace(follower.joint, axis=(1e-7, 0.0, 1.0))
+    (end,) = robot.closures
+    closed = replace(end, second=end.first)
+    found = close_robot(replace(robot, joints=(*others, LinkJoint(off, follower.links)), closures=(closed,)))
+    assert (found.rank, found.generic_rank) == (3, 2)
+    assert any(
+        "the digits of the file make constraints of what is redundant: the rank is 3 here, and 2" in n for n in found.notes
+    )
 
 
 def test_loops_that_nothing_closes() -> None:

@@ -11,7 +11,10 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from symkin.formats.load import read_robot
 from symkin.model.file import parse
+from symkin.model.graph import LinkJoint
+from symkin.model.joint import Joint
 from symkin.plots.graph_figures import sketch_of_graph
 from symkin.plots.graph_lines import reference_graph_lines, solution_lines, view_axes
 from symkin.plots.modes_plot import figure_of_modes, figure_of_solution
@@ -209,3 +212,72 @@ def test_the_commands_write_pictures(tmp_path, capsys):
         assert status == 0
         assert str(path) in text
         assert path.stat().st_size > 10_000
+
+
+# --- robots of other formats -----------------------------------------------------------------------------------------
+
+ROBOTS = Path(__file__).parent / "data" / "models"
+CROWDED = ("urdf_gepetto_yaml/digit_like_2legs.urdf", "urdf_onshape_closing/reachy_mini.urdf", "urdf_loop_joint/strandbeest.urdf")
+
+
+@cache
+def robot(name: str):
+    return symkin.load(ROBOTS / name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CROWDED)
+def test_a_robot_is_legible(name):
+    """Its closures are ringed and no other joint; names lie apart, those that find no room are counted."""
+    figure = sketch_of_graph(robot(name))
+    (ax,) = figure.axes
+    closures = {closure.name for closure in read_robot(ROBOTS / name).closures}
+    rings = {artist.get_gid() for artist in ax.patches if str(artist.get_gid()).startswith("closes a loop")}
+    assert rings == {f"closes a loop: {name}" for name in closures}
+    with drawing():
+        labels = [text for text in ax.texts if text.get_gid() == "label"]
+        boxes = [text.get_window_extent(figure.canvas.get_renderer()) for text in labels]
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+    assert len(labels) >= 20
+    told = [text.get_text() for text in ax.texts if "find no room" in text.get_text()]
+    assert bool(told) == (name == CROWDED[2])
+
+
+def test_a_planar_linkage_that_a_ball_closes_is_seen_along_its_axes():
+    """As MJCF closes it, by a connect; a ball within the tree may turn in any way."""
+    joints = [
+        LinkJoint(Joint(name, "R", point, (0, 0, 1)), links)
+        for name, point, links in (
+            ("a", (0, 0, 0), ("base", "crank")),
+            ("b", (0, 1, 0), ("crank", "rod")),
+            ("c", (4, 0, 0), ("base", "rocker")),
+        )
+    ]
+    ball = LinkJoint(Joint("pin", "S", (4, 3, 0)), ("rod", "rocker"))
+    closed = symkin.Mechanism("closed", link_joints=[*joints, ball])
+    assert view_axes(reference_graph_lines(closed))[1]
+    within = symkin.Mechanism("within", link_joints=[ball, *joints])
+    assert not view_axes(reference_graph_lines(within))[1]
+
+
+@pytest.mark.slow
+def test_names_of_loops_alone_or_none(tmp_path, capsys):
+    mechanism = robot(CROWDED[0])
+    closing = reference_graph_lines(mechanism).closing
+    assert len(closing) == 6
+    texts = {
+        names: {t.get_text() for t in sketch_of_graph(mechanism, names).axes[0].texts if t.get_gid() == "label"}
+        for names in ("loops", "none")
+    }
+    assert texts == {"loops": set(closing), "none": set()}
+    where = ROBOTS / CROWDED[0]
+    assert run(capsys, "show", where, "--plot", tmp_path / "a.png", "--names", "loops")[0] == 0
+    for wrong, sentence in (
+        (("show", where, "--plot", tmp_path / "b.png", "--names", "few"), "--names: 'few' is unknown; allowed: all, loops, none"),
+        (("show", where, "--names", "loops"), "--names is given without --plot"),
+        (("show", "zhao2000", "--plot", tmp_path / "b.png", "--names", "none"), "zhao2000 has limbs"),
+    ):
+        status, _, err = run(capsys, *wrong)
+        assert status == 2
+        assert sentence in err
+    assert not (tmp_path / "b.png").exists()

@@ -134,7 +134,7 @@ def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
 <worldbody><body name="a"><joint name="j"/><geom type="mesh" mesh="m" material="w"/><body name="b"><joint name="k" type="slide"/></body>
 </body></worldbody><keyframe><key qpos="0 0"/></keyframe></mujoco>"""
     robot = read_mjcf(in_file(tmp_path, text))
-    assert robot.meshes == {"a": ("m.stl",)}
+    assert {name: [mesh.file for mesh in meshes] for name, meshes in robot.meshes.items()} == {"a": ["m.stl"]}
     assert [entry.joint.type for entry in robot.joints] == ["R", "P"]
 
 

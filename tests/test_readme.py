@@ -1,33 +1,74 @@
-"""The README's Python and TOML examples run as they stand."""
+"""The examples of documents run as they stand: Python, TOML, and commands with the output that is printed below them."""
 
-import re
+import os
+import shutil
 from pathlib import Path
 
 import pytest
 
 import symkin
+from helpers.command_line import run
+from helpers.documents import ROOT, Command, blocks, is_as_printed, sessions
 from symkin.model.file import parse, shipped_names
 
-README = Path(__file__).resolve().parent.parent / "README.md"
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S)
+DOCUMENTS = ("README.md", "docs/bring-your-robot.md")
+ROBOTS = ROOT / "docs" / "robots"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("code", [text for kind, text in BLOCKS if kind == "python"])
-def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("code", [code for document in DOCUMENTS for code in blocks(document, "python")])
+def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Each Python block runs alone and prints something."""
-    exec(compile(code, "README.md", "exec"), {})
+    monkeypatch.chdir(ROOT)
+    exec(compile(code, "document", "exec"), {})
     assert capsys.readouterr().out.strip()
 
 
 @pytest.mark.slow
 def test_toml_block_has_two_modes() -> None:
     """The five-bar of the README has the two modes of a dyad (Hunt 1978: two circles meet in two points)."""
-    (text,) = [text for kind, text in BLOCKS if kind == "toml"]
+    (text,) = blocks("README.md", "toml")
     assert len(symkin.modes(parse(text, "README.md"), joints=[10, -10])) == 2
 
 
 def test_shipped_mechanisms_are_listed() -> None:
     """The README's table names every shipped mechanism."""
-    text = README.read_text(encoding="utf-8")
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert all(f"`{name}`" in text for name in shipped_names())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "session", [session for document in DOCUMENTS for session in sessions(document)], ids=lambda s: str(s[0])
+)
+def test_commands_print_what_stands_below_them(
+    session: list[Command], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a copy of the folder of example robots; `...` stands for any text."""
+    pytest.importorskip("mujoco")
+    folder = Path(shutil.copytree(ROBOTS, tmp_path / "robots"))
+    monkeypatch.chdir(folder)
+    for command in session:
+        assert command.words[0] == "symkin"
+        _, out, err = run(capsys, *command.words[1:])
+        assert is_as_printed(command.output, out + err), f"$ {command}\n{out}{err}"
+        for at, word in enumerate(command.words):
+            assert word not in ("-o", "--plot") or os.path.getsize(folder / command.words[at + 1])
+
+
+def test_what_stands_below_a_command_may_be_wrong() -> None:
+    """The comparison tells other numbers, missing lines and lines too many."""
+    told = "closed to ... m\n...\nnote: held\n"
+    assert is_as_printed(told, "closed to 1e-17 m\n  \na\nb\nnote: held\n\n")
+    assert is_as_printed(told, "closed to 2 m\nnote: held")
+    for wrong in ("closed to 1e-17\na\nnote: held", "closed to 1 m\na", "closed to 1 m\nnote: held\nnote: lost", "note: held"):
+        assert not is_as_printed(told, wrong)
+
+
+@pytest.mark.parametrize("language", ["xml", "yaml"])
+def test_parts_of_files_are_those_of_the_files(language: str) -> None:
+    """What the page shows of a robot's file stands in it."""
+    files = [path.read_text(encoding="utf-8") for path in sorted(ROBOTS.iterdir())]
+    shown = blocks("docs/bring-your-robot.md", language)
+    assert shown
+    assert all(any(part in text for text in files) for part in shown)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import symkin
 from symkin.errors import SymkinError
 from symkin.formats.assembled import assembled
 from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
@@ -283,6 +284,42 @@ def test_what_is_left_out_is_named(tmp_path: Path) -> None:
     assert "left out, of no meaning here: <author>, <plugin>" in robot.notes
 
 
+# --- what real files do ------------------------------------------------------------------------------------------------
+
+
+def test_a_link_named_world_before_1_7_is_what_the_model_stands_in(tmp_path: Path) -> None:
+    inside = "<link name='world'/>" + BODIES + JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>").replace(">a<", ">world<")
+    found = read(tmp_path, inside, "1.6")
+    assert [entry.links for entry in found.joints] == [("base", "b")]
+    np.testing.assert_allclose(found.links["b"].position, [1.0, 2.0, 3.0])
+    assert any("the link 'world' is what the model stands in" in note for note in found.notes)
+
+
+def test_an_axis_that_both_rules_read_alike_may_say_use_parent_model_frame(tmp_path: Path) -> None:
+    flag = "<xyz>0.6 0 0.8</xyz><use_parent_model_frame>1</use_parent_model_frame>"
+    straight = "<link name='a'/><link name='b'><pose>1 2 3 0 0 0</pose></link>" + JOINT.format(pose="0 0 0 0 0 0", axis=flag)
+    np.testing.assert_allclose(joints_of(read(tmp_path, straight, "1.8"))["j"].axis, AXIS)
+
+
+def test_a_parent_frame_away_from_the_joint_is_told(tmp_path: Path) -> None:
+    """The joint stands at its child, whatever frame names its parent."""
+    frame = "<frame name='f' attached_to='a'><pose relative_to='b'>{} 0 0 0 0 0</pose></frame>"
+    joint = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>").replace(">a<", ">f<")
+    away, at = (read(tmp_path, BODIES + frame.format(x) + joint) for x in (0.5, 0))
+    for found in (away, at):
+        (entry,) = found.joints
+        np.testing.assert_allclose(entry.joint.point, found.links["b"].position)
+    assert any("the parent frame 'f' of <joint name='j'> is 0.5 m from the joint" in note for note in away.notes)
+    assert not any("parent frame" in note for note in at.notes)
+
+
+def test_a_loop_that_a_plugin_makes_at_run_time_is_told(tmp_path: Path) -> None:
+    plugin = "<plugin name='gz::sim::systems::DetachableJoint'><parent_link>a</parent_link><child_link>b</child_link></plugin>"
+    found = read(tmp_path, BODIES + GOOD + plugin, "1.8")
+    assert not found.closures
+    assert any("a plugin joins a and b when the simulation runs" in note for note in found.notes)
+
+
 # --- what is wrong -----------------------------------------------------------------------------------------------------
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
@@ -299,7 +336,9 @@ BAD = {
     "circle": ("<frame name='f'><pose relative_to='g'/></frame><frame name='g'><pose relative_to='f'/></frame>" + BODIES.replace("<pose>1", "<pose relative_to='f'>1") + GOOD, "1.7", "in each other in a circle"),
     "told in nothing": (BODIES.replace("<pose>1", "<pose relative_to='zz'>1") + GOOD, "1.7", "the frame 'zz' in which it is told is unknown"),
     "old frames": (BODIES.replace("<pose>1", "<pose relative_to='a'>1") + GOOD, "1.6", "version 1.7 has relative_to"),
-    "model frame": (BODIES + GOOD.replace("</axis>", "<use_parent_model_frame>1</use_parent_model_frame></axis>"), "1.8", "use_parent_model_frame is of versions before 1.7"),
+    "model frame": (BODIES + GOOD.replace("</axis>", "<use_parent_model_frame>1</use_parent_model_frame></axis>"), "1.8", "<use_parent_model_frame>: is of versions before 1.7, and would turn the axis"),
+    "link named world": ("<link name='world'/>" + BODIES + GOOD, "1.7", "the name 'world' is reserved"),
+    "placed world": ("<link name='world'><pose>0 0 1 0 0 0</pose></link>" + BODIES + GOOD, "1.6", "the name 'world' is reserved"),
     "parallel": (BODIES + GOOD.replace("revolute", "universal").replace("</axis>", "</axis><axis2><xyz>0 0 1</xyz></axis2>"), "1.7", "axis and axis2 are parallel"),
     "no pitch": (BODIES + GOOD.replace("revolute", "screw"), "1.7", "<screw_thread_pitch> is missing"),
     "missing include": (BODIES + "<include><uri>model://none</uri></include>", "1.7", "'model://none' is not found"),
@@ -331,5 +370,18 @@ def test_several_models_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "w.sdf"
     model = f"<model name='{{}}'>{BODIES}{GOOD}</model>"
     path.write_text(f"<sdf version='1.7'><world name='w'>{model.format('m')}{model.format('n')}</world></sdf>")
-    with pytest.raises(SymkinError, match="2 models are found: m, n; one is needed"):
+    with pytest.raises(SymkinError, match="2 models are found: m, n; name one of them"):
         read_sdf(path)
+
+
+def test_show_and_close_give_one_account_of_a_singular_file_that_closes_to_its_digits() -> None:
+    """Minitaur's own configuration is singular, and beside it the legs close only to the file's digits: both say 12 and 8."""
+    path = MODELS / "sdf/minitaur.sdf"
+    told = facts("sdf/minitaur")
+    shown, closed = symkin.mobility(symkin.load(path)).to_dict(), symkin.close(path).to_dict()
+    for account in (shown, closed):
+        assert account["mobility"] == told["mobility_at_configuration"]
+        assert account["generic"]["mobility"] == told["mobility_generic"]
+        (note,) = (note for note in account["notes"] if "singular" in note)
+        assert "digits of the file" in note
+        assert {" 12", " 8"} <= {word.rstrip(",;") and " " + word.rstrip(",;") for word in note.split()}

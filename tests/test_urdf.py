@@ -141,6 +141,34 @@ def test_limits_and_motors(tmp_path: Path) -> None:
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
+def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> None:
+    def transmission(name: str, interface: str) -> str:
+        return f'<transmission name="{name}_t"><joint name="{name}"><hardwareInterface>{interface}</hardwareInterface></joint></transmission>'
+
+    told = transmission("a", "hardware_interface/EffortJointInterface") + transmission(
+        "b", "hardware_interface/PassiveJointInterface"
+    )
+    driven = read(tmp_path, TREE + told + transmission("c", "hardware_interface/JointStateInterface")).joints
+    assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
+
+
+def test_independent_joints_of_urdf_plus_are_driven_however_true_is_written(tmp_path: Path) -> None:
+    told = TREE.replace('name="a"', 'name="a" independent="true"').replace('name="b"', 'name="b" independent="True"')
+    driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).joints
+    assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a", "b"]
+
+
+def test_the_world_needs_no_link(tmp_path: Path) -> None:
+    """As Drake and MuJoCo read it: a joint from the world, which no <link> writes."""
+    robot = read(
+        tmp_path,
+        TREE + '<joint name="stand" type="fixed"><parent link="world"/><child link="ground"/><origin xyz="0 0 1"/></joint>',
+    )
+    assert robot.links["base"].position.tolist() == [0.0, 0.0, 0.0]
+    assert robot.merged["ground"][1].position.tolist() == [0.0, 0.0, 1.0]
+    assert any("'world'" in note and "no <link> writes" in note for note in robot.notes)
+
+
 @pytest.mark.parametrize(("kind", "freedoms"), [("planar", 3), ("floating", 6)])
 def test_joints_of_many_freedoms_are_chains(kind: str, freedoms: int, tmp_path: Path) -> None:
     more = f'<link name="x"/><joint name="p" type="{kind}"><parent link="rod"/><child link="x"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/></joint>'
@@ -183,7 +211,7 @@ BAD = {
     "loop of no type": (TREE + FORMS["loop"].replace('"revolute"', '"snap"'), "type = 'snap' is unknown for a closure"),
     "one closing": (TREE + FIXED.format(name="closing_d_1", parent="rod", at="0 0 0"), "'closing_d_2', is missing"),
     "lost link": (TREE + '<link name="u"/>', "<link name='u'>: neither joints nor closures join it to the root link 'ground'"),
-    "macro": (TREE + '<xacro:include filename="x"/>', "is xacro, which is not expanded"),
+    "macro": (TREE + '<xacro:include filename="x"/>', "line 8: xacro: not XML: unbound prefix"),
     "unknown": (TREE + '<rope><link name="rod"/></rope>', "<rope> is unknown, and it names links"),
     "empty": ("", "no <link> is found"),
     "within a link": (
@@ -225,10 +253,21 @@ def test_loops_motors_and_types_beside_the_file(tmp_path: Path) -> None:
     assert [name for name, joint in joints.items() if joint.actuated] == ["a"]
 
 
+def test_frames_beside_the_file_may_be_named_by_their_joints(tmp_path: Path) -> None:
+    """As Pinocchio names frames: that of a joint is its child's."""
+    (tmp_path / "r.yaml").write_text("closed_loop: [[d1, d2]]\ntype: [3d]")
+    by_link = read(tmp_path, TREE + PAIR)
+    (tmp_path / "r.yaml").write_text("closed_loop: [[d1_frame, d2]]\ntype: [3d]")
+    by_joint = read(tmp_path, TREE + PAIR)
+    ((one,), (other,)) = (by_link.closures, by_joint.closures)
+    assert one.links == other.links
+    np.testing.assert_array_equal(one.first.position, other.first.position)
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("closed_loop: [[d1, d9]]\ntype: [3d]", "names the frame 'd9', which is no link of r.urdf"),
+        ("closed_loop: [[d1, d9]]\ntype: [3d]", "names the frame 'd9', which is no link or joint of r.urdf"),
         ("closed_loop: [[d1, d2]]\ntype: [4d]", "type: '4d' is unknown; allowed: 3d, 6d"),
         ("closed_loop: [[d1, d2]]\ntype: []", "type has 0 entries and closed_loop 1"),
         ("closed_loop: [d1, d2]\ntype: [3d]", "is no list of pairs of links"),

@@ -120,515 +120,141 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real
     return status;
 }
 
-/* Work space of zhao2000_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta1, radial1, height1
- * k: x, y, z, gamma
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_real at[4]; /* known values at the guess, where the line begins */
-    zhao2000_real k[4]; /* known values aimed at */
-    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_limb1_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_limb1_rows(zhao2000_limb1_work *w)
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
-    /* row 1 */
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
     const zhao2000_real t2 = sinf(t0);
     const zhao2000_real t3 = -69.282036f * t2;
     const zhao2000_real t4 = t1 * t3;
     const zhao2000_real t5 = -t4;
     const zhao2000_real t6 = t5 + t5;
-    const zhao2000_real t7 = w->k[0] + t6;
-    const zhao2000_real t8 = w->x[0] - 1.5707964f;
-    const zhao2000_real t9 = sinf(t8);
-    const zhao2000_real t10 = w->x[1] - 69.282036f;
-    const zhao2000_real t11 = -69.282036f + t10;
-    const zhao2000_real t12 = t11 - (-138.56407f);
-    const zhao2000_real t13 = t9 * t12;
-    const zhao2000_real t14 = t7 + t13;
-    const zhao2000_real t15 = -t14;
-    w->f[0] = t15;
-    /* row 2 */
-    const zhao2000_real t17 = t2 * t3;
-    const zhao2000_real t18 = -t17;
-    const zhao2000_real t19 = t18 + t18;
-    const zhao2000_real t20 = -69.282036f + t19;
-    const zhao2000_real t21 = w->k[1] + t20;
-    const zhao2000_real t22 = cosf(t8);
-    const zhao2000_real t23 = t22 * t12;
-    const zhao2000_real t24 = -138.56407f + t23;
-    const zhao2000_real t25 = t21 - t24;
-    const zhao2000_real t26 = -t25;
-    w->f[1] = t26;
-    /* row 3 */
-    const zhao2000_real t28 = t22 * w->x[2];
-    const zhao2000_real t29 = 1.0f - t22;
-    const zhao2000_real t30 = t29 * w->x[2];
-    const zhao2000_real t31 = t28 + t30;
-    const zhao2000_real t32 = w->k[2] - t31;
-    const zhao2000_real t33 = -t32;
-    w->f[2] = t33;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_SHARED zhao2000_real zhao2000_limb1_residual(const zhao2000_limb1_work *w)
-{
-    zhao2000_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 3; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_real zhao2000_limb1_apply_step(zhao2000_limb1_work *w)
-{
-    const zhao2000_real t0 = 0.004166667f * w->f[0];
-    const zhao2000_real t1 = w->x[0] + t0;
-    const zhao2000_real t2 = w->x[1] + w->f[1];
-    const zhao2000_real t3 = w->x[2] + w->f[2];
-    const zhao2000_real t4 = w->f[0] * w->f[0];
-    const zhao2000_real t5 = w->f[1] * w->f[1];
-    const zhao2000_real t6 = t4 + t5;
-    const zhao2000_real t7 = w->f[2] * w->f[2];
-    const zhao2000_real t8 = t6 + t7;
-    w->x[0] = t1;
-    w->x[1] = t2;
-    w->x[2] = t3;
-    return t8;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb1_set_target(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real part)
-{
-    for (int i = 0; i < 4; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 4; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void zhao2000_limb1_matrix(zhao2000_limb1_work *w)
-{
-    const zhao2000_real t0 = w->x[1] - 69.282036f;
-    const zhao2000_real t1 = -69.282036f + t0;
-    const zhao2000_real t2 = t1 - (-138.56407f);
-    const zhao2000_real t3 = w->x[0] - 1.5707964f;
-    const zhao2000_real t4 = cosf(t3);
-    const zhao2000_real t5 = t2 * t4;
-    const zhao2000_real t6 = 0.004166667f * t5;
-    w->a[0] = t6;
-    const zhao2000_real t8 = sinf(t3);
-    w->a[1] = t8;
-    w->a[2] = 0.0f;
-    const zhao2000_real t11 = t2 * t8;
-    const zhao2000_real t12 = 0.004166667f * t11;
-    w->a[3] = t12;
-    const zhao2000_real t14 = -t4;
-    w->a[4] = t14;
-    w->a[5] = 0.0f;
-    w->a[6] = 0.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = -1.0f;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static ZHAO2000_COLD int zhao2000_limb1_pivoted(zhao2000_limb1_work *w)
-{
-    static const zhao2000_real scale[3] = { 0.297f, 0.991f, 1.0f };
-    int sign = 1;
-    zhao2000_limb1_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 3; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        zhao2000_real largest = 0.0f;
-        for (int r = c; r < 3; ++r) {
-            const zhao2000_real size = fabsf(w->a[3 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 3; ++j) {
-                const zhao2000_real t = w->a[3 * c + j];
-                w->a[3 * c + j] = w->a[3 * best + j];
-                w->a[3 * best + j] = t;
-            }
-        }
-        if (w->a[3 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const zhao2000_real inverse = 1.0f / w->a[3 * c + c];
-        w->a[3 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 3; ++r) {
-            const zhao2000_real factor = w->a[3 * r + c] * inverse;
-            w->a[3 * r + c] = factor;
-            for (int j = c + 1; j < 3; ++j) {
-                w->a[3 * r + j] -= factor * w->a[3 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of zhao2000_limb1_pivoted. */
-static ZHAO2000_COLD void zhao2000_limb1_pivoted_solve(zhao2000_limb1_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 3; ++c) {
-        const int best = (int)w->order[c];
-        const zhao2000_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 3; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 3 - 1; c >= 0; --c) {
-        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhao2000_limb1_pivoted. */
-static int zhao2000_limb1_factor(zhao2000_limb1_work *w)
-{
-    zhao2000_real det;
-    w->pivoted = false;
-    /* pivot 1: row 3, unknown 3 */
-    const zhao2000_real t0 = 1.0f / -1.0f;
-    w->a[0] = t0;
-    const zhao2000_real t2 = t0 * 1.0f;
-    /* pivot 2: row 2, unknown 2 */
-    const zhao2000_real t3 = w->x[0] - 1.5707964f;
-    const zhao2000_real t4 = cosf(t3);
-    const zhao2000_real t5 = -t4;
-    const zhao2000_real t6 = w->x[1] - 69.282036f;
-    const zhao2000_real t7 = -69.282036f + t6;
-    const zhao2000_real t8 = t7 - (-138.56407f);
-    const zhao2000_real t9 = sinf(t3);
-    const zhao2000_real t10 = t8 * t9;
-    const zhao2000_real t11 = 0.004166667f * t10;
-    const zhao2000_real t12 = 1.0f / t5;
-    w->a[4] = t12;
-    const zhao2000_real t14 = t12 * 1.00091f;
-    w->a[5] = t11;
-    /* pivot 3: row 1, unknown 1 */
-    const zhao2000_real t16 = t8 * t4;
-    const zhao2000_real t17 = 0.004166667f * t16;
-    const zhao2000_real t18 = t9 * t12;
-    w->a[7] = t18;
-    const zhao2000_real t20 = t17 - t18 * t11;
+    const zhao2000_real t7 = c[0] + t6;
+    const zhao2000_real t8 = t7 * t7;
+    const zhao2000_real t9 = t2 * t3;
+    const zhao2000_real t10 = -t9;
+    const zhao2000_real t11 = t10 + t10;
+    const zhao2000_real t12 = -69.282036f + t11;
+    const zhao2000_real t13 = c[1] + t12;
+    const zhao2000_real t14 = t13 + 138.56407f;
+    const zhao2000_real t15 = t14 * t14;
+    const zhao2000_real t16 = t8 + t15;
+    const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
+    const zhao2000_real r1 = (d1 > 1.89e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t19 = r1 * t7;
+    const zhao2000_real t20 = r1 * r1;
     const zhao2000_real t21 = 1.0f / t20;
-    w->a[8] = t21;
-    const zhao2000_real t23 = t21 * 0.29997f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = -1.0f * t12 * t20;
-    w->spread = t2 * t2 + t14 * t14 + t23 * t23;
-    return (w->spread < 1e+06f) ? ((det > 0.0f) ? 1 : -1) : 0;
+    const zhao2000_real t22 = t19 * t21;
+    const zhao2000_real t23 = -t22;
+    const zhao2000_real t24 = r1 * t14;
+    const zhao2000_real t25 = t24 * t21;
+    const zhao2000_real t26 = atan2f(t23, t25);
+    const zhao2000_real t27 = t26 + 1.5707964f;
+    x[0] = t27;
+    x[1] = r1;
+    x[2] = c[2];
+    return (d1 > 1.89e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
 }
 
-/* The step from w->f into w->f: forward and back substitution. */
-static void zhao2000_limb1_solve(zhao2000_limb1_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
-    if (w->pivoted) {
-        zhao2000_limb1_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const zhao2000_real y0 = w->f[2];
-    const zhao2000_real y1 = w->f[1];
-    const zhao2000_real y2 = w->f[0] - w->a[7] * y1;
-    /* back substitution */
-    const zhao2000_real s2 = (y2) * w->a[8];
-    const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
-    const zhao2000_real s0 = (y0) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[2] = s0;
-    w->f[1] = s1;
-    w->f[0] = s2;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_COLD bool zhao2000_limb1_reaches_middle(zhao2000_limb1_work *w, const zhao2000_real to[4], zhao2000_real middle)
-{
-    zhao2000_real end[3];
-    zhao2000_real size[3];
-    for (int i = 0; i < 3; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_limb1_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_limb1_rows(w);
-        zhao2000_limb1_solve(w);
-        size[i] = zhao2000_limb1_apply_step(w);
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.381903e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_status zhao2000_limb1_newton(zhao2000_limb1_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_real longest2 = config->max_step * config->max_step;
-    zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_real done = 0.0f;
-    zhao2000_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_real size = 0.0f;
-    zhao2000_real kappa2 = 3.969e-05f;
-    zhao2000_real limit;
-    zhao2000_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_real turn2 = 0.0f;
-    static const uint8_t places[1] = { 3 };
-    static const zhao2000_real radians[1] = { 1.0f };
-    for (int i = 0; i < 1; ++i) {
-        const zhao2000_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_limb1_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    for (;;) {
-        zhao2000_limb1_rows(w);
-        if (verify) {
-            residual = zhao2000_limb1_residual(w);
-            if (residual <= config->tolerance + 0.00091552734f) {
-                status = ZHAO2000_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            int turn = zhao2000_limb1_factor(w);
-            if (turn == 0) {
-                turn = zhao2000_limb1_pivoted(w);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_limb1_solve(w);
-        const zhao2000_real before = size;
-        size = zhao2000_limb1_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.381903e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_limb1_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_limb1_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_real error2;
-                zhao2000_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.381903e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.381903e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 3; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_limb1_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 3; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_limb1_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb1_follow_pose(zhao2000_limb1_work *w, const zhao2000_real c[4])
-{
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 1.5707964f;
-    w->x[1] = 69.282036f;
-    w->x[2] = 100.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 0.0f;
-    return zhao2000_limb1_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_limb1_twist_columns(const zhao2000_limb1_work *w, zhao2000_real sides[12])
-{
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
-    const zhao2000_real t2 = -34.641018f * t1;
-    const zhao2000_real t3 = t1 * t2;
-    const zhao2000_real t4 = sinf(t0);
-    const zhao2000_real t5 = -69.282036f * t4;
-    const zhao2000_real t6 = 0.5f * t4;
-    const zhao2000_real t7 = t5 * t6;
-    const zhao2000_real t8 = t3 - t7;
-    const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 0.5f * t1;
-    const zhao2000_real t11 = t5 * t10;
-    const zhao2000_real t12 = t4 * t2;
-    const zhao2000_real t13 = t11 + t12;
-    const zhao2000_real t14 = t13 + t13;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t9;
-    sides[4] = 0.0f;
-    sides[5] = -1.0f;
-    sides[6] = 0.0f;
-    sides[7] = t14;
-    sides[8] = 0.0f;
-    sides[9] = 0.0f;
-    sides[10] = -1.0f;
-    sides[11] = 0.0f;
+    const zhao2000_real t2 = sinf(t0);
+    const zhao2000_real t3 = -69.282036f * t2;
+    const zhao2000_real t4 = t1 * t3;
+    const zhao2000_real t5 = -t4;
+    const zhao2000_real t6 = t5 + t5;
+    const zhao2000_real t7 = c[0] + t6;
+    const zhao2000_real t8 = t7 * t7;
+    const zhao2000_real t9 = t2 * t3;
+    const zhao2000_real t10 = -t9;
+    const zhao2000_real t11 = t10 + t10;
+    const zhao2000_real t12 = -69.282036f + t11;
+    const zhao2000_real t13 = c[1] + t12;
+    const zhao2000_real t14 = t13 + 138.56407f;
+    const zhao2000_real t15 = t14 * t14;
+    const zhao2000_real t16 = t8 + t15;
+    const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
+    const zhao2000_real r1 = (d1 > 0.00519f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t19 = r1 * t7;
+    const zhao2000_real t20 = r1 * r1;
+    const zhao2000_real t21 = 1.0f / t20;
+    const zhao2000_real t22 = t19 * t21;
+    const zhao2000_real t23 = t22 * t22;
+    const zhao2000_real t24 = r1 * t14;
+    const zhao2000_real t25 = t24 * t21;
+    const zhao2000_real t26 = t25 * t25;
+    const zhao2000_real t27 = t23 + t26;
+    const zhao2000_real t28 = 1.0f / t27;
+    const zhao2000_real t29 = t22 * t28;
+    const zhao2000_real t30 = t14 * t21;
+    const zhao2000_real t31 = t25 * t21;
+    const zhao2000_real t32 = r1 + r1;
+    const zhao2000_real t33 = t31 * t32;
+    const zhao2000_real t34 = t30 - t33;
+    const zhao2000_real t35 = t29 * t34;
+    const zhao2000_real t36 = t25 * t28;
+    const zhao2000_real t37 = t7 * t21;
+    const zhao2000_real t38 = t22 * t21;
+    const zhao2000_real t39 = t38 * t32;
+    const zhao2000_real t40 = t37 - t39;
+    const zhao2000_real t41 = t36 * t40;
+    const zhao2000_real t42 = t35 - t41;
+    const zhao2000_real t43 = 1.0f / r1;
+    const zhao2000_real t44 = t7 * t43;
+    const zhao2000_real t45 = t42 * t44;
+    const zhao2000_real t46 = t36 * t21;
+    const zhao2000_real t47 = r1 * t46;
+    const zhao2000_real t48 = t45 - t47;
+    const zhao2000_real t49 = t29 * t21;
+    const zhao2000_real t50 = r1 * t49;
+    const zhao2000_real t51 = t14 * t43;
+    const zhao2000_real t52 = t42 * t51;
+    const zhao2000_real t53 = t50 + t52;
+    const zhao2000_real t54 = -t47;
+    const zhao2000_real t55 = t54 + t54;
+    const zhao2000_real t56 = t3 * t55;
+    const zhao2000_real t57 = t2 * t56;
+    const zhao2000_real t58 = t50 + t50;
+    const zhao2000_real t59 = t3 * t58;
+    const zhao2000_real t60 = t2 * t58;
+    const zhao2000_real t61 = t1 * t55;
+    const zhao2000_real t62 = t60 + t61;
+    const zhao2000_real t63 = -69.282036f * t62;
+    const zhao2000_real t64 = t59 + t63;
+    const zhao2000_real t65 = t1 * t64;
+    const zhao2000_real t66 = t57 - t65;
+    const zhao2000_real t67 = 0.5f * t66;
+    const zhao2000_real t68 = 4.0f * t7;
+    const zhao2000_real t69 = t3 * t68;
+    const zhao2000_real t70 = t2 * t69;
+    const zhao2000_real t71 = 4.0f * t14;
+    const zhao2000_real t72 = t3 * t71;
+    const zhao2000_real t73 = t2 * t71;
+    const zhao2000_real t74 = t1 * t68;
+    const zhao2000_real t75 = t73 + t74;
+    const zhao2000_real t76 = -69.282036f * t75;
+    const zhao2000_real t77 = t72 + t76;
+    const zhao2000_real t78 = t1 * t77;
+    const zhao2000_real t79 = t70 - t78;
+    const zhao2000_real t80 = 0.5f * t79;
+    const zhao2000_real t81 = t80 / t32;
+    const zhao2000_real t82 = t42 * t81;
+    const zhao2000_real t83 = t67 + t82;
+    rates[0] = t48;
+    rates[1] = t53;
+    rates[2] = 0.0f;
+    rates[3] = t83;
+    return (d1 > 0.00519f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
 }
 
-/* Work space of zhao2000_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta2, radial2, height2
- * k: x, y, z, gamma
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_real at[4]; /* known values at the guess, where the line begins */
-    zhao2000_real k[4]; /* known values aimed at */
-    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_limb2_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
-    /* row 1 */
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
     const zhao2000_real t2 = sinf(t0);
     const zhao2000_real t3 = 34.641018f * t2;
@@ -639,539 +265,158 @@ static void zhao2000_limb2_rows(zhao2000_limb2_work *w)
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
     const zhao2000_real t10 = 60.0f + t9;
-    const zhao2000_real t11 = w->k[0] + t10;
-    const zhao2000_real t12 = w->x[0] - 3.6651914f;
-    const zhao2000_real t13 = cosf(t12);
-    const zhao2000_real t14 = w->x[1] - 69.282036f;
-    const zhao2000_real t15 = -0.8660254f * t14;
-    const zhao2000_real t16 = 60.0f + t15;
-    const zhao2000_real t17 = t16 - 120.0f;
-    const zhao2000_real t18 = t13 * t17;
-    const zhao2000_real t19 = sinf(t12);
-    const zhao2000_real t20 = -0.5f * t14;
-    const zhao2000_real t21 = 34.641018f + t20;
-    const zhao2000_real t22 = t21 - 69.282036f;
-    const zhao2000_real t23 = t19 * t22;
-    const zhao2000_real t24 = t18 - t23;
-    const zhao2000_real t25 = 120.0f + t24;
-    const zhao2000_real t26 = t11 - t25;
-    const zhao2000_real t27 = -t26;
-    w->f[0] = t27;
-    /* row 2 */
-    const zhao2000_real t29 = t1 * t5;
-    const zhao2000_real t30 = t2 * t3;
-    const zhao2000_real t31 = t29 - t30;
-    const zhao2000_real t32 = t31 + t31;
-    const zhao2000_real t33 = 34.641018f + t32;
-    const zhao2000_real t34 = w->k[1] + t33;
-    const zhao2000_real t35 = t13 * t22;
-    const zhao2000_real t36 = t19 * t17;
-    const zhao2000_real t37 = t35 + t36;
-    const zhao2000_real t38 = 69.282036f + t37;
-    const zhao2000_real t39 = t34 - t38;
-    const zhao2000_real t40 = -t39;
-    w->f[1] = t40;
-    /* row 3 */
-    const zhao2000_real t42 = t13 * w->x[2];
-    const zhao2000_real t43 = 1.0f - t13;
-    const zhao2000_real t44 = t43 * w->x[2];
-    const zhao2000_real t45 = t42 + t44;
-    const zhao2000_real t46 = w->k[2] - t45;
-    const zhao2000_real t47 = -t46;
-    w->f[2] = t47;
+    const zhao2000_real t11 = c[0] + t10;
+    const zhao2000_real t12 = t11 + (-120.0f);
+    const zhao2000_real t13 = t12 * t12;
+    const zhao2000_real t14 = t1 * t5;
+    const zhao2000_real t15 = t2 * t3;
+    const zhao2000_real t16 = t14 - t15;
+    const zhao2000_real t17 = t16 + t16;
+    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t19 = c[1] + t18;
+    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t21 = t20 * t20;
+    const zhao2000_real t22 = t13 + t21;
+    const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
+    const zhao2000_real r1 = (d1 > 1.72e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t25 = r1 * t20;
+    const zhao2000_real t26 = r1 * r1;
+    const zhao2000_real t27 = 1.0f / t26;
+    const zhao2000_real t28 = t25 * t27;
+    const zhao2000_real t29 = -t28;
+    const zhao2000_real t30 = r1 * t12;
+    const zhao2000_real t31 = t30 * t27;
+    const zhao2000_real t32 = -t31;
+    const zhao2000_real t33 = atan2f(t29, t32);
+    const zhao2000_real t34 = t33 + 3.1415927f;
+    x[0] = t34;
+    x[1] = r1;
+    x[2] = c[2];
+    return (d1 > 1.72e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_SHARED zhao2000_real zhao2000_limb2_residual(const zhao2000_limb2_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
-    zhao2000_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 3; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_real zhao2000_limb2_apply_step(zhao2000_limb2_work *w)
-{
-    const zhao2000_real t0 = 0.004166667f * w->f[0];
-    const zhao2000_real t1 = w->x[0] + t0;
-    const zhao2000_real t2 = w->x[1] + w->f[1];
-    const zhao2000_real t3 = w->x[2] + w->f[2];
-    const zhao2000_real t4 = w->f[0] * w->f[0];
-    const zhao2000_real t5 = w->f[1] * w->f[1];
-    const zhao2000_real t6 = t4 + t5;
-    const zhao2000_real t7 = w->f[2] * w->f[2];
-    const zhao2000_real t8 = t6 + t7;
-    w->x[0] = t1;
-    w->x[1] = t2;
-    w->x[2] = t3;
-    return t8;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb2_set_target(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real part)
-{
-    for (int i = 0; i < 4; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 4; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void zhao2000_limb2_matrix(zhao2000_limb2_work *w)
-{
-    const zhao2000_real t0 = w->x[1] - 69.282036f;
-    const zhao2000_real t1 = -0.8660254f * t0;
-    const zhao2000_real t2 = 60.0f + t1;
-    const zhao2000_real t3 = t2 - 120.0f;
-    const zhao2000_real t4 = w->x[0] - 3.6651914f;
-    const zhao2000_real t5 = sinf(t4);
-    const zhao2000_real t6 = t3 * t5;
-    const zhao2000_real t7 = -0.5f * t0;
-    const zhao2000_real t8 = 34.641018f + t7;
-    const zhao2000_real t9 = t8 - 69.282036f;
-    const zhao2000_real t10 = cosf(t4);
-    const zhao2000_real t11 = t9 * t10;
-    const zhao2000_real t12 = t6 + t11;
-    const zhao2000_real t13 = 0.004166667f * t12;
-    w->a[0] = t13;
-    const zhao2000_real t15 = -0.8660254f * t10;
-    const zhao2000_real t16 = -0.5f * t5;
-    const zhao2000_real t17 = t15 - t16;
-    const zhao2000_real t18 = -t17;
-    w->a[1] = t18;
-    w->a[2] = 0.0f;
-    const zhao2000_real t21 = t3 * t10;
-    const zhao2000_real t22 = t9 * t5;
-    const zhao2000_real t23 = t21 - t22;
-    const zhao2000_real t24 = 0.004166667f * t23;
-    const zhao2000_real t25 = -t24;
-    w->a[3] = t25;
-    const zhao2000_real t27 = -0.5f * t10;
-    const zhao2000_real t28 = -0.8660254f * t5;
-    const zhao2000_real t29 = t27 + t28;
-    const zhao2000_real t30 = -t29;
-    w->a[4] = t30;
-    w->a[5] = 0.0f;
-    w->a[6] = 0.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = -1.0f;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static ZHAO2000_COLD int zhao2000_limb2_pivoted(zhao2000_limb2_work *w)
-{
-    static const zhao2000_real scale[3] = { 0.249f, 0.871f, 1.0f };
-    int sign = 1;
-    zhao2000_limb2_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 3; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        zhao2000_real largest = 0.0f;
-        for (int r = c; r < 3; ++r) {
-            const zhao2000_real size = fabsf(w->a[3 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 3; ++j) {
-                const zhao2000_real t = w->a[3 * c + j];
-                w->a[3 * c + j] = w->a[3 * best + j];
-                w->a[3 * best + j] = t;
-            }
-        }
-        if (w->a[3 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const zhao2000_real inverse = 1.0f / w->a[3 * c + c];
-        w->a[3 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 3; ++r) {
-            const zhao2000_real factor = w->a[3 * r + c] * inverse;
-            w->a[3 * r + c] = factor;
-            for (int j = c + 1; j < 3; ++j) {
-                w->a[3 * r + j] -= factor * w->a[3 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of zhao2000_limb2_pivoted. */
-static ZHAO2000_COLD void zhao2000_limb2_pivoted_solve(zhao2000_limb2_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 3; ++c) {
-        const int best = (int)w->order[c];
-        const zhao2000_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 3; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 3 - 1; c >= 0; --c) {
-        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhao2000_limb2_pivoted. */
-static int zhao2000_limb2_factor(zhao2000_limb2_work *w)
-{
-    zhao2000_real det;
-    w->pivoted = false;
-    /* pivot 1: row 3, unknown 3 */
-    const zhao2000_real t0 = 1.0f / -1.0f;
-    w->a[0] = t0;
-    const zhao2000_real t2 = t0 * 1.0f;
-    /* pivot 2: row 1, unknown 2 */
-    const zhao2000_real t3 = w->x[0] - 3.6651914f;
-    const zhao2000_real t4 = sinf(t3);
-    const zhao2000_real t5 = cosf(t3);
-    const zhao2000_real t6 = -0.8660254f * t5;
-    const zhao2000_real t7 = -0.5f * t4;
-    const zhao2000_real t8 = t6 - t7;
-    const zhao2000_real t9 = -t8;
-    const zhao2000_real t10 = w->x[1] - 69.282036f;
-    const zhao2000_real t11 = -0.8660254f * t10;
-    const zhao2000_real t12 = 60.0f + t11;
-    const zhao2000_real t13 = t12 - 120.0f;
-    const zhao2000_real t14 = t13 * t4;
-    const zhao2000_real t15 = -0.5f * t10;
-    const zhao2000_real t16 = 34.641018f + t15;
-    const zhao2000_real t17 = t16 - 69.282036f;
-    const zhao2000_real t18 = t17 * t5;
-    const zhao2000_real t19 = t14 + t18;
-    const zhao2000_real t20 = 0.004166667f * t19;
-    const zhao2000_real t21 = 1.0f / t9;
-    w->a[4] = t21;
-    const zhao2000_real t23 = t21 * 1.00165f;
-    w->a[5] = t20;
-    /* pivot 3: row 2, unknown 1 */
-    const zhao2000_real t25 = -0.5f * t5;
-    const zhao2000_real t26 = -0.8660254f * t4;
-    const zhao2000_real t27 = t25 + t26;
-    const zhao2000_real t28 = -t27;
-    const zhao2000_real t29 = t13 * t5;
-    const zhao2000_real t30 = t17 * t4;
-    const zhao2000_real t31 = t29 - t30;
-    const zhao2000_real t32 = 0.004166667f * t31;
-    const zhao2000_real t33 = -t32;
-    const zhao2000_real t34 = t28 * t21;
-    w->a[7] = t34;
-    const zhao2000_real t36 = t33 - t34 * t20;
-    const zhao2000_real t37 = 1.0f / t36;
-    w->a[8] = t37;
-    const zhao2000_real t39 = t37 * 0.28635f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = -1.0f * t21 * t36;
-    w->spread = t2 * t2 + t23 * t23 + t39 * t39;
-    return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void zhao2000_limb2_solve(zhao2000_limb2_work *w)
-{
-    if (w->pivoted) {
-        zhao2000_limb2_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const zhao2000_real y0 = w->f[2];
-    const zhao2000_real y1 = w->f[0];
-    const zhao2000_real y2 = w->f[1] - w->a[7] * y1;
-    /* back substitution */
-    const zhao2000_real s2 = (y2) * w->a[8];
-    const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
-    const zhao2000_real s0 = (y0) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[2] = s0;
-    w->f[1] = s1;
-    w->f[0] = s2;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_COLD bool zhao2000_limb2_reaches_middle(zhao2000_limb2_work *w, const zhao2000_real to[4], zhao2000_real middle)
-{
-    zhao2000_real end[3];
-    zhao2000_real size[3];
-    for (int i = 0; i < 3; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_limb2_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_limb2_rows(w);
-        zhao2000_limb2_solve(w);
-        size[i] = zhao2000_limb2_apply_step(w);
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.381903e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_status zhao2000_limb2_newton(zhao2000_limb2_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_real longest2 = config->max_step * config->max_step;
-    zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_real done = 0.0f;
-    zhao2000_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_real size = 0.0f;
-    zhao2000_real kappa2 = 3.78225e-05f;
-    zhao2000_real limit;
-    zhao2000_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_real turn2 = 0.0f;
-    static const uint8_t places[1] = { 3 };
-    static const zhao2000_real radians[1] = { 1.0f };
-    for (int i = 0; i < 1; ++i) {
-        const zhao2000_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_limb2_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    for (;;) {
-        zhao2000_limb2_rows(w);
-        if (verify) {
-            residual = zhao2000_limb2_residual(w);
-            if (residual <= config->tolerance + 0.00091552734f) {
-                status = ZHAO2000_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            int turn = zhao2000_limb2_factor(w);
-            if (turn == 0) {
-                turn = zhao2000_limb2_pivoted(w);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_limb2_solve(w);
-        const zhao2000_real before = size;
-        size = zhao2000_limb2_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.381903e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_limb2_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_limb2_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_real error2;
-                zhao2000_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.381903e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.381903e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 3; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_limb2_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 3; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_limb2_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb2_follow_pose(zhao2000_limb2_work *w, const zhao2000_real c[4])
-{
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 3.6651914f;
-    w->x[1] = 69.282036f;
-    w->x[2] = 100.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 0.0f;
-    return zhao2000_limb2_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_limb2_twist_columns(const zhao2000_limb2_work *w, zhao2000_real sides[12])
-{
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
-    const zhao2000_real t2 = 17.320509f * t1;
-    const zhao2000_real t3 = t1 * t2;
-    const zhao2000_real t4 = sinf(t0);
-    const zhao2000_real t5 = 34.641018f * t4;
-    const zhao2000_real t6 = 0.5f * t4;
-    const zhao2000_real t7 = t5 * t6;
-    const zhao2000_real t8 = t3 - t7;
-    const zhao2000_real t9 = 60.0f * t4;
-    const zhao2000_real t10 = 0.5f * t1;
-    const zhao2000_real t11 = t9 * t10;
-    const zhao2000_real t12 = 30.0f * t1;
-    const zhao2000_real t13 = t4 * t12;
-    const zhao2000_real t14 = t11 + t13;
-    const zhao2000_real t15 = t8 + t14;
-    const zhao2000_real t16 = t15 + t15;
-    const zhao2000_real t17 = t1 * t12;
-    const zhao2000_real t18 = t9 * t6;
-    const zhao2000_real t19 = t17 - t18;
-    const zhao2000_real t20 = t5 * t10;
-    const zhao2000_real t21 = t4 * t2;
-    const zhao2000_real t22 = t20 + t21;
-    const zhao2000_real t23 = t19 - t22;
-    const zhao2000_real t24 = t23 + t23;
-    const zhao2000_real t25 = -t24;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t16;
-    sides[4] = 0.0f;
-    sides[5] = -1.0f;
-    sides[6] = 0.0f;
-    sides[7] = t25;
-    sides[8] = 0.0f;
-    sides[9] = 0.0f;
-    sides[10] = -1.0f;
-    sides[11] = 0.0f;
+    const zhao2000_real t2 = sinf(t0);
+    const zhao2000_real t3 = 34.641018f * t2;
+    const zhao2000_real t4 = t1 * t3;
+    const zhao2000_real t5 = 60.0f * t2;
+    const zhao2000_real t6 = t2 * t5;
+    const zhao2000_real t7 = t4 + t6;
+    const zhao2000_real t8 = -t7;
+    const zhao2000_real t9 = t8 + t8;
+    const zhao2000_real t10 = 60.0f + t9;
+    const zhao2000_real t11 = c[0] + t10;
+    const zhao2000_real t12 = t11 + (-120.0f);
+    const zhao2000_real t13 = t12 * t12;
+    const zhao2000_real t14 = t1 * t5;
+    const zhao2000_real t15 = t2 * t3;
+    const zhao2000_real t16 = t14 - t15;
+    const zhao2000_real t17 = t16 + t16;
+    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t19 = c[1] + t18;
+    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t21 = t20 * t20;
+    const zhao2000_real t22 = t13 + t21;
+    const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
+    const zhao2000_real r1 = (d1 > 0.00473f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t25 = r1 * t12;
+    const zhao2000_real t26 = r1 * r1;
+    const zhao2000_real t27 = 1.0f / t26;
+    const zhao2000_real t28 = t25 * t27;
+    const zhao2000_real t29 = r1 * t20;
+    const zhao2000_real t30 = t29 * t27;
+    const zhao2000_real t31 = t30 * t30;
+    const zhao2000_real t32 = t28 * t28;
+    const zhao2000_real t33 = t31 + t32;
+    const zhao2000_real t34 = 1.0f / t33;
+    const zhao2000_real t35 = t28 * t34;
+    const zhao2000_real t36 = t20 * t27;
+    const zhao2000_real t37 = t30 * t27;
+    const zhao2000_real t38 = r1 + r1;
+    const zhao2000_real t39 = t37 * t38;
+    const zhao2000_real t40 = t36 - t39;
+    const zhao2000_real t41 = t35 * t40;
+    const zhao2000_real t42 = t30 * t34;
+    const zhao2000_real t43 = t12 * t27;
+    const zhao2000_real t44 = t28 * t27;
+    const zhao2000_real t45 = t44 * t38;
+    const zhao2000_real t46 = t43 - t45;
+    const zhao2000_real t47 = t42 * t46;
+    const zhao2000_real t48 = t41 - t47;
+    const zhao2000_real t49 = 1.0f / r1;
+    const zhao2000_real t50 = t12 * t49;
+    const zhao2000_real t51 = t48 * t50;
+    const zhao2000_real t52 = t42 * t27;
+    const zhao2000_real t53 = r1 * t52;
+    const zhao2000_real t54 = t51 - t53;
+    const zhao2000_real t55 = t35 * t27;
+    const zhao2000_real t56 = r1 * t55;
+    const zhao2000_real t57 = t20 * t49;
+    const zhao2000_real t58 = t48 * t57;
+    const zhao2000_real t59 = t56 + t58;
+    const zhao2000_real t60 = t56 + t56;
+    const zhao2000_real t61 = t1 * t60;
+    const zhao2000_real t62 = -t53;
+    const zhao2000_real t63 = t62 + t62;
+    const zhao2000_real t64 = t2 * t63;
+    const zhao2000_real t65 = t61 - t64;
+    const zhao2000_real t66 = 60.0f * t65;
+    const zhao2000_real t67 = t5 * t63;
+    const zhao2000_real t68 = t3 * t60;
+    const zhao2000_real t69 = t67 + t68;
+    const zhao2000_real t70 = t1 * t63;
+    const zhao2000_real t71 = t2 * t60;
+    const zhao2000_real t72 = t70 + t71;
+    const zhao2000_real t73 = 34.641018f * t72;
+    const zhao2000_real t74 = t69 + t73;
+    const zhao2000_real t75 = t66 - t74;
+    const zhao2000_real t76 = t1 * t75;
+    const zhao2000_real t77 = t5 * t60;
+    const zhao2000_real t78 = t3 * t63;
+    const zhao2000_real t79 = t77 - t78;
+    const zhao2000_real t80 = t2 * t79;
+    const zhao2000_real t81 = t76 - t80;
+    const zhao2000_real t82 = 0.5f * t81;
+    const zhao2000_real t83 = 4.0f * t20;
+    const zhao2000_real t84 = t1 * t83;
+    const zhao2000_real t85 = 4.0f * t12;
+    const zhao2000_real t86 = t2 * t85;
+    const zhao2000_real t87 = t84 - t86;
+    const zhao2000_real t88 = 60.0f * t87;
+    const zhao2000_real t89 = t3 * t83;
+    const zhao2000_real t90 = t5 * t85;
+    const zhao2000_real t91 = t89 + t90;
+    const zhao2000_real t92 = t88 - t91;
+    const zhao2000_real t93 = t2 * t83;
+    const zhao2000_real t94 = t1 * t85;
+    const zhao2000_real t95 = t93 + t94;
+    const zhao2000_real t96 = 34.641018f * t95;
+    const zhao2000_real t97 = t92 - t96;
+    const zhao2000_real t98 = t1 * t97;
+    const zhao2000_real t99 = t5 * t83;
+    const zhao2000_real t100 = t3 * t85;
+    const zhao2000_real t101 = t99 - t100;
+    const zhao2000_real t102 = t2 * t101;
+    const zhao2000_real t103 = t98 - t102;
+    const zhao2000_real t104 = 0.5f * t103;
+    const zhao2000_real t105 = t104 / t38;
+    const zhao2000_real t106 = t48 * t105;
+    const zhao2000_real t107 = t82 + t106;
+    rates[0] = t54;
+    rates[1] = t59;
+    rates[2] = 0.0f;
+    rates[3] = t107;
+    return (d1 > 0.00473f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
 }
 
-/* Work space of zhao2000_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta3, radial3, height3
- * k: x, y, z, gamma
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_real x[3]; /* state */
-    zhao2000_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_real at[4]; /* known values at the guess, where the line begins */
-    zhao2000_real k[4]; /* known values aimed at */
-    zhao2000_real f[3]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_real a[9]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_limb3_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
-    /* row 1 */
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
     const zhao2000_real t2 = sinf(t0);
     const zhao2000_real t3 = 34.641018f * t2;
@@ -1182,514 +427,150 @@ static void zhao2000_limb3_rows(zhao2000_limb3_work *w)
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
     const zhao2000_real t10 = -60.0f + t9;
-    const zhao2000_real t11 = w->k[0] + t10;
-    const zhao2000_real t12 = w->x[0] - 5.7595863f;
-    const zhao2000_real t13 = cosf(t12);
-    const zhao2000_real t14 = w->x[1] - 69.282036f;
-    const zhao2000_real t15 = 0.8660254f * t14;
-    const zhao2000_real t16 = -60.0f + t15;
-    const zhao2000_real t17 = t16 - (-120.0f);
-    const zhao2000_real t18 = t13 * t17;
-    const zhao2000_real t19 = sinf(t12);
-    const zhao2000_real t20 = -0.5f * t14;
-    const zhao2000_real t21 = 34.641018f + t20;
-    const zhao2000_real t22 = t21 - 69.282036f;
-    const zhao2000_real t23 = t19 * t22;
-    const zhao2000_real t24 = t18 - t23;
-    const zhao2000_real t25 = -120.0f + t24;
-    const zhao2000_real t26 = t11 - t25;
-    const zhao2000_real t27 = -t26;
-    w->f[0] = t27;
-    /* row 2 */
-    const zhao2000_real t29 = t1 * t5;
-    const zhao2000_real t30 = t2 * t3;
-    const zhao2000_real t31 = t29 - t30;
-    const zhao2000_real t32 = t31 + t31;
-    const zhao2000_real t33 = 34.641018f + t32;
-    const zhao2000_real t34 = w->k[1] + t33;
-    const zhao2000_real t35 = t13 * t22;
-    const zhao2000_real t36 = t19 * t17;
-    const zhao2000_real t37 = t35 + t36;
-    const zhao2000_real t38 = 69.282036f + t37;
-    const zhao2000_real t39 = t34 - t38;
-    const zhao2000_real t40 = -t39;
-    w->f[1] = t40;
-    /* row 3 */
-    const zhao2000_real t42 = t13 * w->x[2];
-    const zhao2000_real t43 = 1.0f - t13;
-    const zhao2000_real t44 = t43 * w->x[2];
-    const zhao2000_real t45 = t42 + t44;
-    const zhao2000_real t46 = w->k[2] - t45;
-    const zhao2000_real t47 = -t46;
-    w->f[2] = t47;
+    const zhao2000_real t11 = c[0] + t10;
+    const zhao2000_real t12 = t11 + 120.0f;
+    const zhao2000_real t13 = t12 * t12;
+    const zhao2000_real t14 = t1 * t5;
+    const zhao2000_real t15 = t2 * t3;
+    const zhao2000_real t16 = t14 - t15;
+    const zhao2000_real t17 = t16 + t16;
+    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t19 = c[1] + t18;
+    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t21 = t20 * t20;
+    const zhao2000_real t22 = t13 + t21;
+    const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
+    const zhao2000_real r1 = (d1 > 1.84e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t25 = r1 * t20;
+    const zhao2000_real t26 = r1 * r1;
+    const zhao2000_real t27 = 1.0f / t26;
+    const zhao2000_real t28 = t25 * t27;
+    const zhao2000_real t29 = r1 * t12;
+    const zhao2000_real t30 = t29 * t27;
+    const zhao2000_real t31 = atan2f(t28, t30);
+    const zhao2000_real t32 = t31 + 6.2831855f;
+    x[0] = t32;
+    x[1] = r1;
+    x[2] = c[2];
+    return (d1 > 1.84e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_SHARED zhao2000_real zhao2000_limb3_residual(const zhao2000_limb3_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
-    zhao2000_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 3; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_real zhao2000_limb3_apply_step(zhao2000_limb3_work *w)
-{
-    const zhao2000_real t0 = 0.004166667f * w->f[0];
-    const zhao2000_real t1 = w->x[0] + t0;
-    const zhao2000_real t2 = w->x[1] + w->f[1];
-    const zhao2000_real t3 = w->x[2] + w->f[2];
-    const zhao2000_real t4 = w->f[0] * w->f[0];
-    const zhao2000_real t5 = w->f[1] * w->f[1];
-    const zhao2000_real t6 = t4 + t5;
-    const zhao2000_real t7 = w->f[2] * w->f[2];
-    const zhao2000_real t8 = t6 + t7;
-    w->x[0] = t1;
-    w->x[1] = t2;
-    w->x[2] = t3;
-    return t8;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_limb3_set_target(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real part)
-{
-    for (int i = 0; i < 4; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 4; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void zhao2000_limb3_matrix(zhao2000_limb3_work *w)
-{
-    const zhao2000_real t0 = w->x[1] - 69.282036f;
-    const zhao2000_real t1 = 0.8660254f * t0;
-    const zhao2000_real t2 = -60.0f + t1;
-    const zhao2000_real t3 = t2 - (-120.0f);
-    const zhao2000_real t4 = w->x[0] - 5.7595863f;
-    const zhao2000_real t5 = sinf(t4);
-    const zhao2000_real t6 = t3 * t5;
-    const zhao2000_real t7 = -0.5f * t0;
-    const zhao2000_real t8 = 34.641018f + t7;
-    const zhao2000_real t9 = t8 - 69.282036f;
-    const zhao2000_real t10 = cosf(t4);
-    const zhao2000_real t11 = t9 * t10;
-    const zhao2000_real t12 = t6 + t11;
-    const zhao2000_real t13 = 0.004166667f * t12;
-    w->a[0] = t13;
-    const zhao2000_real t15 = 0.8660254f * t10;
-    const zhao2000_real t16 = -0.5f * t5;
-    const zhao2000_real t17 = t15 - t16;
-    const zhao2000_real t18 = -t17;
-    w->a[1] = t18;
-    w->a[2] = 0.0f;
-    const zhao2000_real t21 = t3 * t10;
-    const zhao2000_real t22 = t9 * t5;
-    const zhao2000_real t23 = t21 - t22;
-    const zhao2000_real t24 = 0.004166667f * t23;
-    const zhao2000_real t25 = -t24;
-    w->a[3] = t25;
-    const zhao2000_real t27 = -0.5f * t10;
-    const zhao2000_real t28 = 0.8660254f * t5;
-    const zhao2000_real t29 = t27 + t28;
-    const zhao2000_real t30 = -t29;
-    w->a[4] = t30;
-    w->a[5] = 0.0f;
-    w->a[6] = 0.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = -1.0f;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static ZHAO2000_COLD int zhao2000_limb3_pivoted(zhao2000_limb3_work *w)
-{
-    static const zhao2000_real scale[3] = { 0.253f, 0.87f, 1.0f };
-    int sign = 1;
-    zhao2000_limb3_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 3; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        zhao2000_real largest = 0.0f;
-        for (int r = c; r < 3; ++r) {
-            const zhao2000_real size = fabsf(w->a[3 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 3; ++j) {
-                const zhao2000_real t = w->a[3 * c + j];
-                w->a[3 * c + j] = w->a[3 * best + j];
-                w->a[3 * best + j] = t;
-            }
-        }
-        if (w->a[3 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const zhao2000_real inverse = 1.0f / w->a[3 * c + c];
-        w->a[3 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 3; ++r) {
-            const zhao2000_real factor = w->a[3 * r + c] * inverse;
-            w->a[3 * r + c] = factor;
-            for (int j = c + 1; j < 3; ++j) {
-                w->a[3 * r + j] -= factor * w->a[3 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of zhao2000_limb3_pivoted. */
-static ZHAO2000_COLD void zhao2000_limb3_pivoted_solve(zhao2000_limb3_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 3; ++c) {
-        const int best = (int)w->order[c];
-        const zhao2000_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 3; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 3 - 1; c >= 0; --c) {
-        const zhao2000_real t = w->f[c] * w->a[3 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[3 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhao2000_limb3_pivoted. */
-static int zhao2000_limb3_factor(zhao2000_limb3_work *w)
-{
-    zhao2000_real det;
-    w->pivoted = false;
-    /* pivot 1: row 3, unknown 3 */
-    const zhao2000_real t0 = 1.0f / -1.0f;
-    w->a[0] = t0;
-    const zhao2000_real t2 = t0 * 1.0f;
-    /* pivot 2: row 1, unknown 2 */
-    const zhao2000_real t3 = w->x[0] - 5.7595863f;
-    const zhao2000_real t4 = sinf(t3);
-    const zhao2000_real t5 = cosf(t3);
-    const zhao2000_real t6 = 0.8660254f * t5;
-    const zhao2000_real t7 = -0.5f * t4;
-    const zhao2000_real t8 = t6 - t7;
-    const zhao2000_real t9 = -t8;
-    const zhao2000_real t10 = w->x[1] - 69.282036f;
-    const zhao2000_real t11 = 0.8660254f * t10;
-    const zhao2000_real t12 = -60.0f + t11;
-    const zhao2000_real t13 = t12 - (-120.0f);
-    const zhao2000_real t14 = t13 * t4;
-    const zhao2000_real t15 = -0.5f * t10;
-    const zhao2000_real t16 = 34.641018f + t15;
-    const zhao2000_real t17 = t16 - 69.282036f;
-    const zhao2000_real t18 = t17 * t5;
-    const zhao2000_real t19 = t14 + t18;
-    const zhao2000_real t20 = 0.004166667f * t19;
-    const zhao2000_real t21 = 1.0f / t9;
-    w->a[4] = t21;
-    const zhao2000_real t23 = t21 * 1.0005f;
-    w->a[5] = t20;
-    /* pivot 3: row 2, unknown 1 */
-    const zhao2000_real t25 = -0.5f * t5;
-    const zhao2000_real t26 = 0.8660254f * t4;
-    const zhao2000_real t27 = t25 + t26;
-    const zhao2000_real t28 = -t27;
-    const zhao2000_real t29 = t13 * t5;
-    const zhao2000_real t30 = t17 * t4;
-    const zhao2000_real t31 = t29 - t30;
-    const zhao2000_real t32 = 0.004166667f * t31;
-    const zhao2000_real t33 = -t32;
-    const zhao2000_real t34 = t28 * t21;
-    w->a[7] = t34;
-    const zhao2000_real t36 = t33 - t34 * t20;
-    const zhao2000_real t37 = 1.0f / t36;
-    w->a[8] = t37;
-    const zhao2000_real t39 = t37 * 0.29601f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = -1.0f * t21 * t36;
-    w->spread = t2 * t2 + t23 * t23 + t39 * t39;
-    return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void zhao2000_limb3_solve(zhao2000_limb3_work *w)
-{
-    if (w->pivoted) {
-        zhao2000_limb3_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const zhao2000_real y0 = w->f[2];
-    const zhao2000_real y1 = w->f[0];
-    const zhao2000_real y2 = w->f[1] - w->a[7] * y1;
-    /* back substitution */
-    const zhao2000_real s2 = (y2) * w->a[8];
-    const zhao2000_real s1 = (y1 - w->a[5] * s2) * w->a[4];
-    const zhao2000_real s0 = (y0) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[2] = s0;
-    w->f[1] = s1;
-    w->f[0] = s2;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_COLD bool zhao2000_limb3_reaches_middle(zhao2000_limb3_work *w, const zhao2000_real to[4], zhao2000_real middle)
-{
-    zhao2000_real end[3];
-    zhao2000_real size[3];
-    for (int i = 0; i < 3; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_limb3_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_limb3_rows(w);
-        zhao2000_limb3_solve(w);
-        size[i] = zhao2000_limb3_apply_step(w);
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.381903e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_status zhao2000_limb3_newton(zhao2000_limb3_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_real longest2 = config->max_step * config->max_step;
-    zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_real done = 0.0f;
-    zhao2000_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_real size = 0.0f;
-    zhao2000_real kappa2 = 3.67236e-05f;
-    zhao2000_real limit;
-    zhao2000_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_real turn2 = 0.0f;
-    static const uint8_t places[1] = { 3 };
-    static const zhao2000_real radians[1] = { 1.0f };
-    for (int i = 0; i < 1; ++i) {
-        const zhao2000_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_limb3_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    for (;;) {
-        zhao2000_limb3_rows(w);
-        if (verify) {
-            residual = zhao2000_limb3_residual(w);
-            if (residual <= config->tolerance + 0.00091552734f) {
-                status = ZHAO2000_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            int turn = zhao2000_limb3_factor(w);
-            if (turn == 0) {
-                turn = zhao2000_limb3_pivoted(w);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_limb3_solve(w);
-        const zhao2000_real before = size;
-        size = zhao2000_limb3_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.381903e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_limb3_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_limb3_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_real error2;
-                zhao2000_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.381903e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.381903e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 3; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_limb3_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 3; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_limb3_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_status zhao2000_limb3_follow_pose(zhao2000_limb3_work *w, const zhao2000_real c[4])
-{
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 5.7595863f;
-    w->x[1] = 69.282036f;
-    w->x[2] = 100.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 0.0f;
-    return zhao2000_limb3_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_limb3_twist_columns(const zhao2000_limb3_work *w, zhao2000_real sides[12])
-{
-    const zhao2000_real t0 = 0.5f * w->k[3];
+    const zhao2000_real t0 = 0.5f * c[3];
     const zhao2000_real t1 = cosf(t0);
-    const zhao2000_real t2 = 17.320509f * t1;
-    const zhao2000_real t3 = t1 * t2;
-    const zhao2000_real t4 = sinf(t0);
-    const zhao2000_real t5 = 34.641018f * t4;
-    const zhao2000_real t6 = 0.5f * t4;
-    const zhao2000_real t7 = t5 * t6;
-    const zhao2000_real t8 = t3 - t7;
-    const zhao2000_real t9 = -60.0f * t4;
-    const zhao2000_real t10 = 0.5f * t1;
-    const zhao2000_real t11 = t9 * t10;
-    const zhao2000_real t12 = -30.0f * t1;
-    const zhao2000_real t13 = t4 * t12;
-    const zhao2000_real t14 = t11 + t13;
-    const zhao2000_real t15 = t8 + t14;
-    const zhao2000_real t16 = t15 + t15;
-    const zhao2000_real t17 = t1 * t12;
-    const zhao2000_real t18 = t9 * t6;
-    const zhao2000_real t19 = t17 - t18;
-    const zhao2000_real t20 = t5 * t10;
-    const zhao2000_real t21 = t4 * t2;
-    const zhao2000_real t22 = t20 + t21;
-    const zhao2000_real t23 = t19 - t22;
-    const zhao2000_real t24 = t23 + t23;
-    const zhao2000_real t25 = -t24;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t16;
-    sides[4] = 0.0f;
-    sides[5] = -1.0f;
-    sides[6] = 0.0f;
-    sides[7] = t25;
-    sides[8] = 0.0f;
-    sides[9] = 0.0f;
-    sides[10] = -1.0f;
-    sides[11] = 0.0f;
+    const zhao2000_real t2 = sinf(t0);
+    const zhao2000_real t3 = 34.641018f * t2;
+    const zhao2000_real t4 = t1 * t3;
+    const zhao2000_real t5 = -60.0f * t2;
+    const zhao2000_real t6 = t2 * t5;
+    const zhao2000_real t7 = t4 + t6;
+    const zhao2000_real t8 = -t7;
+    const zhao2000_real t9 = t8 + t8;
+    const zhao2000_real t10 = -60.0f + t9;
+    const zhao2000_real t11 = c[0] + t10;
+    const zhao2000_real t12 = t11 + 120.0f;
+    const zhao2000_real t13 = t12 * t12;
+    const zhao2000_real t14 = t1 * t5;
+    const zhao2000_real t15 = t2 * t3;
+    const zhao2000_real t16 = t14 - t15;
+    const zhao2000_real t17 = t16 + t16;
+    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t19 = c[1] + t18;
+    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t21 = t20 * t20;
+    const zhao2000_real t22 = t13 + t21;
+    const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
+    const zhao2000_real r1 = (d1 > 0.00507f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_real t25 = r1 * t12;
+    const zhao2000_real t26 = r1 * r1;
+    const zhao2000_real t27 = 1.0f / t26;
+    const zhao2000_real t28 = t25 * t27;
+    const zhao2000_real t29 = r1 * t20;
+    const zhao2000_real t30 = t29 * t27;
+    const zhao2000_real t31 = t30 * t30;
+    const zhao2000_real t32 = t28 * t28;
+    const zhao2000_real t33 = t31 + t32;
+    const zhao2000_real t34 = 1.0f / t33;
+    const zhao2000_real t35 = t28 * t34;
+    const zhao2000_real t36 = t20 * t27;
+    const zhao2000_real t37 = t30 * t27;
+    const zhao2000_real t38 = r1 + r1;
+    const zhao2000_real t39 = t37 * t38;
+    const zhao2000_real t40 = t36 - t39;
+    const zhao2000_real t41 = t35 * t40;
+    const zhao2000_real t42 = t30 * t34;
+    const zhao2000_real t43 = t12 * t27;
+    const zhao2000_real t44 = t28 * t27;
+    const zhao2000_real t45 = t44 * t38;
+    const zhao2000_real t46 = t43 - t45;
+    const zhao2000_real t47 = t42 * t46;
+    const zhao2000_real t48 = t41 - t47;
+    const zhao2000_real t49 = 1.0f / r1;
+    const zhao2000_real t50 = t12 * t49;
+    const zhao2000_real t51 = t48 * t50;
+    const zhao2000_real t52 = t42 * t27;
+    const zhao2000_real t53 = r1 * t52;
+    const zhao2000_real t54 = t51 - t53;
+    const zhao2000_real t55 = t35 * t27;
+    const zhao2000_real t56 = r1 * t55;
+    const zhao2000_real t57 = t20 * t49;
+    const zhao2000_real t58 = t48 * t57;
+    const zhao2000_real t59 = t56 + t58;
+    const zhao2000_real t60 = t56 + t56;
+    const zhao2000_real t61 = t1 * t60;
+    const zhao2000_real t62 = -t53;
+    const zhao2000_real t63 = t62 + t62;
+    const zhao2000_real t64 = t2 * t63;
+    const zhao2000_real t65 = t61 - t64;
+    const zhao2000_real t66 = -60.0f * t65;
+    const zhao2000_real t67 = t5 * t63;
+    const zhao2000_real t68 = t3 * t60;
+    const zhao2000_real t69 = t67 + t68;
+    const zhao2000_real t70 = t1 * t63;
+    const zhao2000_real t71 = t2 * t60;
+    const zhao2000_real t72 = t70 + t71;
+    const zhao2000_real t73 = 34.641018f * t72;
+    const zhao2000_real t74 = t69 + t73;
+    const zhao2000_real t75 = t66 - t74;
+    const zhao2000_real t76 = t1 * t75;
+    const zhao2000_real t77 = t5 * t60;
+    const zhao2000_real t78 = t3 * t63;
+    const zhao2000_real t79 = t77 - t78;
+    const zhao2000_real t80 = t2 * t79;
+    const zhao2000_real t81 = t76 - t80;
+    const zhao2000_real t82 = 0.5f * t81;
+    const zhao2000_real t83 = 4.0f * t20;
+    const zhao2000_real t84 = t1 * t83;
+    const zhao2000_real t85 = 4.0f * t12;
+    const zhao2000_real t86 = t2 * t85;
+    const zhao2000_real t87 = t84 - t86;
+    const zhao2000_real t88 = -60.0f * t87;
+    const zhao2000_real t89 = t3 * t83;
+    const zhao2000_real t90 = t5 * t85;
+    const zhao2000_real t91 = t89 + t90;
+    const zhao2000_real t92 = t88 - t91;
+    const zhao2000_real t93 = t2 * t83;
+    const zhao2000_real t94 = t1 * t85;
+    const zhao2000_real t95 = t93 + t94;
+    const zhao2000_real t96 = 34.641018f * t95;
+    const zhao2000_real t97 = t92 - t96;
+    const zhao2000_real t98 = t1 * t97;
+    const zhao2000_real t99 = t5 * t83;
+    const zhao2000_real t100 = t3 * t85;
+    const zhao2000_real t101 = t99 - t100;
+    const zhao2000_real t102 = t2 * t101;
+    const zhao2000_real t103 = t98 - t102;
+    const zhao2000_real t104 = 0.5f * t103;
+    const zhao2000_real t105 = t104 / t38;
+    const zhao2000_real t106 = t48 * t105;
+    const zhao2000_real t107 = t82 + t106;
+    rates[0] = t54;
+    rates[1] = t59;
+    rates[2] = 0.0f;
+    rates[3] = t107;
+    return (d1 > 0.00507f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
 }
 
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
@@ -1699,27 +580,27 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     (void)passive;
     /* theta1, radial1, height1 */
     if (status == ZHAO2000_OK) {
-        zhao2000_limb1_work w;
-        status = zhao2000_limb1_follow_pose(&w, c);
-        q[0] = w.x[0];
-        passive[0] = w.x[1];
-        passive[1] = w.x[2];
+        zhao2000_real x[3];
+        status = zhao2000_limb1_joints(c, x);
+        q[0] = x[0];
+        passive[0] = x[1];
+        passive[1] = x[2];
     }
     /* theta2, radial2, height2 */
     if (status == ZHAO2000_OK) {
-        zhao2000_limb2_work w;
-        status = zhao2000_limb2_follow_pose(&w, c);
-        q[1] = w.x[0];
-        passive[2] = w.x[1];
-        passive[3] = w.x[2];
+        zhao2000_real x[3];
+        status = zhao2000_limb2_joints(c, x);
+        q[1] = x[0];
+        passive[2] = x[1];
+        passive[3] = x[2];
     }
     /* theta3, radial3, height3 */
     if (status == ZHAO2000_OK) {
-        zhao2000_limb3_work w;
-        status = zhao2000_limb3_follow_pose(&w, c);
-        q[2] = w.x[0];
-        passive[4] = w.x[1];
-        passive[5] = w.x[2];
+        zhao2000_real x[3];
+        status = zhao2000_limb3_joints(c, x);
+        q[2] = x[0];
+        passive[4] = x[1];
+        passive[5] = x[2];
     }
     /* op */
     const zhao2000_real op_0 = c[0] * c[0];
@@ -2429,24 +1310,20 @@ static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_rea
     }
 }
 
-/* Checks the branch of an answer: whether the limbs there, solved as zhao2000_inverse does, have the given joint values. Else
- * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
- * to this one: the pose alone would not say where the limb stands. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real c[4], const zhao2000_real given[4])
+/* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands on the reference's side of its dead
+ * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real x[10], const zhao2000_real given[4])
 {
-    static const zhao2000_real near[4] = { 0.000977f, 0.000977f, 0.000977f, 0.234f };
-    zhao2000_real q[4] = { 0.0f };
-    zhao2000_real passive[6] = { 0.0f };
-    zhao2000_real turned[4];
-    zhao2000_status status = zhao2000_solve_limbs(c, q, passive);
-    if (status == ZHAO2000_OK) {
-        zhao2000_unwrap_joints(q, given, turned);
-        for (int i = 0; i < 4; ++i) {
-            if (!(fabsf(turned[i] - q[i]) <= near[i])) {
-                status = ZHAO2000_WRONG_BRANCH;
-            }
-        }
-    } else {
+    zhao2000_status status = ZHAO2000_OK;
+    (void)x;
+    (void)given;
+    if (!(x[0] >= -0.0704f)) { /* radial1 */
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    if (!(x[2] >= -0.0672f)) { /* radial2 */
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    if (!(x[4] >= -0.0695f)) { /* radial3 */
         status = ZHAO2000_WRONG_BRANCH;
     }
     return status;
@@ -2494,7 +1371,7 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
         zhao2000_unwrap_joints(w.at, joints, given);
         status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_OK) {
-            status = zhao2000_check_branch(&w.x[6], given);
+            status = zhao2000_check_branch(w.x, given);
         }
         if (status == ZHAO2000_OK) {
             zhao2000_write_pose(&w, pose);
@@ -2567,102 +1444,30 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
     if (status == ZHAO2000_OK) {
         /* theta1, radial1, height1 */
         if (status == ZHAO2000_OK) {
-            zhao2000_limb1_work w;
-            zhao2000_real sides[12];
-            status = zhao2000_limb1_follow_pose(&w, c);
-            if (status == ZHAO2000_OK) {
-                zhao2000_limb1_twist_columns(&w, sides);
-                if ((zhao2000_limb1_factor(&w) == 0) && (zhao2000_limb1_pivoted(&w) == 0)) {
-                    status = ZHAO2000_SINGULAR;
-                } else {
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i];
-                    }
-                    zhao2000_limb1_solve(&w);
-                    jacobian[0] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 1];
-                    }
-                    zhao2000_limb1_solve(&w);
-                    jacobian[1] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 2];
-                    }
-                    zhao2000_limb1_solve(&w);
-                    jacobian[2] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 3];
-                    }
-                    zhao2000_limb1_solve(&w);
-                    jacobian[5] = w.f[0] * 0.004166667f;
-                }
-            }
+            zhao2000_real of_limb[4];
+            status = zhao2000_limb1_rates(c, of_limb);
+            jacobian[0] = of_limb[0];
+            jacobian[1] = of_limb[1];
+            jacobian[2] = of_limb[2];
+            jacobian[5] = of_limb[3];
         }
         /* theta2, radial2, height2 */
         if (status == ZHAO2000_OK) {
-            zhao2000_limb2_work w;
-            zhao2000_real sides[12];
-            status = zhao2000_limb2_follow_pose(&w, c);
-            if (status == ZHAO2000_OK) {
-                zhao2000_limb2_twist_columns(&w, sides);
-                if ((zhao2000_limb2_factor(&w) == 0) && (zhao2000_limb2_pivoted(&w) == 0)) {
-                    status = ZHAO2000_SINGULAR;
-                } else {
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i];
-                    }
-                    zhao2000_limb2_solve(&w);
-                    jacobian[6] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 1];
-                    }
-                    zhao2000_limb2_solve(&w);
-                    jacobian[7] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 2];
-                    }
-                    zhao2000_limb2_solve(&w);
-                    jacobian[8] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 3];
-                    }
-                    zhao2000_limb2_solve(&w);
-                    jacobian[11] = w.f[0] * 0.004166667f;
-                }
-            }
+            zhao2000_real of_limb[4];
+            status = zhao2000_limb2_rates(c, of_limb);
+            jacobian[6] = of_limb[0];
+            jacobian[7] = of_limb[1];
+            jacobian[8] = of_limb[2];
+            jacobian[11] = of_limb[3];
         }
         /* theta3, radial3, height3 */
         if (status == ZHAO2000_OK) {
-            zhao2000_limb3_work w;
-            zhao2000_real sides[12];
-            status = zhao2000_limb3_follow_pose(&w, c);
-            if (status == ZHAO2000_OK) {
-                zhao2000_limb3_twist_columns(&w, sides);
-                if ((zhao2000_limb3_factor(&w) == 0) && (zhao2000_limb3_pivoted(&w) == 0)) {
-                    status = ZHAO2000_SINGULAR;
-                } else {
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i];
-                    }
-                    zhao2000_limb3_solve(&w);
-                    jacobian[12] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 1];
-                    }
-                    zhao2000_limb3_solve(&w);
-                    jacobian[13] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 2];
-                    }
-                    zhao2000_limb3_solve(&w);
-                    jacobian[14] = w.f[0] * 0.004166667f;
-                    for (int i = 0; i < 3; ++i) {
-                        w.f[i] = sides[4 * i + 3];
-                    }
-                    zhao2000_limb3_solve(&w);
-                    jacobian[17] = w.f[0] * 0.004166667f;
-                }
-            }
+            zhao2000_real of_limb[4];
+            status = zhao2000_limb3_rates(c, of_limb);
+            jacobian[12] = of_limb[0];
+            jacobian[13] = of_limb[1];
+            jacobian[14] = of_limb[2];
+            jacobian[17] = of_limb[3];
         }
         /* op */
         const zhao2000_real op_0 = c[0] * c[0];

@@ -107,3408 +107,1802 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check_limits(c
     return status;
 }
 
-/* Work space of zhao2000_links_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta1, hip1, elbow1, wrist1
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb1_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_links_limb1_rows(zhao2000_links_limb1_work *w)
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_real c[7], zhao2000_links_real x[4])
 {
-    /* row 1 */
-    const zhao2000_links_real t0 = -69.282036f * w->k[4];
-    const zhao2000_links_real t1 = w->k[5] * t0;
-    const zhao2000_links_real t2 = -69.282036f * w->k[6];
-    const zhao2000_links_real t3 = w->k[3] * t2;
+    const zhao2000_links_real t0 = -69.282036f * c[4];
+    const zhao2000_links_real t1 = c[5] * t0;
+    const zhao2000_links_real t2 = -69.282036f * c[6];
+    const zhao2000_links_real t3 = c[3] * t2;
     const zhao2000_links_real t4 = t1 - t3;
     const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = w->k[0] + t5;
-    const zhao2000_links_real t7 = w->x[0] - 1.5707964f;
-    const zhao2000_links_real t8 = sinf(t7);
-    const zhao2000_links_real t9 = cosf(w->x[1]);
-    const zhao2000_links_real t10 = cosf(w->x[2]);
-    const zhao2000_links_real t11 = 63.115757f * t10;
-    const zhao2000_links_real t12 = sinf(w->x[2]);
-    const zhao2000_links_real t13 = -30.272121f * t12;
-    const zhao2000_links_real t14 = t11 + t13;
-    const zhao2000_links_real t15 = -132.39778f + t14;
-    const zhao2000_links_real t16 = t15 - (-138.56407f);
-    const zhao2000_links_real t17 = t9 * t16;
-    const zhao2000_links_real t18 = sinf(w->x[1]);
-    const zhao2000_links_real t19 = 30.272121f * t10;
-    const zhao2000_links_real t20 = 63.115757f * t12;
-    const zhao2000_links_real t21 = t19 + t20;
-    const zhao2000_links_real t22 = 69.727875f + t21;
-    const zhao2000_links_real t23 = t18 * t22;
-    const zhao2000_links_real t24 = t17 - t23;
-    const zhao2000_links_real t25 = t8 * t24;
-    const zhao2000_links_real t26 = t6 + t25;
-    const zhao2000_links_real t27 = -t26;
-    w->f[0] = t27;
-    /* row 2 */
-    const zhao2000_links_real t29 = w->k[6] * t2;
-    const zhao2000_links_real t30 = w->k[4] * t0;
-    const zhao2000_links_real t31 = t29 + t30;
-    const zhao2000_links_real t32 = -t31;
-    const zhao2000_links_real t33 = t32 + t32;
-    const zhao2000_links_real t34 = -69.282036f + t33;
-    const zhao2000_links_real t35 = w->k[1] + t34;
-    const zhao2000_links_real t36 = cosf(t7);
-    const zhao2000_links_real t37 = t36 * t24;
-    const zhao2000_links_real t38 = -138.56407f + t37;
-    const zhao2000_links_real t39 = t35 - t38;
-    const zhao2000_links_real t40 = -t39;
-    w->f[1] = t40;
-    /* row 3 */
-    const zhao2000_links_real t42 = w->k[3] * t0;
-    const zhao2000_links_real t43 = w->k[5] * t2;
-    const zhao2000_links_real t44 = t42 + t43;
-    const zhao2000_links_real t45 = t44 + t44;
-    const zhao2000_links_real t46 = w->k[2] + t45;
-    const zhao2000_links_real t47 = t9 * t22;
-    const zhao2000_links_real t48 = t18 * t16;
-    const zhao2000_links_real t49 = t47 + t48;
-    const zhao2000_links_real t50 = t36 * t49;
-    const zhao2000_links_real t51 = 1.0f - t36;
-    const zhao2000_links_real t52 = t51 * t49;
-    const zhao2000_links_real t53 = t50 + t52;
-    const zhao2000_links_real t54 = t46 - t53;
-    const zhao2000_links_real t55 = -t54;
-    w->f[2] = t55;
-    /* row 4 */
-    const zhao2000_links_real t57 = 0.5f * t7;
-    const zhao2000_links_real t58 = cosf(t57);
-    const zhao2000_links_real t59 = 0.5f * w->x[1];
-    const zhao2000_links_real t60 = cosf(t59);
-    const zhao2000_links_real t61 = t58 * t60;
-    const zhao2000_links_real t62 = 0.5f * w->x[2];
-    const zhao2000_links_real t63 = cosf(t62);
-    const zhao2000_links_real t64 = t61 * t63;
-    const zhao2000_links_real t65 = sinf(t59);
-    const zhao2000_links_real t66 = t58 * t65;
-    const zhao2000_links_real t67 = sinf(t62);
-    const zhao2000_links_real t68 = t66 * t67;
-    const zhao2000_links_real t69 = t64 - t68;
-    const zhao2000_links_real t70 = 0.5f * w->x[3];
-    const zhao2000_links_real t71 = cosf(t70);
-    const zhao2000_links_real t72 = t69 * t71;
-    const zhao2000_links_real t73 = t61 * t67;
-    const zhao2000_links_real t74 = t66 * t63;
-    const zhao2000_links_real t75 = t73 + t74;
-    const zhao2000_links_real t76 = sinf(t70);
-    const zhao2000_links_real t77 = t75 * t76;
-    const zhao2000_links_real t78 = t72 - t77;
-    const zhao2000_links_real t79 = t78 * w->k[5];
-    const zhao2000_links_real t80 = t69 * t76;
-    const zhao2000_links_real t81 = t75 * t71;
-    const zhao2000_links_real t82 = t80 + t81;
-    const zhao2000_links_real t83 = t82 * w->k[6];
-    const zhao2000_links_real t84 = t79 + t83;
-    const zhao2000_links_real t85 = sinf(t57);
-    const zhao2000_links_real t86 = t85 * t65;
-    const zhao2000_links_real t87 = t86 * t63;
-    const zhao2000_links_real t88 = t85 * t60;
-    const zhao2000_links_real t89 = t88 * t67;
-    const zhao2000_links_real t90 = t87 + t89;
-    const zhao2000_links_real t91 = t90 * t71;
-    const zhao2000_links_real t92 = t88 * t63;
-    const zhao2000_links_real t93 = t86 * t67;
-    const zhao2000_links_real t94 = t92 - t93;
-    const zhao2000_links_real t95 = t94 * t76;
-    const zhao2000_links_real t96 = t91 + t95;
-    const zhao2000_links_real t97 = t96 * w->k[3];
-    const zhao2000_links_real t98 = t84 - t97;
-    const zhao2000_links_real t99 = t94 * t71;
-    const zhao2000_links_real t100 = t90 * t76;
-    const zhao2000_links_real t101 = t99 - t100;
-    const zhao2000_links_real t102 = t101 * w->k[4];
-    const zhao2000_links_real t103 = t98 - t102;
-    const zhao2000_links_real t104 = 489.63956f * t103;
-    w->f[3] = t104;
-    /* row 5 */
-    const zhao2000_links_real t106 = t78 * w->k[4];
-    const zhao2000_links_real t107 = t82 * w->k[3];
-    const zhao2000_links_real t108 = t106 - t107;
-    const zhao2000_links_real t109 = t96 * w->k[6];
-    const zhao2000_links_real t110 = t108 - t109;
-    const zhao2000_links_real t111 = t101 * w->k[5];
-    const zhao2000_links_real t112 = t110 + t111;
-    const zhao2000_links_real t113 = 489.63956f * t112;
-    const zhao2000_links_real t114 = -t113;
-    w->f[4] = t114;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb1_residual(const zhao2000_links_limb1_work *w)
-{
-    zhao2000_links_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 5; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_links_real zhao2000_links_limb1_apply_step(zhao2000_links_limb1_work *w)
-{
-    const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
-    const zhao2000_links_real t1 = w->x[0] + t0;
-    const zhao2000_links_real t2 = 0.0040846374f * w->f[1];
-    const zhao2000_links_real t3 = w->x[1] + t2;
-    const zhao2000_links_real t4 = 0.0040846374f * w->f[2];
-    const zhao2000_links_real t5 = w->x[2] + t4;
-    const zhao2000_links_real t6 = 0.0040846374f * w->f[3];
-    const zhao2000_links_real t7 = w->x[3] + t6;
-    const zhao2000_links_real t8 = w->f[0] * w->f[0];
-    const zhao2000_links_real t9 = w->f[1] * w->f[1];
+    const zhao2000_links_real t6 = c[0] + t5;
+    const zhao2000_links_real t7 = t6 * t6;
+    const zhao2000_links_real t8 = c[6] * t2;
+    const zhao2000_links_real t9 = c[4] * t0;
     const zhao2000_links_real t10 = t8 + t9;
-    const zhao2000_links_real t11 = w->f[2] * w->f[2];
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = w->f[3] * w->f[3];
-    const zhao2000_links_real t14 = t12 + t13;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    return t14;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb1_set_target(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb1_matrix(zhao2000_links_limb1_work *w)
-{
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = 63.115757f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = -30.272121f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = -132.39778f + t5;
-    const zhao2000_links_real t7 = t6 - (-138.56407f);
-    const zhao2000_links_real t8 = t0 * t7;
-    const zhao2000_links_real t9 = sinf(w->x[1]);
-    const zhao2000_links_real t10 = 30.272121f * t1;
-    const zhao2000_links_real t11 = 63.115757f * t3;
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = 69.727875f + t12;
-    const zhao2000_links_real t14 = t9 * t13;
-    const zhao2000_links_real t15 = t8 - t14;
-    const zhao2000_links_real t16 = w->x[0] - 1.5707964f;
-    const zhao2000_links_real t17 = cosf(t16);
-    const zhao2000_links_real t18 = t15 * t17;
-    const zhao2000_links_real t19 = 0.0040846374f * t18;
-    w->a[0] = t19;
-    const zhao2000_links_real t21 = sinf(t16);
-    const zhao2000_links_real t22 = t7 * t9;
-    const zhao2000_links_real t23 = t13 * t0;
-    const zhao2000_links_real t24 = t22 + t23;
-    const zhao2000_links_real t25 = t21 * t24;
-    const zhao2000_links_real t26 = 0.0040846374f * t25;
-    const zhao2000_links_real t27 = -t26;
-    w->a[1] = t27;
-    const zhao2000_links_real t29 = -30.272121f * t1;
-    const zhao2000_links_real t30 = t29 - t11;
-    const zhao2000_links_real t31 = t0 * t30;
-    const zhao2000_links_real t32 = 30.272121f * t3;
-    const zhao2000_links_real t33 = t2 - t32;
-    const zhao2000_links_real t34 = t9 * t33;
-    const zhao2000_links_real t35 = t31 - t34;
-    const zhao2000_links_real t36 = t21 * t35;
-    const zhao2000_links_real t37 = 0.0040846374f * t36;
-    w->a[2] = t37;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t40 = t15 * t21;
-    const zhao2000_links_real t41 = 0.0040846374f * t40;
-    w->a[4] = t41;
-    const zhao2000_links_real t43 = t17 * t24;
-    const zhao2000_links_real t44 = 0.0040846374f * t43;
-    w->a[5] = t44;
-    const zhao2000_links_real t46 = t17 * t35;
-    const zhao2000_links_real t47 = 0.0040846374f * t46;
-    const zhao2000_links_real t48 = -t47;
-    w->a[6] = t48;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t52 = t7 * t0;
-    const zhao2000_links_real t53 = t13 * t9;
-    const zhao2000_links_real t54 = t52 - t53;
-    const zhao2000_links_real t55 = t17 * t54;
-    const zhao2000_links_real t56 = 1.0f - t17;
-    const zhao2000_links_real t57 = t56 * t54;
-    const zhao2000_links_real t58 = t55 + t57;
-    const zhao2000_links_real t59 = 0.0040846374f * t58;
-    const zhao2000_links_real t60 = -t59;
-    w->a[9] = t60;
-    const zhao2000_links_real t62 = t0 * t33;
-    const zhao2000_links_real t63 = t9 * t30;
-    const zhao2000_links_real t64 = t62 + t63;
-    const zhao2000_links_real t65 = t17 * t64;
-    const zhao2000_links_real t66 = t56 * t64;
-    const zhao2000_links_real t67 = t65 + t66;
-    const zhao2000_links_real t68 = 0.0040846374f * t67;
-    const zhao2000_links_real t69 = -t68;
-    w->a[10] = t69;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t72 = 0.5f * w->x[3];
-    const zhao2000_links_real t73 = cosf(t72);
-    const zhao2000_links_real t74 = 0.5f * w->x[2];
-    const zhao2000_links_real t75 = sinf(t74);
-    const zhao2000_links_real t76 = 0.5f * w->x[1];
-    const zhao2000_links_real t77 = sinf(t76);
-    const zhao2000_links_real t78 = 0.5f * t16;
-    const zhao2000_links_real t79 = sinf(t78);
-    const zhao2000_links_real t80 = 0.5f * t79;
-    const zhao2000_links_real t81 = t77 * t80;
-    const zhao2000_links_real t82 = t75 * t81;
-    const zhao2000_links_real t83 = cosf(t74);
-    const zhao2000_links_real t84 = cosf(t76);
-    const zhao2000_links_real t85 = t84 * t80;
-    const zhao2000_links_real t86 = t83 * t85;
-    const zhao2000_links_real t87 = t82 - t86;
-    const zhao2000_links_real t88 = t73 * t87;
-    const zhao2000_links_real t89 = sinf(t72);
-    const zhao2000_links_real t90 = t75 * t85;
-    const zhao2000_links_real t91 = t83 * t81;
-    const zhao2000_links_real t92 = t90 + t91;
-    const zhao2000_links_real t93 = t89 * t92;
-    const zhao2000_links_real t94 = t88 + t93;
-    const zhao2000_links_real t95 = w->k[5] * t94;
-    const zhao2000_links_real t96 = t89 * t87;
-    const zhao2000_links_real t97 = t73 * t92;
-    const zhao2000_links_real t98 = t96 - t97;
-    const zhao2000_links_real t99 = w->k[6] * t98;
-    const zhao2000_links_real t100 = t95 + t99;
-    const zhao2000_links_real t101 = cosf(t78);
-    const zhao2000_links_real t102 = 0.5f * t101;
-    const zhao2000_links_real t103 = t77 * t102;
-    const zhao2000_links_real t104 = t83 * t103;
-    const zhao2000_links_real t105 = t84 * t102;
-    const zhao2000_links_real t106 = t75 * t105;
-    const zhao2000_links_real t107 = t104 + t106;
-    const zhao2000_links_real t108 = t73 * t107;
-    const zhao2000_links_real t109 = t83 * t105;
-    const zhao2000_links_real t110 = t75 * t103;
-    const zhao2000_links_real t111 = t109 - t110;
-    const zhao2000_links_real t112 = t89 * t111;
-    const zhao2000_links_real t113 = t108 + t112;
-    const zhao2000_links_real t114 = w->k[3] * t113;
-    const zhao2000_links_real t115 = t100 - t114;
-    const zhao2000_links_real t116 = t73 * t111;
-    const zhao2000_links_real t117 = t89 * t107;
-    const zhao2000_links_real t118 = t116 - t117;
-    const zhao2000_links_real t119 = w->k[4] * t118;
-    const zhao2000_links_real t120 = t115 - t119;
-    const zhao2000_links_real t121 = t120 + t120;
-    const zhao2000_links_real t122 = -t121;
-    w->a[12] = t122;
-    const zhao2000_links_real t124 = 0.5f * t84;
-    const zhao2000_links_real t125 = t101 * t124;
-    const zhao2000_links_real t126 = t83 * t125;
-    const zhao2000_links_real t127 = 0.5f * t77;
-    const zhao2000_links_real t128 = t101 * t127;
-    const zhao2000_links_real t129 = t75 * t128;
-    const zhao2000_links_real t130 = t126 - t129;
-    const zhao2000_links_real t131 = t73 * t130;
-    const zhao2000_links_real t132 = t83 * t128;
-    const zhao2000_links_real t133 = t75 * t125;
-    const zhao2000_links_real t134 = t132 + t133;
-    const zhao2000_links_real t135 = t89 * t134;
-    const zhao2000_links_real t136 = t131 - t135;
-    const zhao2000_links_real t137 = w->k[6] * t136;
-    const zhao2000_links_real t138 = t73 * t134;
-    const zhao2000_links_real t139 = t89 * t130;
-    const zhao2000_links_real t140 = t138 + t139;
-    const zhao2000_links_real t141 = w->k[5] * t140;
-    const zhao2000_links_real t142 = t137 - t141;
-    const zhao2000_links_real t143 = t79 * t124;
-    const zhao2000_links_real t144 = t83 * t143;
-    const zhao2000_links_real t145 = t79 * t127;
-    const zhao2000_links_real t146 = t75 * t145;
-    const zhao2000_links_real t147 = t144 - t146;
-    const zhao2000_links_real t148 = t73 * t147;
-    const zhao2000_links_real t149 = t83 * t145;
-    const zhao2000_links_real t150 = t75 * t143;
-    const zhao2000_links_real t151 = t149 + t150;
-    const zhao2000_links_real t152 = t89 * t151;
-    const zhao2000_links_real t153 = t148 - t152;
-    const zhao2000_links_real t154 = w->k[3] * t153;
-    const zhao2000_links_real t155 = t142 - t154;
-    const zhao2000_links_real t156 = t73 * t151;
-    const zhao2000_links_real t157 = t89 * t147;
-    const zhao2000_links_real t158 = t156 + t157;
-    const zhao2000_links_real t159 = w->k[4] * t158;
-    const zhao2000_links_real t160 = t155 + t159;
-    const zhao2000_links_real t161 = t160 + t160;
-    const zhao2000_links_real t162 = -t161;
-    w->a[13] = t162;
-    const zhao2000_links_real t164 = t101 * t84;
-    const zhao2000_links_real t165 = 0.5f * t83;
-    const zhao2000_links_real t166 = t164 * t165;
-    const zhao2000_links_real t167 = t101 * t77;
-    const zhao2000_links_real t168 = 0.5f * t75;
-    const zhao2000_links_real t169 = t167 * t168;
-    const zhao2000_links_real t170 = t166 - t169;
-    const zhao2000_links_real t171 = t73 * t170;
-    const zhao2000_links_real t172 = t164 * t168;
-    const zhao2000_links_real t173 = t167 * t165;
-    const zhao2000_links_real t174 = t172 + t173;
-    const zhao2000_links_real t175 = t89 * t174;
-    const zhao2000_links_real t176 = t171 - t175;
-    const zhao2000_links_real t177 = w->k[6] * t176;
-    const zhao2000_links_real t178 = t73 * t174;
-    const zhao2000_links_real t179 = t89 * t170;
-    const zhao2000_links_real t180 = t178 + t179;
-    const zhao2000_links_real t181 = w->k[5] * t180;
-    const zhao2000_links_real t182 = t177 - t181;
-    const zhao2000_links_real t183 = t79 * t84;
-    const zhao2000_links_real t184 = t183 * t165;
-    const zhao2000_links_real t185 = t79 * t77;
-    const zhao2000_links_real t186 = t185 * t168;
-    const zhao2000_links_real t187 = t184 - t186;
-    const zhao2000_links_real t188 = t73 * t187;
-    const zhao2000_links_real t189 = t183 * t168;
-    const zhao2000_links_real t190 = t185 * t165;
-    const zhao2000_links_real t191 = t189 + t190;
-    const zhao2000_links_real t192 = t89 * t191;
-    const zhao2000_links_real t193 = t188 - t192;
-    const zhao2000_links_real t194 = w->k[3] * t193;
-    const zhao2000_links_real t195 = t182 - t194;
-    const zhao2000_links_real t196 = t73 * t191;
-    const zhao2000_links_real t197 = t89 * t187;
-    const zhao2000_links_real t198 = t196 + t197;
-    const zhao2000_links_real t199 = w->k[4] * t198;
-    const zhao2000_links_real t200 = t195 + t199;
-    const zhao2000_links_real t201 = t200 + t200;
-    const zhao2000_links_real t202 = -t201;
-    w->a[14] = t202;
-    const zhao2000_links_real t204 = t164 * t83;
-    const zhao2000_links_real t205 = t167 * t75;
-    const zhao2000_links_real t206 = t204 - t205;
-    const zhao2000_links_real t207 = 0.5f * t73;
-    const zhao2000_links_real t208 = t206 * t207;
-    const zhao2000_links_real t209 = t164 * t75;
-    const zhao2000_links_real t210 = t167 * t83;
-    const zhao2000_links_real t211 = t209 + t210;
-    const zhao2000_links_real t212 = 0.5f * t89;
-    const zhao2000_links_real t213 = t211 * t212;
-    const zhao2000_links_real t214 = t208 - t213;
-    const zhao2000_links_real t215 = w->k[6] * t214;
-    const zhao2000_links_real t216 = t206 * t212;
-    const zhao2000_links_real t217 = t211 * t207;
-    const zhao2000_links_real t218 = t216 + t217;
-    const zhao2000_links_real t219 = w->k[5] * t218;
-    const zhao2000_links_real t220 = t215 - t219;
-    const zhao2000_links_real t221 = t183 * t83;
-    const zhao2000_links_real t222 = t185 * t75;
-    const zhao2000_links_real t223 = t221 - t222;
-    const zhao2000_links_real t224 = t223 * t207;
-    const zhao2000_links_real t225 = t185 * t83;
-    const zhao2000_links_real t226 = t183 * t75;
-    const zhao2000_links_real t227 = t225 + t226;
-    const zhao2000_links_real t228 = t227 * t212;
-    const zhao2000_links_real t229 = t224 - t228;
-    const zhao2000_links_real t230 = w->k[3] * t229;
-    const zhao2000_links_real t231 = t220 - t230;
-    const zhao2000_links_real t232 = t223 * t212;
-    const zhao2000_links_real t233 = t227 * t207;
-    const zhao2000_links_real t234 = t232 + t233;
-    const zhao2000_links_real t235 = w->k[4] * t234;
-    const zhao2000_links_real t236 = t231 + t235;
-    const zhao2000_links_real t237 = t236 + t236;
-    const zhao2000_links_real t238 = -t237;
-    w->a[15] = t238;
-    const zhao2000_links_real t240 = w->k[4] * t94;
-    const zhao2000_links_real t241 = w->k[3] * t98;
-    const zhao2000_links_real t242 = t240 - t241;
-    const zhao2000_links_real t243 = w->k[6] * t113;
-    const zhao2000_links_real t244 = t242 - t243;
-    const zhao2000_links_real t245 = w->k[5] * t118;
-    const zhao2000_links_real t246 = t244 + t245;
-    const zhao2000_links_real t247 = t246 + t246;
-    w->a[16] = t247;
-    const zhao2000_links_real t249 = w->k[4] * t140;
-    const zhao2000_links_real t250 = w->k[3] * t136;
-    const zhao2000_links_real t251 = t249 + t250;
-    const zhao2000_links_real t252 = w->k[6] * t153;
-    const zhao2000_links_real t253 = t251 + t252;
-    const zhao2000_links_real t254 = w->k[5] * t158;
-    const zhao2000_links_real t255 = t253 + t254;
-    const zhao2000_links_real t256 = t255 + t255;
-    const zhao2000_links_real t257 = -t256;
-    w->a[17] = t257;
-    const zhao2000_links_real t259 = w->k[4] * t180;
-    const zhao2000_links_real t260 = w->k[3] * t176;
-    const zhao2000_links_real t261 = t259 + t260;
-    const zhao2000_links_real t262 = w->k[6] * t193;
-    const zhao2000_links_real t263 = t261 + t262;
-    const zhao2000_links_real t264 = w->k[5] * t198;
-    const zhao2000_links_real t265 = t263 + t264;
-    const zhao2000_links_real t266 = t265 + t265;
-    const zhao2000_links_real t267 = -t266;
-    w->a[18] = t267;
-    const zhao2000_links_real t269 = w->k[4] * t218;
-    const zhao2000_links_real t270 = w->k[3] * t214;
-    const zhao2000_links_real t271 = t269 + t270;
-    const zhao2000_links_real t272 = w->k[6] * t229;
-    const zhao2000_links_real t273 = t271 + t272;
-    const zhao2000_links_real t274 = w->k[5] * t234;
-    const zhao2000_links_real t275 = t273 + t274;
-    const zhao2000_links_real t276 = t275 + t275;
-    const zhao2000_links_real t277 = -t276;
-    w->a[19] = t277;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. */
-static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
-{
-    zhao2000_links_limb1_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_limb1_reaches_middle(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], zhao2000_links_real middle)
-{
-    zhao2000_links_real end[4];
-    zhao2000_links_real size[3];
-    for (int i = 0; i < 4; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_links_limb1_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_links_limb1_rows(w);
-        zhao2000_links_limb1_solve(w);
-        size[i] = zhao2000_links_limb1_apply_step(w);
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.7219416e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_links_status zhao2000_links_limb1_newton(zhao2000_links_limb1_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_links_real longest2 = config->max_step * config->max_step;
-    zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_links_real done = 0.0f;
-    zhao2000_links_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_links_real size = 0.0f;
-    zhao2000_links_real kappa2 = 4.39569e-05f;
-    zhao2000_links_real limit;
-    zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_links_real turn2 = 0.0f;
-    const zhao2000_links_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_links_limb1_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    for (;;) {
-        zhao2000_links_limb1_rows(w);
-        if (verify) {
-            residual = zhao2000_links_limb1_residual(w);
-            if (residual <= config->tolerance + 0.00093391334f) {
-                status = ZHAO2000_LINKS_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                zhao2000_links_limb1_set_target(w, to, done);
-            }
-            int turn = zhao2000_links_limb1_factor(w);
-            if (taken == 0U) {
-                zhao2000_links_limb1_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_LINKS_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_links_limb1_solve(w);
-        const zhao2000_links_real before = size;
-        size = zhao2000_links_limb1_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.7219416e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_links_limb1_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_links_limb1_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_links_real error2;
-                zhao2000_links_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.7219416e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.7219416e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_links_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 4; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_links_limb1_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 4; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_links_limb1_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_LINKS_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_links_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb1_follow_pose(zhao2000_links_limb1_work *w, const zhao2000_links_real c[7])
-{
-    static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 1.5707964f;
-    w->x[1] = 0.0f;
-    w->x[2] = 0.0f;
-    w->x[3] = 0.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 1.0f;
-    w->at[4] = 0.0f;
-    w->at[5] = 0.0f;
-    w->at[6] = 0.0f;
-    return zhao2000_links_limb1_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_links_limb1_twist_columns(const zhao2000_links_limb1_work *w, zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = -138.56407f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = -69.282036f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = -138.56407f * w->k[4];
-    const zhao2000_links_real t10 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t11 = t9 * t10;
-    const zhao2000_links_real t12 = t8 - t11;
-    const zhao2000_links_real t13 = -69.282036f * w->k[3];
-    const zhao2000_links_real t14 = -t13;
-    const zhao2000_links_real t15 = t14 + t14;
-    const zhao2000_links_real t16 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t17 = t15 * t16;
-    const zhao2000_links_real t18 = t12 + t17;
-    const zhao2000_links_real t19 = 244.81978f * t18;
-    const zhao2000_links_real t20 = -t19;
-    const zhao2000_links_real t21 = t0 * t10;
-    const zhao2000_links_real t22 = t5 * t16;
-    const zhao2000_links_real t23 = t21 - t22;
-    const zhao2000_links_real t24 = t9 * t1;
-    const zhao2000_links_real t25 = t23 + t24;
-    const zhao2000_links_real t26 = t15 * t6;
+    const zhao2000_links_real t11 = -t10;
+    const zhao2000_links_real t12 = t11 + t11;
+    const zhao2000_links_real t13 = -69.282036f + t12;
+    const zhao2000_links_real t14 = c[1] + t13;
+    const zhao2000_links_real t15 = t14 + 138.56407f;
+    const zhao2000_links_real t16 = t15 * t15;
+    const zhao2000_links_real t17 = t7 + t16;
+    const zhao2000_links_real d1 = t17; /* above 0 where theta1_side has two values */
+    const zhao2000_links_real r1 = (d1 > 1.87e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t20 = c[3] * t0;
+    const zhao2000_links_real t21 = c[5] * t2;
+    const zhao2000_links_real t22 = t20 + t21;
+    const zhao2000_links_real t23 = t22 + t22;
+    const zhao2000_links_real t24 = c[2] + t23;
+    const zhao2000_links_real t25 = 0.0012584238f * t24;
+    const zhao2000_links_real t26 = 0.01423018f * r1;
     const zhao2000_links_real t27 = t25 - t26;
-    const zhao2000_links_real t28 = 244.81978f * t27;
-    const zhao2000_links_real t29 = -t28;
-    const zhao2000_links_real t30 = t9 * t6;
-    const zhao2000_links_real t31 = t0 * t16;
-    const zhao2000_links_real t32 = t5 * t10;
-    const zhao2000_links_real t33 = t32 + t31;
-    const zhao2000_links_real t34 = t30 - t33;
-    const zhao2000_links_real t35 = t15 * t1;
-    const zhao2000_links_real t36 = t34 + t35;
-    const zhao2000_links_real t37 = 244.81978f * t36;
-    const zhao2000_links_real t38 = -t37;
-    const zhao2000_links_real t39 = -t9;
-    const zhao2000_links_real t40 = t39 + t39;
-    const zhao2000_links_real t41 = t40 * t1;
-    const zhao2000_links_real t42 = -138.56407f * w->k[6];
-    const zhao2000_links_real t43 = -t42;
-    const zhao2000_links_real t44 = t43 + t43;
-    const zhao2000_links_real t45 = t44 * t16;
-    const zhao2000_links_real t46 = t41 + t45;
-    const zhao2000_links_real t47 = 244.81978f * t46;
-    const zhao2000_links_real t48 = -t47;
-    const zhao2000_links_real t49 = t40 * t10;
-    const zhao2000_links_real t50 = t44 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = 244.81978f * t51;
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t44 * t1;
-    const zhao2000_links_real t55 = t40 * t16;
-    const zhao2000_links_real t56 = t54 - t55;
-    const zhao2000_links_real t57 = 244.81978f * t56;
-    const zhao2000_links_real t58 = -t57;
-    const zhao2000_links_real t59 = -138.56407f * w->k[3];
-    const zhao2000_links_real t60 = t59 * t1;
-    const zhao2000_links_real t61 = t60 - t30;
-    const zhao2000_links_real t62 = t42 * t10;
-    const zhao2000_links_real t63 = t61 - t62;
-    const zhao2000_links_real t64 = t63 + t31;
-    const zhao2000_links_real t65 = 244.81978f * t64;
-    const zhao2000_links_real t66 = -t65;
-    const zhao2000_links_real t67 = t59 * t10;
-    const zhao2000_links_real t68 = t9 * t16;
-    const zhao2000_links_real t69 = t67 - t68;
-    const zhao2000_links_real t70 = t42 * t1;
-    const zhao2000_links_real t71 = t69 + t70;
-    const zhao2000_links_real t72 = t0 * t6;
-    const zhao2000_links_real t73 = t71 - t72;
-    const zhao2000_links_real t74 = 244.81978f * t73;
-    const zhao2000_links_real t75 = -t74;
-    const zhao2000_links_real t76 = t42 * t6;
-    const zhao2000_links_real t77 = t59 * t16;
-    const zhao2000_links_real t78 = t11 + t77;
-    const zhao2000_links_real t79 = t76 - t78;
-    const zhao2000_links_real t80 = t79 + t2;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = w->x[0] - 1.5707964f;
-    const zhao2000_links_real t84 = 0.5f * t83;
-    const zhao2000_links_real t85 = sinf(t84);
-    const zhao2000_links_real t86 = 0.5f * w->x[1];
-    const zhao2000_links_real t87 = cosf(t86);
-    const zhao2000_links_real t88 = t85 * t87;
-    const zhao2000_links_real t89 = 0.5f * w->x[2];
-    const zhao2000_links_real t90 = cosf(t89);
-    const zhao2000_links_real t91 = t88 * t90;
-    const zhao2000_links_real t92 = sinf(t86);
-    const zhao2000_links_real t93 = t85 * t92;
-    const zhao2000_links_real t94 = sinf(t89);
-    const zhao2000_links_real t95 = t93 * t94;
-    const zhao2000_links_real t96 = t91 - t95;
-    const zhao2000_links_real t97 = 0.5f * w->x[3];
-    const zhao2000_links_real t98 = cosf(t97);
-    const zhao2000_links_real t99 = t96 * t98;
-    const zhao2000_links_real t100 = t93 * t90;
-    const zhao2000_links_real t101 = t88 * t94;
-    const zhao2000_links_real t102 = t100 + t101;
-    const zhao2000_links_real t103 = sinf(t97);
-    const zhao2000_links_real t104 = t102 * t103;
-    const zhao2000_links_real t105 = t99 - t104;
-    const zhao2000_links_real t106 = 489.63956f * t105;
-    const zhao2000_links_real t107 = t106 * t1;
-    const zhao2000_links_real t108 = t102 * t98;
-    const zhao2000_links_real t109 = t96 * t103;
-    const zhao2000_links_real t110 = t108 + t109;
-    const zhao2000_links_real t111 = 489.63956f * t110;
-    const zhao2000_links_real t112 = t111 * t6;
-    const zhao2000_links_real t113 = t107 - t112;
-    const zhao2000_links_real t114 = cosf(t84);
-    const zhao2000_links_real t115 = t114 * t87;
-    const zhao2000_links_real t116 = t115 * t90;
-    const zhao2000_links_real t117 = t114 * t92;
-    const zhao2000_links_real t118 = t117 * t94;
-    const zhao2000_links_real t119 = t116 - t118;
-    const zhao2000_links_real t120 = t119 * t98;
-    const zhao2000_links_real t121 = t115 * t94;
-    const zhao2000_links_real t122 = t117 * t90;
-    const zhao2000_links_real t123 = t121 + t122;
-    const zhao2000_links_real t124 = t123 * t103;
-    const zhao2000_links_real t125 = t120 - t124;
-    const zhao2000_links_real t126 = 489.63956f * t125;
-    const zhao2000_links_real t127 = t126 * t10;
-    const zhao2000_links_real t128 = t113 + t127;
-    const zhao2000_links_real t129 = t119 * t103;
-    const zhao2000_links_real t130 = t123 * t98;
-    const zhao2000_links_real t131 = t129 + t130;
-    const zhao2000_links_real t132 = 489.63956f * t131;
-    const zhao2000_links_real t133 = t132 * t16;
-    const zhao2000_links_real t134 = t128 - t133;
-    const zhao2000_links_real t135 = 244.81978f * t134;
-    const zhao2000_links_real t136 = -t135;
-    const zhao2000_links_real t137 = t132 * t6;
-    const zhao2000_links_real t138 = t126 * t1;
-    const zhao2000_links_real t139 = t106 * t10;
-    const zhao2000_links_real t140 = t111 * t16;
-    const zhao2000_links_real t141 = t139 - t140;
-    const zhao2000_links_real t142 = t141 - t138;
-    const zhao2000_links_real t143 = t142 + t137;
-    const zhao2000_links_real t144 = 244.81978f * t143;
-    const zhao2000_links_real t145 = -t144;
-    const zhao2000_links_real t146 = t111 * t10;
-    const zhao2000_links_real t147 = t106 * t16;
-    const zhao2000_links_real t148 = t146 + t147;
-    const zhao2000_links_real t149 = t126 * t6;
-    const zhao2000_links_real t150 = t148 + t149;
-    const zhao2000_links_real t151 = t132 * t1;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = 244.81978f * t152;
-    const zhao2000_links_real t154 = t137 + t138;
-    const zhao2000_links_real t155 = t154 - t139;
-    const zhao2000_links_real t156 = t155 - t140;
-    const zhao2000_links_real t157 = 244.81978f * t156;
-    const zhao2000_links_real t158 = -t157;
-    const zhao2000_links_real t159 = t133 + t127;
-    const zhao2000_links_real t160 = t159 + t107;
-    const zhao2000_links_real t161 = t160 + t112;
-    const zhao2000_links_real t162 = 244.81978f * t161;
-    const zhao2000_links_real t163 = -t162;
-    const zhao2000_links_real t164 = t132 * t10;
-    const zhao2000_links_real t165 = t126 * t16;
-    const zhao2000_links_real t166 = t164 - t165;
-    const zhao2000_links_real t167 = t106 * t6;
-    const zhao2000_links_real t168 = t166 + t167;
-    const zhao2000_links_real t169 = t111 * t1;
-    const zhao2000_links_real t170 = t168 - t169;
-    const zhao2000_links_real t171 = 244.81978f * t170;
-    const zhao2000_links_real t172 = -t171;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t20;
-    sides[4] = t29;
-    sides[5] = t38;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t48;
-    sides[10] = t53;
-    sides[11] = t58;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t66;
-    sides[16] = t75;
-    sides[17] = t82;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t136;
-    sides[22] = t145;
-    sides[23] = t153;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t158;
-    sides[28] = t163;
-    sides[29] = t172;
+    const zhao2000_links_real t28 = 1.7201067f * t27;
+    const zhao2000_links_real t29 = -0.01423018f * t24;
+    const zhao2000_links_real t30 = 0.0012584238f * r1;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = -1.0204082f * t31;
+    const zhao2000_links_real t33 = t28 - t32;
+    const zhao2000_links_real t34 = t33 * t33;
+    const zhao2000_links_real t35 = -1.0204082f * t27;
+    const zhao2000_links_real t36 = -1.7201067f * t31;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = t37 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t31 * t31;
+    const zhao2000_links_real t41 = 0.7396918f + t40;
+    const zhao2000_links_real t42 = t27 * t27;
+    const zhao2000_links_real t43 = t42 + 0.2603082f;
+    const zhao2000_links_real t44 = t41 + t43;
+    const zhao2000_links_real t45 = t44 + (-1.0f);
+    const zhao2000_links_real t46 = t45 * t45;
+    const zhao2000_links_real t47 = t39 - t46;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow1 has two values */
+    const zhao2000_links_real r2 = (d2 > 1.14e-11f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t50 = t33 * r2;
+    const zhao2000_links_real t51 = t37 * t45;
+    const zhao2000_links_real t52 = t50 - t51;
+    const zhao2000_links_real t53 = 1.0f / t39;
+    const zhao2000_links_real t54 = t52 * t53;
+    const zhao2000_links_real t55 = 30.272121f * t54;
+    const zhao2000_links_real t56 = t33 * t45;
+    const zhao2000_links_real t57 = t37 * r2;
+    const zhao2000_links_real t58 = t56 + t57;
+    const zhao2000_links_real t59 = t58 * t53;
+    const zhao2000_links_real t60 = -63.115757f * t59;
+    const zhao2000_links_real t61 = t55 - t60;
+    const zhao2000_links_real t62 = t61 + r1;
+    const zhao2000_links_real t63 = -6.1662765f * t62;
+    const zhao2000_links_real t64 = -30.272121f * t59;
+    const zhao2000_links_real t65 = t24 - t64;
+    const zhao2000_links_real t66 = -63.115757f * t54;
+    const zhao2000_links_real t67 = t65 + t66;
+    const zhao2000_links_real t68 = 69.727875f * t67;
+    const zhao2000_links_real t69 = t63 - t68;
+    const zhao2000_links_real t70 = t69 * -0.00020408163f;
+    const zhao2000_links_real t71 = -6.1662765f * t70;
+    const zhao2000_links_real t72 = -6.1662765f * t67;
+    const zhao2000_links_real t73 = -69.727875f * t62;
+    const zhao2000_links_real t74 = t72 - t73;
+    const zhao2000_links_real t75 = t74 * -0.00020408163f;
+    const zhao2000_links_real t76 = 69.727875f * t75;
+    const zhao2000_links_real t77 = t71 + t76;
+    const zhao2000_links_real t78 = t77 - t60;
+    const zhao2000_links_real t79 = t78 + t55;
+    const zhao2000_links_real t80 = t79 * t6;
+    const zhao2000_links_real t81 = t79 * t79;
+    const zhao2000_links_real t82 = 1.0f / t81;
+    const zhao2000_links_real t83 = t80 * t82;
+    const zhao2000_links_real t84 = t79 * t15;
+    const zhao2000_links_real t85 = t84 * t82;
+    const zhao2000_links_real t86 = -t85;
+    const zhao2000_links_real t87 = atan2f(t83, t86);
+    const zhao2000_links_real t88 = t87 + 1.5707964f;
+    const zhao2000_links_real t89 = atan2f(t75, t70);
+    const zhao2000_links_real t90 = t54 * t70;
+    const zhao2000_links_real t91 = t59 * t75;
+    const zhao2000_links_real t92 = t90 + t91;
+    const zhao2000_links_real t93 = t54 * t75;
+    const zhao2000_links_real t94 = t59 * t70;
+    const zhao2000_links_real t95 = t93 - t94;
+    const zhao2000_links_real t96 = atan2f(t92, t95);
+    const zhao2000_links_real t97 = -t54;
+    const zhao2000_links_real t98 = -t59;
+    const zhao2000_links_real t99 = atan2f(t97, t98);
+    x[0] = t88;
+    x[1] = t89;
+    x[2] = t96;
+    x[3] = t99;
+    return ((d1 > 1.87e-08f) && (d2 > 1.14e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
 }
 
-/* Work space of zhao2000_links_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta2, hip2, elbow2, wrist2
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb2_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_links_limb2_rows(zhao2000_links_limb2_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_links_status zhao2000_links_limb1_rates(const zhao2000_links_real c[7], zhao2000_links_real rates[6])
 {
-    /* row 1 */
-    const zhao2000_links_real t0 = 34.641018f * w->k[4];
-    const zhao2000_links_real t1 = 60.0f * w->k[5];
+    const zhao2000_links_real t0 = -69.282036f * c[4];
+    const zhao2000_links_real t1 = c[5] * t0;
+    const zhao2000_links_real t2 = -69.282036f * c[6];
+    const zhao2000_links_real t3 = c[3] * t2;
+    const zhao2000_links_real t4 = t1 - t3;
+    const zhao2000_links_real t5 = t4 + t4;
+    const zhao2000_links_real t6 = c[0] + t5;
+    const zhao2000_links_real t7 = t6 * t6;
+    const zhao2000_links_real t8 = c[6] * t2;
+    const zhao2000_links_real t9 = c[4] * t0;
+    const zhao2000_links_real t10 = t8 + t9;
+    const zhao2000_links_real t11 = -t10;
+    const zhao2000_links_real t12 = t11 + t11;
+    const zhao2000_links_real t13 = -69.282036f + t12;
+    const zhao2000_links_real t14 = c[1] + t13;
+    const zhao2000_links_real t15 = t14 + 138.56407f;
+    const zhao2000_links_real t16 = t15 * t15;
+    const zhao2000_links_real t17 = t7 + t16;
+    const zhao2000_links_real d1 = t17; /* above 0 where theta1_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00514f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t20 = c[3] * t0;
+    const zhao2000_links_real t21 = c[5] * t2;
+    const zhao2000_links_real t22 = t20 + t21;
+    const zhao2000_links_real t23 = t22 + t22;
+    const zhao2000_links_real t24 = c[2] + t23;
+    const zhao2000_links_real t25 = 0.0012584238f * t24;
+    const zhao2000_links_real t26 = 0.01423018f * r1;
+    const zhao2000_links_real t27 = t25 - t26;
+    const zhao2000_links_real t28 = 1.7201067f * t27;
+    const zhao2000_links_real t29 = -0.01423018f * t24;
+    const zhao2000_links_real t30 = 0.0012584238f * r1;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = -1.0204082f * t31;
+    const zhao2000_links_real t33 = t28 - t32;
+    const zhao2000_links_real t34 = t33 * t33;
+    const zhao2000_links_real t35 = -1.0204082f * t27;
+    const zhao2000_links_real t36 = -1.7201067f * t31;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = t37 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t31 * t31;
+    const zhao2000_links_real t41 = 0.7396918f + t40;
+    const zhao2000_links_real t42 = t27 * t27;
+    const zhao2000_links_real t43 = t42 + 0.2603082f;
+    const zhao2000_links_real t44 = t41 + t43;
+    const zhao2000_links_real t45 = t44 + (-1.0f);
+    const zhao2000_links_real t46 = t45 * t45;
+    const zhao2000_links_real t47 = t39 - t46;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow1 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.13e-06f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t50 = t33 * r2;
+    const zhao2000_links_real t51 = t37 * t45;
+    const zhao2000_links_real t52 = t50 - t51;
+    const zhao2000_links_real t53 = 1.0f / t39;
+    const zhao2000_links_real t54 = t52 * t53;
+    const zhao2000_links_real t55 = 30.272121f * t54;
+    const zhao2000_links_real t56 = t33 * t45;
+    const zhao2000_links_real t57 = t37 * r2;
+    const zhao2000_links_real t58 = t56 + t57;
+    const zhao2000_links_real t59 = t58 * t53;
+    const zhao2000_links_real t60 = -63.115757f * t59;
+    const zhao2000_links_real t61 = t55 - t60;
+    const zhao2000_links_real t62 = t61 + r1;
+    const zhao2000_links_real t63 = -6.1662765f * t62;
+    const zhao2000_links_real t64 = -30.272121f * t59;
+    const zhao2000_links_real t65 = t24 - t64;
+    const zhao2000_links_real t66 = -63.115757f * t54;
+    const zhao2000_links_real t67 = t65 + t66;
+    const zhao2000_links_real t68 = 69.727875f * t67;
+    const zhao2000_links_real t69 = t63 - t68;
+    const zhao2000_links_real t70 = t69 * -0.00020408163f;
+    const zhao2000_links_real t71 = -6.1662765f * t70;
+    const zhao2000_links_real t72 = -6.1662765f * t67;
+    const zhao2000_links_real t73 = -69.727875f * t62;
+    const zhao2000_links_real t74 = t72 - t73;
+    const zhao2000_links_real t75 = t74 * -0.00020408163f;
+    const zhao2000_links_real t76 = 69.727875f * t75;
+    const zhao2000_links_real t77 = t71 + t76;
+    const zhao2000_links_real t78 = t77 - t60;
+    const zhao2000_links_real t79 = t78 + t55;
+    const zhao2000_links_real t80 = t79 * t6;
+    const zhao2000_links_real t81 = t79 * t79;
+    const zhao2000_links_real t82 = 1.0f / t81;
+    const zhao2000_links_real t83 = t80 * t82;
+    const zhao2000_links_real t84 = t83 * t83;
+    const zhao2000_links_real t85 = t79 * t15;
+    const zhao2000_links_real t86 = t85 * t82;
+    const zhao2000_links_real t87 = t86 * t86;
+    const zhao2000_links_real t88 = t84 + t87;
+    const zhao2000_links_real t89 = 1.0f / t88;
+    const zhao2000_links_real t90 = t83 * t89;
+    const zhao2000_links_real t91 = -0.025761534f * r2;
+    const zhao2000_links_real t92 = 0.012355968f * t45;
+    const zhao2000_links_real t93 = -0.0025168476f * t31;
+    const zhao2000_links_real t94 = -0.02846036f * t27;
+    const zhao2000_links_real t95 = t93 + t94;
+    const zhao2000_links_real t96 = t37 * t95;
+    const zhao2000_links_real t97 = t92 + t96;
+    const zhao2000_links_real t98 = t91 - t97;
+    const zhao2000_links_real t99 = t98 * t53;
+    const zhao2000_links_real t100 = t54 * t53;
+    const zhao2000_links_real t101 = -0.051523067f * t33;
+    const zhao2000_links_real t102 = 0.024711937f * t37;
+    const zhao2000_links_real t103 = t101 + t102;
+    const zhao2000_links_real t104 = t100 * t103;
+    const zhao2000_links_real t105 = t99 - t104;
+    const zhao2000_links_real t106 = 30.272121f * t105;
+    const zhao2000_links_real t107 = -0.025761534f * t45;
+    const zhao2000_links_real t108 = t33 * t95;
+    const zhao2000_links_real t109 = t107 + t108;
+    const zhao2000_links_real t110 = 0.012355968f * r2;
+    const zhao2000_links_real t111 = t109 + t110;
+    const zhao2000_links_real t112 = t111 * t53;
+    const zhao2000_links_real t113 = t59 * t53;
+    const zhao2000_links_real t114 = t113 * t103;
+    const zhao2000_links_real t115 = t112 - t114;
+    const zhao2000_links_real t116 = -63.115757f * t115;
+    const zhao2000_links_real t117 = t106 - t116;
+    const zhao2000_links_real t118 = t117 + 1.0f;
+    const zhao2000_links_real t119 = -6.1662765f * t118;
+    const zhao2000_links_real t120 = -63.115757f * t105;
+    const zhao2000_links_real t121 = -30.272121f * t115;
+    const zhao2000_links_real t122 = t120 - t121;
+    const zhao2000_links_real t123 = 69.727875f * t122;
+    const zhao2000_links_real t124 = t119 - t123;
+    const zhao2000_links_real t125 = 0.0012584238f * t124;
+    const zhao2000_links_real t126 = -6.1662765f * t122;
+    const zhao2000_links_real t127 = -69.727875f * t118;
+    const zhao2000_links_real t128 = t126 - t127;
+    const zhao2000_links_real t129 = -0.01423018f * t128;
+    const zhao2000_links_real t130 = t125 + t129;
+    const zhao2000_links_real t131 = t130 - t116;
+    const zhao2000_links_real t132 = t131 + t106;
+    const zhao2000_links_real t133 = t15 * t132;
+    const zhao2000_links_real t134 = t133 * t82;
+    const zhao2000_links_real t135 = t86 * t82;
+    const zhao2000_links_real t136 = t79 * t132;
+    const zhao2000_links_real t137 = t136 + t136;
+    const zhao2000_links_real t138 = t135 * t137;
+    const zhao2000_links_real t139 = t134 - t138;
+    const zhao2000_links_real t140 = t90 * t139;
+    const zhao2000_links_real t141 = t86 * t89;
+    const zhao2000_links_real t142 = t6 * t132;
+    const zhao2000_links_real t143 = t142 * t82;
+    const zhao2000_links_real t144 = t83 * t82;
+    const zhao2000_links_real t145 = t144 * t137;
+    const zhao2000_links_real t146 = t143 - t145;
+    const zhao2000_links_real t147 = t141 * t146;
+    const zhao2000_links_real t148 = t140 - t147;
+    const zhao2000_links_real t149 = 1.0f / r1;
+    const zhao2000_links_real t150 = t6 * t149;
+    const zhao2000_links_real t151 = t148 * t150;
+    const zhao2000_links_real t152 = t33 * t53;
+    const zhao2000_links_real t153 = 30.272121f * t152;
+    const zhao2000_links_real t154 = t37 * t53;
+    const zhao2000_links_real t155 = -63.115757f * t154;
+    const zhao2000_links_real t156 = t153 - t155;
+    const zhao2000_links_real t157 = -6.1662765f * t156;
+    const zhao2000_links_real t158 = -63.115757f * t152;
+    const zhao2000_links_real t159 = -30.272121f * t154;
+    const zhao2000_links_real t160 = t158 - t159;
+    const zhao2000_links_real t161 = 69.727875f * t160;
+    const zhao2000_links_real t162 = t157 - t161;
+    const zhao2000_links_real t163 = 0.0012584238f * t162;
+    const zhao2000_links_real t164 = -6.1662765f * t160;
+    const zhao2000_links_real t165 = -69.727875f * t156;
+    const zhao2000_links_real t166 = t164 - t165;
+    const zhao2000_links_real t167 = -0.01423018f * t166;
+    const zhao2000_links_real t168 = t163 + t167;
+    const zhao2000_links_real t169 = t168 - t155;
+    const zhao2000_links_real t170 = t169 + t153;
+    const zhao2000_links_real t171 = t15 * t170;
+    const zhao2000_links_real t172 = t171 * t82;
+    const zhao2000_links_real t173 = t79 * t170;
+    const zhao2000_links_real t174 = t173 + t173;
+    const zhao2000_links_real t175 = t135 * t174;
+    const zhao2000_links_real t176 = t172 - t175;
+    const zhao2000_links_real t177 = t90 * t176;
+    const zhao2000_links_real t178 = t6 * t170;
+    const zhao2000_links_real t179 = t178 * t82;
+    const zhao2000_links_real t180 = t144 * t174;
+    const zhao2000_links_real t181 = t179 - t180;
+    const zhao2000_links_real t182 = t141 * t181;
+    const zhao2000_links_real t183 = t177 - t182;
+    const zhao2000_links_real t184 = t45 + t45;
+    const zhao2000_links_real t185 = t184 * t95;
+    const zhao2000_links_real t186 = t103 - t185;
+    const zhao2000_links_real t187 = t186 * t150;
+    const zhao2000_links_real t188 = r2 + r2;
+    const zhao2000_links_real t189 = 1.0f / t188;
+    const zhao2000_links_real t190 = t187 * t189;
+    const zhao2000_links_real t191 = t183 * t190;
+    const zhao2000_links_real t192 = t151 + t191;
+    const zhao2000_links_real t193 = t141 * t82;
+    const zhao2000_links_real t194 = t79 * t193;
+    const zhao2000_links_real t195 = t192 - t194;
+    const zhao2000_links_real t196 = t90 * t82;
+    const zhao2000_links_real t197 = t79 * t196;
+    const zhao2000_links_real t198 = t15 * t149;
+    const zhao2000_links_real t199 = t148 * t198;
+    const zhao2000_links_real t200 = t186 * t198;
+    const zhao2000_links_real t201 = t200 * t189;
+    const zhao2000_links_real t202 = t183 * t201;
+    const zhao2000_links_real t203 = t199 + t202;
+    const zhao2000_links_real t204 = t197 + t203;
+    const zhao2000_links_real t205 = t15 * t196;
+    const zhao2000_links_real t206 = t144 * t141;
+    const zhao2000_links_real t207 = t135 * t90;
+    const zhao2000_links_real t208 = t206 - t207;
+    const zhao2000_links_real t209 = t79 * t208;
+    const zhao2000_links_real t210 = t205 + t209;
+    const zhao2000_links_real t211 = 69.727875f * t210;
+    const zhao2000_links_real t212 = t6 * t193;
+    const zhao2000_links_real t213 = t209 - t212;
+    const zhao2000_links_real t214 = 69.727875f * t213;
+    const zhao2000_links_real t215 = t211 + t214;
+    const zhao2000_links_real t216 = 0.0012584238f * t215;
+    const zhao2000_links_real t217 = -6.1662765f * t210;
+    const zhao2000_links_real t218 = -6.1662765f * t213;
+    const zhao2000_links_real t219 = t217 + t218;
+    const zhao2000_links_real t220 = -0.01423018f * t219;
+    const zhao2000_links_real t221 = t216 - t220;
+    const zhao2000_links_real t222 = t31 + t31;
+    const zhao2000_links_real t223 = -63.115757f * t210;
+    const zhao2000_links_real t224 = -63.115757f * t213;
+    const zhao2000_links_real t225 = t223 + t224;
+    const zhao2000_links_real t226 = -30.272121f * t221;
+    const zhao2000_links_real t227 = t225 + t226;
+    const zhao2000_links_real t228 = 0.0012584238f * t219;
+    const zhao2000_links_real t229 = 0.01423018f * t215;
+    const zhao2000_links_real t230 = t228 - t229;
+    const zhao2000_links_real t231 = -63.115757f * t230;
+    const zhao2000_links_real t232 = t227 + t231;
+    const zhao2000_links_real t233 = t232 * t53;
+    const zhao2000_links_real t234 = t33 * t233;
+    const zhao2000_links_real t235 = 30.272121f * t210;
+    const zhao2000_links_real t236 = 30.272121f * t213;
+    const zhao2000_links_real t237 = t235 + t236;
+    const zhao2000_links_real t238 = -63.115757f * t221;
+    const zhao2000_links_real t239 = t237 + t238;
+    const zhao2000_links_real t240 = 30.272121f * t230;
+    const zhao2000_links_real t241 = t239 + t240;
+    const zhao2000_links_real t242 = t241 * t53;
+    const zhao2000_links_real t243 = t37 * t242;
+    const zhao2000_links_real t244 = t234 + t243;
+    const zhao2000_links_real t245 = t222 * t244;
+    const zhao2000_links_real t246 = t37 + t37;
+    const zhao2000_links_real t247 = t113 * t232;
+    const zhao2000_links_real t248 = t100 * t241;
+    const zhao2000_links_real t249 = t247 - t248;
+    const zhao2000_links_real t250 = t246 * t249;
+    const zhao2000_links_real t251 = r2 * t233;
+    const zhao2000_links_real t252 = t250 - t251;
+    const zhao2000_links_real t253 = t45 * t242;
+    const zhao2000_links_real t254 = t252 - t253;
+    const zhao2000_links_real t255 = -1.7201067f * t254;
+    const zhao2000_links_real t256 = t245 + t255;
+    const zhao2000_links_real t257 = t33 + t33;
+    const zhao2000_links_real t258 = t257 * t249;
+    const zhao2000_links_real t259 = t45 * t233;
+    const zhao2000_links_real t260 = t258 - t259;
+    const zhao2000_links_real t261 = r2 * t242;
+    const zhao2000_links_real t262 = t260 + t261;
+    const zhao2000_links_real t263 = -1.0204082f * t262;
+    const zhao2000_links_real t264 = t256 + t263;
+    const zhao2000_links_real t265 = -0.01423018f * t264;
+    const zhao2000_links_real t266 = t221 - t265;
+    const zhao2000_links_real t267 = -1.0204082f * t254;
+    const zhao2000_links_real t268 = t27 + t27;
+    const zhao2000_links_real t269 = t268 * t244;
+    const zhao2000_links_real t270 = t267 - t269;
+    const zhao2000_links_real t271 = 1.7201067f * t262;
+    const zhao2000_links_real t272 = t270 + t271;
+    const zhao2000_links_real t273 = 0.0012584238f * t272;
+    const zhao2000_links_real t274 = t266 + t273;
+    const zhao2000_links_real t275 = -2.0408163f * t37;
+    const zhao2000_links_real t276 = t268 * t184;
+    const zhao2000_links_real t277 = t275 - t276;
+    const zhao2000_links_real t278 = 3.4402134f * t33;
+    const zhao2000_links_real t279 = t277 + t278;
+    const zhao2000_links_real t280 = 0.0012584238f * t279;
+    const zhao2000_links_real t281 = t222 * t184;
+    const zhao2000_links_real t282 = -3.4402134f * t37;
+    const zhao2000_links_real t283 = t281 + t282;
+    const zhao2000_links_real t284 = -2.0408163f * t33;
+    const zhao2000_links_real t285 = t283 + t284;
+    const zhao2000_links_real t286 = -0.01423018f * t285;
+    const zhao2000_links_real t287 = t280 - t286;
+    const zhao2000_links_real t288 = t287 * t189;
+    const zhao2000_links_real t289 = t183 * t288;
+    const zhao2000_links_real t290 = t274 + t289;
+    const zhao2000_links_real t291 = -t194;
+    const zhao2000_links_real t292 = t291 + t291;
+    const zhao2000_links_real t293 = c[5] * t292;
+    const zhao2000_links_real t294 = t197 + t197;
+    const zhao2000_links_real t295 = c[4] * t294;
+    const zhao2000_links_real t296 = t293 - t295;
+    const zhao2000_links_real t297 = t274 + t274;
+    const zhao2000_links_real t298 = c[3] * t297;
+    const zhao2000_links_real t299 = t296 + t298;
+    const zhao2000_links_real t300 = -69.282036f * t299;
+    const zhao2000_links_real t301 = t0 * t294;
+    const zhao2000_links_real t302 = t300 - t301;
+    const zhao2000_links_real t303 = 0.0020423187f * c[3];
+    const zhao2000_links_real t304 = t302 * t303;
+    const zhao2000_links_real t305 = t0 * t297;
+    const zhao2000_links_real t306 = t2 * t292;
+    const zhao2000_links_real t307 = t305 - t306;
+    const zhao2000_links_real t308 = 0.0020423187f * c[4];
+    const zhao2000_links_real t309 = t307 * t308;
+    const zhao2000_links_real t310 = t304 - t309;
+    const zhao2000_links_real t311 = t0 * t292;
+    const zhao2000_links_real t312 = t2 * t297;
+    const zhao2000_links_real t313 = t311 + t312;
+    const zhao2000_links_real t314 = 0.0020423187f * c[6];
+    const zhao2000_links_real t315 = t313 * t314;
+    const zhao2000_links_real t316 = t310 - t315;
+    const zhao2000_links_real t317 = c[5] * t297;
+    const zhao2000_links_real t318 = c[6] * t294;
+    const zhao2000_links_real t319 = c[3] * t292;
+    const zhao2000_links_real t320 = t318 + t319;
+    const zhao2000_links_real t321 = t317 - t320;
+    const zhao2000_links_real t322 = -69.282036f * t321;
+    const zhao2000_links_real t323 = t2 * t294;
+    const zhao2000_links_real t324 = t322 - t323;
+    const zhao2000_links_real t325 = 0.0020423187f * c[5];
+    const zhao2000_links_real t326 = t324 * t325;
+    const zhao2000_links_real t327 = t316 + t326;
+    const zhao2000_links_real t328 = 244.81978f * t327;
+    const zhao2000_links_real t329 = 4.0f * t6;
+    const zhao2000_links_real t330 = t2 * t329;
+    const zhao2000_links_real t331 = t330 * t308;
+    const zhao2000_links_real t332 = c[5] * t329;
+    const zhao2000_links_real t333 = 4.0f * t15;
+    const zhao2000_links_real t334 = c[4] * t333;
+    const zhao2000_links_real t335 = t332 - t334;
+    const zhao2000_links_real t336 = -69.282036f * t335;
+    const zhao2000_links_real t337 = t0 * t333;
+    const zhao2000_links_real t338 = t336 - t337;
+    const zhao2000_links_real t339 = t338 * t303;
+    const zhao2000_links_real t340 = t331 + t339;
+    const zhao2000_links_real t341 = t0 * t329;
+    const zhao2000_links_real t342 = t341 * t314;
+    const zhao2000_links_real t343 = t340 - t342;
+    const zhao2000_links_real t344 = t2 * t333;
+    const zhao2000_links_real t345 = c[6] * t333;
+    const zhao2000_links_real t346 = c[3] * t329;
+    const zhao2000_links_real t347 = t345 + t346;
+    const zhao2000_links_real t348 = -69.282036f * t347;
+    const zhao2000_links_real t349 = t344 + t348;
+    const zhao2000_links_real t350 = t349 * t325;
+    const zhao2000_links_real t351 = t343 - t350;
+    const zhao2000_links_real t352 = 244.81978f * t351;
+    const zhao2000_links_real t353 = r1 + r1;
+    const zhao2000_links_real t354 = 1.0f / t353;
+    const zhao2000_links_real t355 = t352 * t354;
+    const zhao2000_links_real t356 = t148 * t355;
+    const zhao2000_links_real t357 = t287 + t287;
+    const zhao2000_links_real t358 = c[3] * t357;
+    const zhao2000_links_real t359 = -69.282036f * t358;
+    const zhao2000_links_real t360 = t359 * t303;
+    const zhao2000_links_real t361 = t0 * t357;
+    const zhao2000_links_real t362 = t361 * t308;
+    const zhao2000_links_real t363 = t360 - t362;
+    const zhao2000_links_real t364 = t2 * t357;
+    const zhao2000_links_real t365 = t364 * t314;
+    const zhao2000_links_real t366 = t363 - t365;
+    const zhao2000_links_real t367 = c[5] * t357;
+    const zhao2000_links_real t368 = -69.282036f * t367;
+    const zhao2000_links_real t369 = t368 * t325;
+    const zhao2000_links_real t370 = t366 + t369;
+    const zhao2000_links_real t371 = 244.81978f * t370;
+    const zhao2000_links_real t372 = t186 * t355;
+    const zhao2000_links_real t373 = t371 + t372;
+    const zhao2000_links_real t374 = t373 * t189;
+    const zhao2000_links_real t375 = t183 * t374;
+    const zhao2000_links_real t376 = t356 + t375;
+    const zhao2000_links_real t377 = t328 + t376;
+    const zhao2000_links_real t378 = t302 * t314;
+    const zhao2000_links_real t379 = t307 * t325;
+    const zhao2000_links_real t380 = t378 - t379;
+    const zhao2000_links_real t381 = t313 * t303;
+    const zhao2000_links_real t382 = t380 + t381;
+    const zhao2000_links_real t383 = t324 * t308;
+    const zhao2000_links_real t384 = t382 - t383;
+    const zhao2000_links_real t385 = 244.81978f * t384;
+    const zhao2000_links_real t386 = t330 * t325;
+    const zhao2000_links_real t387 = t338 * t314;
+    const zhao2000_links_real t388 = t386 + t387;
+    const zhao2000_links_real t389 = t341 * t303;
+    const zhao2000_links_real t390 = t388 + t389;
+    const zhao2000_links_real t391 = t349 * t308;
+    const zhao2000_links_real t392 = t390 + t391;
+    const zhao2000_links_real t393 = 244.81978f * t392;
+    const zhao2000_links_real t394 = t393 * t354;
+    const zhao2000_links_real t395 = t148 * t394;
+    const zhao2000_links_real t396 = t359 * t314;
+    const zhao2000_links_real t397 = t361 * t325;
+    const zhao2000_links_real t398 = t396 - t397;
+    const zhao2000_links_real t399 = t364 * t303;
+    const zhao2000_links_real t400 = t398 + t399;
+    const zhao2000_links_real t401 = t368 * t308;
+    const zhao2000_links_real t402 = t400 - t401;
+    const zhao2000_links_real t403 = 244.81978f * t402;
+    const zhao2000_links_real t404 = t186 * t394;
+    const zhao2000_links_real t405 = t403 + t404;
+    const zhao2000_links_real t406 = t405 * t189;
+    const zhao2000_links_real t407 = t183 * t406;
+    const zhao2000_links_real t408 = t395 + t407;
+    const zhao2000_links_real t409 = t385 + t408;
+    const zhao2000_links_real t410 = t313 * t308;
+    const zhao2000_links_real t411 = t307 * t314;
+    const zhao2000_links_real t412 = t302 * t325;
+    const zhao2000_links_real t413 = t411 + t412;
+    const zhao2000_links_real t414 = t410 - t413;
+    const zhao2000_links_real t415 = t324 * t303;
+    const zhao2000_links_real t416 = t414 + t415;
+    const zhao2000_links_real t417 = 244.81978f * t416;
+    const zhao2000_links_real t418 = t330 * t314;
+    const zhao2000_links_real t419 = t338 * t325;
+    const zhao2000_links_real t420 = t418 - t419;
+    const zhao2000_links_real t421 = t341 * t308;
+    const zhao2000_links_real t422 = t420 + t421;
+    const zhao2000_links_real t423 = t349 * t303;
+    const zhao2000_links_real t424 = t422 - t423;
+    const zhao2000_links_real t425 = 244.81978f * t424;
+    const zhao2000_links_real t426 = t425 * t354;
+    const zhao2000_links_real t427 = t148 * t426;
+    const zhao2000_links_real t428 = t364 * t308;
+    const zhao2000_links_real t429 = t361 * t314;
+    const zhao2000_links_real t430 = t359 * t325;
+    const zhao2000_links_real t431 = t429 + t430;
+    const zhao2000_links_real t432 = t428 - t431;
+    const zhao2000_links_real t433 = t368 * t303;
+    const zhao2000_links_real t434 = t432 + t433;
+    const zhao2000_links_real t435 = 244.81978f * t434;
+    const zhao2000_links_real t436 = t186 * t426;
+    const zhao2000_links_real t437 = t435 + t436;
+    const zhao2000_links_real t438 = t437 * t189;
+    const zhao2000_links_real t439 = t183 * t438;
+    const zhao2000_links_real t440 = t427 + t439;
+    const zhao2000_links_real t441 = t417 + t440;
+    rates[0] = t195;
+    rates[1] = t204;
+    rates[2] = t290;
+    rates[3] = t377;
+    rates[4] = t409;
+    rates[5] = t441;
+    return ((d1 > 0.00514f) && (d2 > 3.13e-06f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_SINGULAR;
+}
+
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_links_status zhao2000_links_limb2_joints(const zhao2000_links_real c[7], zhao2000_links_real x[4])
+{
+    const zhao2000_links_real t0 = 34.641018f * c[4];
+    const zhao2000_links_real t1 = 60.0f * c[5];
     const zhao2000_links_real t2 = t0 - t1;
-    const zhao2000_links_real t3 = w->k[5] * t2;
-    const zhao2000_links_real t4 = 60.0f * w->k[6];
-    const zhao2000_links_real t5 = w->k[6] * t4;
+    const zhao2000_links_real t3 = c[5] * t2;
+    const zhao2000_links_real t4 = 60.0f * c[6];
+    const zhao2000_links_real t5 = c[6] * t4;
     const zhao2000_links_real t6 = t3 - t5;
-    const zhao2000_links_real t7 = 34.641018f * w->k[6];
-    const zhao2000_links_real t8 = w->k[3] * t7;
+    const zhao2000_links_real t7 = 34.641018f * c[6];
+    const zhao2000_links_real t8 = c[3] * t7;
     const zhao2000_links_real t9 = t6 - t8;
     const zhao2000_links_real t10 = t9 + t9;
     const zhao2000_links_real t11 = 60.0f + t10;
-    const zhao2000_links_real t12 = w->k[0] + t11;
-    const zhao2000_links_real t13 = w->x[0] - 3.6651914f;
-    const zhao2000_links_real t14 = cosf(t13);
-    const zhao2000_links_real t15 = cosf(w->x[1]);
-    const zhao2000_links_real t16 = cosf(w->x[2]);
-    const zhao2000_links_real t17 = -54.659847f * t16;
-    const zhao2000_links_real t18 = sinf(w->x[2]);
-    const zhao2000_links_real t19 = 26.216427f * t18;
-    const zhao2000_links_real t20 = t17 + t19;
-    const zhao2000_links_real t21 = 114.65985f + t20;
-    const zhao2000_links_real t22 = t21 - 120.0f;
-    const zhao2000_links_real t23 = t15 * t22;
-    const zhao2000_links_real t24 = sinf(w->x[1]);
-    const zhao2000_links_real t25 = 30.272121f * t16;
-    const zhao2000_links_real t26 = 63.115757f * t18;
-    const zhao2000_links_real t27 = t25 + t26;
-    const zhao2000_links_real t28 = 69.727875f + t27;
-    const zhao2000_links_real t29 = 0.8660254f * t28;
-    const zhao2000_links_real t30 = t24 * t29;
-    const zhao2000_links_real t31 = t23 + t30;
-    const zhao2000_links_real t32 = 1.0f - t15;
-    const zhao2000_links_real t33 = -0.5f * t22;
-    const zhao2000_links_real t34 = -31.557878f * t16;
-    const zhao2000_links_real t35 = 15.136061f * t18;
-    const zhao2000_links_real t36 = t34 + t35;
-    const zhao2000_links_real t37 = 66.19889f + t36;
-    const zhao2000_links_real t38 = t37 - 69.282036f;
-    const zhao2000_links_real t39 = 0.8660254f * t38;
-    const zhao2000_links_real t40 = t33 + t39;
-    const zhao2000_links_real t41 = t32 * t40;
-    const zhao2000_links_real t42 = -0.5f * t41;
-    const zhao2000_links_real t43 = t31 + t42;
-    const zhao2000_links_real t44 = t14 * t43;
-    const zhao2000_links_real t45 = sinf(t13);
-    const zhao2000_links_real t46 = t15 * t38;
-    const zhao2000_links_real t47 = -0.5f * t28;
-    const zhao2000_links_real t48 = t24 * t47;
-    const zhao2000_links_real t49 = t46 - t48;
-    const zhao2000_links_real t50 = 0.8660254f * t41;
-    const zhao2000_links_real t51 = t49 + t50;
-    const zhao2000_links_real t52 = t45 * t51;
-    const zhao2000_links_real t53 = t44 - t52;
-    const zhao2000_links_real t54 = 120.0f + t53;
-    const zhao2000_links_real t55 = t12 - t54;
-    const zhao2000_links_real t56 = -t55;
-    w->f[0] = t56;
-    /* row 2 */
-    const zhao2000_links_real t58 = w->k[3] * t4;
-    const zhao2000_links_real t59 = w->k[6] * t7;
-    const zhao2000_links_real t60 = w->k[4] * t2;
-    const zhao2000_links_real t61 = t59 + t60;
-    const zhao2000_links_real t62 = t58 - t61;
-    const zhao2000_links_real t63 = t62 + t62;
-    const zhao2000_links_real t64 = 34.641018f + t63;
-    const zhao2000_links_real t65 = w->k[1] + t64;
-    const zhao2000_links_real t66 = t14 * t51;
-    const zhao2000_links_real t67 = t45 * t43;
-    const zhao2000_links_real t68 = t66 + t67;
-    const zhao2000_links_real t69 = 69.282036f + t68;
-    const zhao2000_links_real t70 = t65 - t69;
-    const zhao2000_links_real t71 = -t70;
-    w->f[1] = t71;
-    /* row 3 */
-    const zhao2000_links_real t73 = w->k[3] * t2;
-    const zhao2000_links_real t74 = w->k[4] * t4;
-    const zhao2000_links_real t75 = w->k[5] * t7;
-    const zhao2000_links_real t76 = t74 + t75;
-    const zhao2000_links_real t77 = t73 + t76;
-    const zhao2000_links_real t78 = t77 + t77;
-    const zhao2000_links_real t79 = w->k[2] + t78;
-    const zhao2000_links_real t80 = t15 * t28;
-    const zhao2000_links_real t81 = -0.5f * t38;
-    const zhao2000_links_real t82 = 0.8660254f * t22;
-    const zhao2000_links_real t83 = t81 - t82;
-    const zhao2000_links_real t84 = t24 * t83;
-    const zhao2000_links_real t85 = t80 + t84;
-    const zhao2000_links_real t86 = t14 * t85;
-    const zhao2000_links_real t87 = 1.0f - t14;
-    const zhao2000_links_real t88 = t87 * t85;
-    const zhao2000_links_real t89 = t86 + t88;
-    const zhao2000_links_real t90 = t79 - t89;
-    const zhao2000_links_real t91 = -t90;
-    w->f[2] = t91;
-    /* row 4 */
-    const zhao2000_links_real t93 = 0.5f * t13;
-    const zhao2000_links_real t94 = cosf(t93);
-    const zhao2000_links_real t95 = 0.5f * w->x[1];
-    const zhao2000_links_real t96 = cosf(t95);
-    const zhao2000_links_real t97 = t94 * t96;
-    const zhao2000_links_real t98 = 0.5f * w->x[2];
-    const zhao2000_links_real t99 = cosf(t98);
-    const zhao2000_links_real t100 = t97 * t99;
-    const zhao2000_links_real t101 = sinf(t95);
-    const zhao2000_links_real t102 = -0.5f * t101;
-    const zhao2000_links_real t103 = t94 * t102;
-    const zhao2000_links_real t104 = sinf(t93);
-    const zhao2000_links_real t105 = 0.8660254f * t101;
-    const zhao2000_links_real t106 = t104 * t105;
-    const zhao2000_links_real t107 = t103 - t106;
-    const zhao2000_links_real t108 = sinf(t98);
-    const zhao2000_links_real t109 = -0.5f * t108;
-    const zhao2000_links_real t110 = t107 * t109;
-    const zhao2000_links_real t111 = t100 - t110;
-    const zhao2000_links_real t112 = t94 * t105;
-    const zhao2000_links_real t113 = t104 * t102;
-    const zhao2000_links_real t114 = t112 + t113;
-    const zhao2000_links_real t115 = 0.8660254f * t108;
-    const zhao2000_links_real t116 = t114 * t115;
-    const zhao2000_links_real t117 = t111 - t116;
-    const zhao2000_links_real t118 = 0.5f * w->x[3];
-    const zhao2000_links_real t119 = cosf(t118);
-    const zhao2000_links_real t120 = t117 * t119;
-    const zhao2000_links_real t121 = t97 * t109;
-    const zhao2000_links_real t122 = t107 * t99;
-    const zhao2000_links_real t123 = t121 + t122;
-    const zhao2000_links_real t124 = t104 * t96;
-    const zhao2000_links_real t125 = t124 * t115;
-    const zhao2000_links_real t126 = t123 - t125;
-    const zhao2000_links_real t127 = sinf(t118);
-    const zhao2000_links_real t128 = -0.5f * t127;
-    const zhao2000_links_real t129 = t126 * t128;
-    const zhao2000_links_real t130 = t120 - t129;
-    const zhao2000_links_real t131 = t97 * t115;
-    const zhao2000_links_real t132 = t114 * t99;
-    const zhao2000_links_real t133 = t131 + t132;
-    const zhao2000_links_real t134 = t124 * t109;
-    const zhao2000_links_real t135 = t133 + t134;
-    const zhao2000_links_real t136 = 0.8660254f * t127;
-    const zhao2000_links_real t137 = t135 * t136;
-    const zhao2000_links_real t138 = t130 - t137;
-    const zhao2000_links_real t139 = t138 * w->k[5];
-    const zhao2000_links_real t140 = t117 * t128;
-    const zhao2000_links_real t141 = t126 * t119;
-    const zhao2000_links_real t142 = t140 + t141;
-    const zhao2000_links_real t143 = t107 * t115;
-    const zhao2000_links_real t144 = t114 * t109;
-    const zhao2000_links_real t145 = t143 - t144;
-    const zhao2000_links_real t146 = t124 * t99;
-    const zhao2000_links_real t147 = t145 + t146;
-    const zhao2000_links_real t148 = t147 * t136;
-    const zhao2000_links_real t149 = t142 - t148;
-    const zhao2000_links_real t150 = t149 * w->k[6];
-    const zhao2000_links_real t151 = t139 + t150;
-    const zhao2000_links_real t152 = t117 * t136;
-    const zhao2000_links_real t153 = t135 * t119;
-    const zhao2000_links_real t154 = t152 + t153;
-    const zhao2000_links_real t155 = t147 * t128;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = t156 * w->k[3];
-    const zhao2000_links_real t158 = t151 - t157;
-    const zhao2000_links_real t159 = t126 * t136;
-    const zhao2000_links_real t160 = t135 * t128;
-    const zhao2000_links_real t161 = t159 - t160;
-    const zhao2000_links_real t162 = t147 * t119;
-    const zhao2000_links_real t163 = t161 + t162;
-    const zhao2000_links_real t164 = t163 * w->k[4];
-    const zhao2000_links_real t165 = t158 - t164;
-    const zhao2000_links_real t166 = 489.63956f * t165;
-    w->f[3] = t166;
-    /* row 5 */
-    const zhao2000_links_real t168 = t138 * w->k[4];
-    const zhao2000_links_real t169 = t149 * w->k[3];
-    const zhao2000_links_real t170 = t168 - t169;
-    const zhao2000_links_real t171 = t156 * w->k[6];
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t163 * w->k[5];
-    const zhao2000_links_real t174 = t172 + t173;
-    const zhao2000_links_real t175 = 489.63956f * t174;
-    const zhao2000_links_real t176 = -t175;
-    w->f[4] = t176;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb2_residual(const zhao2000_links_limb2_work *w)
-{
-    zhao2000_links_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 5; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_links_real zhao2000_links_limb2_apply_step(zhao2000_links_limb2_work *w)
-{
-    const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
-    const zhao2000_links_real t1 = w->x[0] + t0;
-    const zhao2000_links_real t2 = 0.0040846374f * w->f[1];
-    const zhao2000_links_real t3 = w->x[1] + t2;
-    const zhao2000_links_real t4 = 0.0040846374f * w->f[2];
-    const zhao2000_links_real t5 = w->x[2] + t4;
-    const zhao2000_links_real t6 = 0.0040846374f * w->f[3];
-    const zhao2000_links_real t7 = w->x[3] + t6;
-    const zhao2000_links_real t8 = w->f[0] * w->f[0];
-    const zhao2000_links_real t9 = w->f[1] * w->f[1];
-    const zhao2000_links_real t10 = t8 + t9;
-    const zhao2000_links_real t11 = w->f[2] * w->f[2];
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = w->f[3] * w->f[3];
-    const zhao2000_links_real t14 = t12 + t13;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    return t14;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb2_set_target(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb2_matrix(zhao2000_links_limb2_work *w)
-{
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = -54.659847f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = 26.216427f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = 114.65985f + t5;
-    const zhao2000_links_real t7 = t6 - 120.0f;
-    const zhao2000_links_real t8 = t0 * t7;
-    const zhao2000_links_real t9 = sinf(w->x[1]);
-    const zhao2000_links_real t10 = 30.272121f * t1;
-    const zhao2000_links_real t11 = 63.115757f * t3;
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = 69.727875f + t12;
-    const zhao2000_links_real t14 = 0.8660254f * t13;
-    const zhao2000_links_real t15 = t9 * t14;
-    const zhao2000_links_real t16 = t8 + t15;
-    const zhao2000_links_real t17 = 1.0f - t0;
-    const zhao2000_links_real t18 = -0.5f * t7;
-    const zhao2000_links_real t19 = -31.557878f * t1;
-    const zhao2000_links_real t20 = 15.136061f * t3;
-    const zhao2000_links_real t21 = t19 + t20;
-    const zhao2000_links_real t22 = 66.19889f + t21;
-    const zhao2000_links_real t23 = t22 - 69.282036f;
-    const zhao2000_links_real t24 = 0.8660254f * t23;
-    const zhao2000_links_real t25 = t18 + t24;
-    const zhao2000_links_real t26 = t17 * t25;
-    const zhao2000_links_real t27 = -0.5f * t26;
-    const zhao2000_links_real t28 = t16 + t27;
-    const zhao2000_links_real t29 = w->x[0] - 3.6651914f;
-    const zhao2000_links_real t30 = sinf(t29);
-    const zhao2000_links_real t31 = t28 * t30;
-    const zhao2000_links_real t32 = t0 * t23;
-    const zhao2000_links_real t33 = -0.5f * t13;
-    const zhao2000_links_real t34 = t9 * t33;
-    const zhao2000_links_real t35 = t32 - t34;
-    const zhao2000_links_real t36 = 0.8660254f * t26;
-    const zhao2000_links_real t37 = t35 + t36;
-    const zhao2000_links_real t38 = cosf(t29);
-    const zhao2000_links_real t39 = t37 * t38;
-    const zhao2000_links_real t40 = t31 + t39;
-    const zhao2000_links_real t41 = 0.0040846374f * t40;
-    w->a[0] = t41;
-    const zhao2000_links_real t43 = t14 * t0;
-    const zhao2000_links_real t44 = t7 * t9;
-    const zhao2000_links_real t45 = t43 - t44;
-    const zhao2000_links_real t46 = t25 * t9;
-    const zhao2000_links_real t47 = -0.5f * t46;
-    const zhao2000_links_real t48 = t45 + t47;
-    const zhao2000_links_real t49 = t38 * t48;
-    const zhao2000_links_real t50 = 0.8660254f * t46;
-    const zhao2000_links_real t51 = t23 * t9;
-    const zhao2000_links_real t52 = t33 * t0;
-    const zhao2000_links_real t53 = t51 + t52;
-    const zhao2000_links_real t54 = t50 - t53;
-    const zhao2000_links_real t55 = t30 * t54;
-    const zhao2000_links_real t56 = t49 - t55;
-    const zhao2000_links_real t57 = 0.0040846374f * t56;
-    const zhao2000_links_real t58 = -t57;
-    w->a[1] = t58;
-    const zhao2000_links_real t60 = 26.216427f * t1;
-    const zhao2000_links_real t61 = -54.659847f * t3;
+    const zhao2000_links_real t12 = c[0] + t11;
+    const zhao2000_links_real t13 = t12 + (-120.0f);
+    const zhao2000_links_real t14 = t13 * t13;
+    const zhao2000_links_real t15 = c[3] * t4;
+    const zhao2000_links_real t16 = c[6] * t7;
+    const zhao2000_links_real t17 = c[4] * t2;
+    const zhao2000_links_real t18 = t16 + t17;
+    const zhao2000_links_real t19 = t15 - t18;
+    const zhao2000_links_real t20 = t19 + t19;
+    const zhao2000_links_real t21 = 34.641018f + t20;
+    const zhao2000_links_real t22 = c[1] + t21;
+    const zhao2000_links_real t23 = t22 + (-69.282036f);
+    const zhao2000_links_real t24 = t23 * t23;
+    const zhao2000_links_real t25 = t14 + t24;
+    const zhao2000_links_real d1 = t25; /* above 0 where theta2_side has two values */
+    const zhao2000_links_real r1 = (d1 > 1.74e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t28 = c[3] * t2;
+    const zhao2000_links_real t29 = c[4] * t4;
+    const zhao2000_links_real t30 = c[5] * t7;
+    const zhao2000_links_real t31 = t29 + t30;
+    const zhao2000_links_real t32 = t28 + t31;
+    const zhao2000_links_real t33 = t32 + t32;
+    const zhao2000_links_real t34 = c[2] + t33;
+    const zhao2000_links_real t35 = 0.0012584238f * t34;
+    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = 1.7201067f * t37;
+    const zhao2000_links_real t39 = -0.01423018f * t34;
+    const zhao2000_links_real t40 = 0.0012584238f * r1;
+    const zhao2000_links_real t41 = t39 - t40;
+    const zhao2000_links_real t42 = -1.0204082f * t41;
+    const zhao2000_links_real t43 = t38 - t42;
+    const zhao2000_links_real t44 = t43 * t43;
+    const zhao2000_links_real t45 = -1.0204082f * t37;
+    const zhao2000_links_real t46 = -1.7201067f * t41;
+    const zhao2000_links_real t47 = t45 - t46;
+    const zhao2000_links_real t48 = t47 * t47;
+    const zhao2000_links_real t49 = t44 + t48;
+    const zhao2000_links_real t50 = t41 * t41;
+    const zhao2000_links_real t51 = 0.7396918f + t50;
+    const zhao2000_links_real t52 = t37 * t37;
+    const zhao2000_links_real t53 = t52 + 0.2603082f;
+    const zhao2000_links_real t54 = t51 + t53;
+    const zhao2000_links_real t55 = t54 + (-1.0f);
+    const zhao2000_links_real t56 = t55 * t55;
+    const zhao2000_links_real t57 = t49 - t56;
+    const zhao2000_links_real d2 = t57; /* above 0 where elbow2 has two values */
+    const zhao2000_links_real r2 = (d2 > 1.18e-11f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t60 = t43 * r2;
+    const zhao2000_links_real t61 = t47 * t55;
     const zhao2000_links_real t62 = t60 - t61;
-    const zhao2000_links_real t63 = t0 * t62;
-    const zhao2000_links_real t64 = 63.115757f * t1;
-    const zhao2000_links_real t65 = 30.272121f * t3;
-    const zhao2000_links_real t66 = t64 - t65;
-    const zhao2000_links_real t67 = 0.8660254f * t66;
-    const zhao2000_links_real t68 = t9 * t67;
-    const zhao2000_links_real t69 = t63 + t68;
-    const zhao2000_links_real t70 = -0.5f * t62;
-    const zhao2000_links_real t71 = 15.136061f * t1;
-    const zhao2000_links_real t72 = -31.557878f * t3;
-    const zhao2000_links_real t73 = t71 - t72;
-    const zhao2000_links_real t74 = 0.8660254f * t73;
-    const zhao2000_links_real t75 = t70 + t74;
-    const zhao2000_links_real t76 = t17 * t75;
-    const zhao2000_links_real t77 = -0.5f * t76;
-    const zhao2000_links_real t78 = t69 + t77;
-    const zhao2000_links_real t79 = t38 * t78;
-    const zhao2000_links_real t80 = t0 * t73;
-    const zhao2000_links_real t81 = -0.5f * t66;
-    const zhao2000_links_real t82 = t9 * t81;
-    const zhao2000_links_real t83 = t80 - t82;
-    const zhao2000_links_real t84 = 0.8660254f * t76;
-    const zhao2000_links_real t85 = t83 + t84;
-    const zhao2000_links_real t86 = t30 * t85;
-    const zhao2000_links_real t87 = t79 - t86;
-    const zhao2000_links_real t88 = 0.0040846374f * t87;
-    const zhao2000_links_real t89 = -t88;
-    w->a[2] = t89;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t92 = t28 * t38;
-    const zhao2000_links_real t93 = t37 * t30;
-    const zhao2000_links_real t94 = t92 - t93;
-    const zhao2000_links_real t95 = 0.0040846374f * t94;
-    const zhao2000_links_real t96 = -t95;
-    w->a[4] = t96;
-    const zhao2000_links_real t98 = t38 * t54;
-    const zhao2000_links_real t99 = t30 * t48;
-    const zhao2000_links_real t100 = t98 + t99;
-    const zhao2000_links_real t101 = 0.0040846374f * t100;
-    const zhao2000_links_real t102 = -t101;
-    w->a[5] = t102;
-    const zhao2000_links_real t104 = t38 * t85;
-    const zhao2000_links_real t105 = t30 * t78;
-    const zhao2000_links_real t106 = t104 + t105;
-    const zhao2000_links_real t107 = 0.0040846374f * t106;
-    const zhao2000_links_real t108 = -t107;
-    w->a[6] = t108;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t112 = -0.5f * t23;
-    const zhao2000_links_real t113 = 0.8660254f * t7;
-    const zhao2000_links_real t114 = t112 - t113;
-    const zhao2000_links_real t115 = t114 * t0;
-    const zhao2000_links_real t116 = t13 * t9;
-    const zhao2000_links_real t117 = t115 - t116;
-    const zhao2000_links_real t118 = t38 * t117;
-    const zhao2000_links_real t119 = 1.0f - t38;
-    const zhao2000_links_real t120 = t119 * t117;
-    const zhao2000_links_real t121 = t118 + t120;
-    const zhao2000_links_real t122 = 0.0040846374f * t121;
-    const zhao2000_links_real t123 = -t122;
-    w->a[9] = t123;
-    const zhao2000_links_real t125 = t0 * t66;
-    const zhao2000_links_real t126 = -0.5f * t73;
-    const zhao2000_links_real t127 = 0.8660254f * t62;
-    const zhao2000_links_real t128 = t126 - t127;
-    const zhao2000_links_real t129 = t9 * t128;
-    const zhao2000_links_real t130 = t125 + t129;
-    const zhao2000_links_real t131 = t38 * t130;
-    const zhao2000_links_real t132 = t119 * t130;
-    const zhao2000_links_real t133 = t131 + t132;
-    const zhao2000_links_real t134 = 0.0040846374f * t133;
-    const zhao2000_links_real t135 = -t134;
-    w->a[10] = t135;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t138 = 0.5f * w->x[3];
-    const zhao2000_links_real t139 = cosf(t138);
-    const zhao2000_links_real t140 = 0.5f * w->x[2];
-    const zhao2000_links_real t141 = sinf(t140);
-    const zhao2000_links_real t142 = -0.5f * t141;
-    const zhao2000_links_real t143 = 0.5f * w->x[1];
-    const zhao2000_links_real t144 = sinf(t143);
-    const zhao2000_links_real t145 = -0.5f * t144;
-    const zhao2000_links_real t146 = 0.5f * t29;
-    const zhao2000_links_real t147 = sinf(t146);
-    const zhao2000_links_real t148 = 0.5f * t147;
-    const zhao2000_links_real t149 = t145 * t148;
-    const zhao2000_links_real t150 = 0.8660254f * t144;
-    const zhao2000_links_real t151 = cosf(t146);
-    const zhao2000_links_real t152 = 0.5f * t151;
-    const zhao2000_links_real t153 = t150 * t152;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t142 * t154;
-    const zhao2000_links_real t156 = cosf(t140);
-    const zhao2000_links_real t157 = cosf(t143);
-    const zhao2000_links_real t158 = t157 * t148;
-    const zhao2000_links_real t159 = t156 * t158;
-    const zhao2000_links_real t160 = t155 - t159;
-    const zhao2000_links_real t161 = 0.8660254f * t141;
-    const zhao2000_links_real t162 = t145 * t152;
-    const zhao2000_links_real t163 = t150 * t148;
-    const zhao2000_links_real t164 = t162 - t163;
-    const zhao2000_links_real t165 = t161 * t164;
-    const zhao2000_links_real t166 = t160 - t165;
-    const zhao2000_links_real t167 = t139 * t166;
-    const zhao2000_links_real t168 = sinf(t138);
-    const zhao2000_links_real t169 = -0.5f * t168;
-    const zhao2000_links_real t170 = t142 * t158;
-    const zhao2000_links_real t171 = t156 * t154;
-    const zhao2000_links_real t172 = t170 + t171;
-    const zhao2000_links_real t173 = t157 * t152;
-    const zhao2000_links_real t174 = t161 * t173;
-    const zhao2000_links_real t175 = t172 + t174;
-    const zhao2000_links_real t176 = t169 * t175;
-    const zhao2000_links_real t177 = t167 + t176;
-    const zhao2000_links_real t178 = 0.8660254f * t168;
-    const zhao2000_links_real t179 = t156 * t164;
-    const zhao2000_links_real t180 = t161 * t158;
-    const zhao2000_links_real t181 = t179 - t180;
-    const zhao2000_links_real t182 = t142 * t173;
-    const zhao2000_links_real t183 = t181 + t182;
-    const zhao2000_links_real t184 = t178 * t183;
-    const zhao2000_links_real t185 = t177 - t184;
-    const zhao2000_links_real t186 = w->k[5] * t185;
-    const zhao2000_links_real t187 = t169 * t166;
-    const zhao2000_links_real t188 = t139 * t175;
-    const zhao2000_links_real t189 = t187 - t188;
-    const zhao2000_links_real t190 = t156 * t173;
-    const zhao2000_links_real t191 = t161 * t154;
-    const zhao2000_links_real t192 = t142 * t164;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t190 - t193;
-    const zhao2000_links_real t195 = t178 * t194;
-    const zhao2000_links_real t196 = t189 - t195;
-    const zhao2000_links_real t197 = w->k[6] * t196;
-    const zhao2000_links_real t198 = t186 + t197;
-    const zhao2000_links_real t199 = t178 * t166;
-    const zhao2000_links_real t200 = t139 * t183;
-    const zhao2000_links_real t201 = t199 + t200;
-    const zhao2000_links_real t202 = t169 * t194;
-    const zhao2000_links_real t203 = t201 + t202;
-    const zhao2000_links_real t204 = w->k[3] * t203;
-    const zhao2000_links_real t205 = t198 - t204;
-    const zhao2000_links_real t206 = t139 * t194;
-    const zhao2000_links_real t207 = t178 * t175;
-    const zhao2000_links_real t208 = t169 * t183;
-    const zhao2000_links_real t209 = t207 + t208;
-    const zhao2000_links_real t210 = t206 - t209;
-    const zhao2000_links_real t211 = w->k[4] * t210;
-    const zhao2000_links_real t212 = t205 - t211;
-    const zhao2000_links_real t213 = t212 + t212;
-    const zhao2000_links_real t214 = -t213;
-    w->a[12] = t214;
-    const zhao2000_links_real t216 = -0.25f * t157;
-    const zhao2000_links_real t217 = t151 * t216;
-    const zhao2000_links_real t218 = 0.4330127f * t157;
-    const zhao2000_links_real t219 = t147 * t218;
-    const zhao2000_links_real t220 = t217 - t219;
-    const zhao2000_links_real t221 = t156 * t220;
-    const zhao2000_links_real t222 = 0.5f * t144;
-    const zhao2000_links_real t223 = t151 * t222;
-    const zhao2000_links_real t224 = t142 * t223;
-    const zhao2000_links_real t225 = t221 - t224;
-    const zhao2000_links_real t226 = t147 * t222;
-    const zhao2000_links_real t227 = t161 * t226;
-    const zhao2000_links_real t228 = t225 + t227;
-    const zhao2000_links_real t229 = t139 * t228;
-    const zhao2000_links_real t230 = t156 * t223;
-    const zhao2000_links_real t231 = t142 * t220;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t151 * t218;
-    const zhao2000_links_real t234 = t147 * t216;
-    const zhao2000_links_real t235 = t233 + t234;
-    const zhao2000_links_real t236 = t161 * t235;
-    const zhao2000_links_real t237 = t232 + t236;
-    const zhao2000_links_real t238 = t169 * t237;
-    const zhao2000_links_real t239 = t229 - t238;
-    const zhao2000_links_real t240 = t161 * t220;
-    const zhao2000_links_real t241 = t142 * t235;
-    const zhao2000_links_real t242 = t240 - t241;
-    const zhao2000_links_real t243 = t156 * t226;
-    const zhao2000_links_real t244 = t242 - t243;
-    const zhao2000_links_real t245 = t178 * t244;
-    const zhao2000_links_real t246 = t239 - t245;
-    const zhao2000_links_real t247 = w->k[6] * t246;
-    const zhao2000_links_real t248 = t139 * t237;
-    const zhao2000_links_real t249 = t169 * t228;
-    const zhao2000_links_real t250 = t248 + t249;
-    const zhao2000_links_real t251 = t156 * t235;
-    const zhao2000_links_real t252 = t161 * t223;
-    const zhao2000_links_real t253 = t251 - t252;
-    const zhao2000_links_real t254 = t142 * t226;
-    const zhao2000_links_real t255 = t253 - t254;
-    const zhao2000_links_real t256 = t178 * t255;
-    const zhao2000_links_real t257 = t250 + t256;
-    const zhao2000_links_real t258 = w->k[5] * t257;
-    const zhao2000_links_real t259 = t247 - t258;
-    const zhao2000_links_real t260 = t139 * t255;
-    const zhao2000_links_real t261 = t178 * t237;
-    const zhao2000_links_real t262 = t260 - t261;
-    const zhao2000_links_real t263 = t169 * t244;
-    const zhao2000_links_real t264 = t262 + t263;
-    const zhao2000_links_real t265 = w->k[3] * t264;
-    const zhao2000_links_real t266 = t259 - t265;
-    const zhao2000_links_real t267 = t178 * t228;
-    const zhao2000_links_real t268 = t169 * t255;
-    const zhao2000_links_real t269 = t267 - t268;
-    const zhao2000_links_real t270 = t139 * t244;
-    const zhao2000_links_real t271 = t269 + t270;
-    const zhao2000_links_real t272 = w->k[4] * t271;
-    const zhao2000_links_real t273 = t266 - t272;
-    const zhao2000_links_real t274 = t273 + t273;
-    const zhao2000_links_real t275 = -t274;
-    w->a[13] = t275;
-    const zhao2000_links_real t277 = t151 * t157;
-    const zhao2000_links_real t278 = -0.25f * t156;
-    const zhao2000_links_real t279 = t277 * t278;
-    const zhao2000_links_real t280 = t151 * t145;
-    const zhao2000_links_real t281 = t147 * t150;
-    const zhao2000_links_real t282 = t280 - t281;
-    const zhao2000_links_real t283 = 0.5f * t141;
-    const zhao2000_links_real t284 = t282 * t283;
-    const zhao2000_links_real t285 = t279 - t284;
-    const zhao2000_links_real t286 = t147 * t157;
-    const zhao2000_links_real t287 = 0.4330127f * t156;
-    const zhao2000_links_real t288 = t286 * t287;
-    const zhao2000_links_real t289 = t285 - t288;
-    const zhao2000_links_real t290 = t139 * t289;
-    const zhao2000_links_real t291 = t277 * t283;
-    const zhao2000_links_real t292 = t282 * t278;
-    const zhao2000_links_real t293 = t291 + t292;
-    const zhao2000_links_real t294 = t151 * t150;
-    const zhao2000_links_real t295 = t147 * t145;
-    const zhao2000_links_real t296 = t294 + t295;
-    const zhao2000_links_real t297 = t296 * t287;
-    const zhao2000_links_real t298 = t293 + t297;
-    const zhao2000_links_real t299 = t169 * t298;
-    const zhao2000_links_real t300 = t290 - t299;
-    const zhao2000_links_real t301 = t282 * t287;
-    const zhao2000_links_real t302 = t296 * t278;
-    const zhao2000_links_real t303 = t301 - t302;
-    const zhao2000_links_real t304 = t286 * t283;
-    const zhao2000_links_real t305 = t303 - t304;
-    const zhao2000_links_real t306 = t178 * t305;
-    const zhao2000_links_real t307 = t300 - t306;
-    const zhao2000_links_real t308 = w->k[6] * t307;
-    const zhao2000_links_real t309 = t139 * t298;
-    const zhao2000_links_real t310 = t169 * t289;
-    const zhao2000_links_real t311 = t309 + t310;
-    const zhao2000_links_real t312 = t277 * t287;
-    const zhao2000_links_real t313 = t296 * t283;
-    const zhao2000_links_real t314 = t312 - t313;
-    const zhao2000_links_real t315 = t286 * t278;
-    const zhao2000_links_real t316 = t314 + t315;
-    const zhao2000_links_real t317 = t178 * t316;
-    const zhao2000_links_real t318 = t311 + t317;
-    const zhao2000_links_real t319 = w->k[5] * t318;
-    const zhao2000_links_real t320 = t308 - t319;
-    const zhao2000_links_real t321 = t139 * t316;
-    const zhao2000_links_real t322 = t178 * t298;
-    const zhao2000_links_real t323 = t321 - t322;
-    const zhao2000_links_real t324 = t169 * t305;
-    const zhao2000_links_real t325 = t323 + t324;
-    const zhao2000_links_real t326 = w->k[3] * t325;
-    const zhao2000_links_real t327 = t320 - t326;
-    const zhao2000_links_real t328 = t178 * t289;
-    const zhao2000_links_real t329 = t169 * t316;
-    const zhao2000_links_real t330 = t328 - t329;
-    const zhao2000_links_real t331 = t139 * t305;
-    const zhao2000_links_real t332 = t330 + t331;
-    const zhao2000_links_real t333 = w->k[4] * t332;
-    const zhao2000_links_real t334 = t327 - t333;
-    const zhao2000_links_real t335 = t334 + t334;
-    const zhao2000_links_real t336 = -t335;
-    w->a[14] = t336;
-    const zhao2000_links_real t338 = t277 * t156;
-    const zhao2000_links_real t339 = t282 * t142;
-    const zhao2000_links_real t340 = t338 - t339;
-    const zhao2000_links_real t341 = t296 * t161;
-    const zhao2000_links_real t342 = t340 - t341;
-    const zhao2000_links_real t343 = -0.25f * t139;
-    const zhao2000_links_real t344 = t342 * t343;
-    const zhao2000_links_real t345 = t277 * t142;
-    const zhao2000_links_real t346 = t282 * t156;
-    const zhao2000_links_real t347 = t345 + t346;
-    const zhao2000_links_real t348 = t286 * t161;
-    const zhao2000_links_real t349 = t347 - t348;
-    const zhao2000_links_real t350 = 0.5f * t168;
-    const zhao2000_links_real t351 = t349 * t350;
-    const zhao2000_links_real t352 = t344 - t351;
-    const zhao2000_links_real t353 = t282 * t161;
-    const zhao2000_links_real t354 = t296 * t142;
-    const zhao2000_links_real t355 = t353 - t354;
-    const zhao2000_links_real t356 = t286 * t156;
-    const zhao2000_links_real t357 = t355 + t356;
-    const zhao2000_links_real t358 = 0.4330127f * t139;
-    const zhao2000_links_real t359 = t357 * t358;
-    const zhao2000_links_real t360 = t352 - t359;
-    const zhao2000_links_real t361 = w->k[6] * t360;
-    const zhao2000_links_real t362 = t342 * t350;
-    const zhao2000_links_real t363 = t349 * t343;
-    const zhao2000_links_real t364 = t362 + t363;
-    const zhao2000_links_real t365 = t277 * t161;
-    const zhao2000_links_real t366 = t296 * t156;
-    const zhao2000_links_real t367 = t365 + t366;
-    const zhao2000_links_real t368 = t286 * t142;
-    const zhao2000_links_real t369 = t367 + t368;
-    const zhao2000_links_real t370 = t369 * t358;
-    const zhao2000_links_real t371 = t364 + t370;
-    const zhao2000_links_real t372 = w->k[5] * t371;
-    const zhao2000_links_real t373 = t361 - t372;
-    const zhao2000_links_real t374 = t342 * t358;
-    const zhao2000_links_real t375 = t369 * t350;
-    const zhao2000_links_real t376 = t374 - t375;
-    const zhao2000_links_real t377 = t357 * t343;
-    const zhao2000_links_real t378 = t376 + t377;
-    const zhao2000_links_real t379 = w->k[3] * t378;
-    const zhao2000_links_real t380 = t373 - t379;
-    const zhao2000_links_real t381 = t349 * t358;
-    const zhao2000_links_real t382 = t369 * t343;
-    const zhao2000_links_real t383 = t381 - t382;
-    const zhao2000_links_real t384 = t357 * t350;
-    const zhao2000_links_real t385 = t383 - t384;
-    const zhao2000_links_real t386 = w->k[4] * t385;
-    const zhao2000_links_real t387 = t380 - t386;
-    const zhao2000_links_real t388 = t387 + t387;
-    const zhao2000_links_real t389 = -t388;
-    w->a[15] = t389;
-    const zhao2000_links_real t391 = w->k[4] * t185;
-    const zhao2000_links_real t392 = w->k[3] * t196;
-    const zhao2000_links_real t393 = t391 - t392;
-    const zhao2000_links_real t394 = w->k[6] * t203;
-    const zhao2000_links_real t395 = t393 - t394;
-    const zhao2000_links_real t396 = w->k[5] * t210;
-    const zhao2000_links_real t397 = t395 + t396;
-    const zhao2000_links_real t398 = t397 + t397;
-    w->a[16] = t398;
-    const zhao2000_links_real t400 = w->k[5] * t271;
-    const zhao2000_links_real t401 = w->k[4] * t257;
-    const zhao2000_links_real t402 = w->k[3] * t246;
-    const zhao2000_links_real t403 = t401 + t402;
-    const zhao2000_links_real t404 = w->k[6] * t264;
-    const zhao2000_links_real t405 = t403 + t404;
-    const zhao2000_links_real t406 = t400 - t405;
-    const zhao2000_links_real t407 = t406 + t406;
-    w->a[17] = t407;
-    const zhao2000_links_real t409 = w->k[5] * t332;
-    const zhao2000_links_real t410 = w->k[4] * t318;
-    const zhao2000_links_real t411 = w->k[3] * t307;
-    const zhao2000_links_real t412 = t410 + t411;
-    const zhao2000_links_real t413 = w->k[6] * t325;
-    const zhao2000_links_real t414 = t412 + t413;
-    const zhao2000_links_real t415 = t409 - t414;
-    const zhao2000_links_real t416 = t415 + t415;
-    w->a[18] = t416;
-    const zhao2000_links_real t418 = w->k[5] * t385;
-    const zhao2000_links_real t419 = w->k[4] * t371;
-    const zhao2000_links_real t420 = w->k[3] * t360;
-    const zhao2000_links_real t421 = t419 + t420;
-    const zhao2000_links_real t422 = w->k[6] * t378;
-    const zhao2000_links_real t423 = t421 + t422;
-    const zhao2000_links_real t424 = t418 - t423;
-    const zhao2000_links_real t425 = t424 + t424;
-    w->a[19] = t425;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. */
-static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
-{
-    zhao2000_links_limb2_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_limb2_reaches_middle(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], zhao2000_links_real middle)
-{
-    zhao2000_links_real end[4];
-    zhao2000_links_real size[3];
-    for (int i = 0; i < 4; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_links_limb2_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_links_limb2_rows(w);
-        zhao2000_links_limb2_solve(w);
-        size[i] = zhao2000_links_limb2_apply_step(w);
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.7219416e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_links_status zhao2000_links_limb2_newton(zhao2000_links_limb2_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_links_real longest2 = config->max_step * config->max_step;
-    zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_links_real done = 0.0f;
-    zhao2000_links_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_links_real size = 0.0f;
-    zhao2000_links_real kappa2 = 4.00689e-05f;
-    zhao2000_links_real limit;
-    zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_links_real turn2 = 0.0f;
-    const zhao2000_links_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_links_limb2_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    for (;;) {
-        zhao2000_links_limb2_rows(w);
-        if (verify) {
-            residual = zhao2000_links_limb2_residual(w);
-            if (residual <= config->tolerance + 0.00093391334f) {
-                status = ZHAO2000_LINKS_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                zhao2000_links_limb2_set_target(w, to, done);
-            }
-            int turn = zhao2000_links_limb2_factor(w);
-            if (taken == 0U) {
-                zhao2000_links_limb2_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_LINKS_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_links_limb2_solve(w);
-        const zhao2000_links_real before = size;
-        size = zhao2000_links_limb2_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.7219416e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_links_limb2_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_links_limb2_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_links_real error2;
-                zhao2000_links_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.7219416e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.7219416e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_links_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 4; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_links_limb2_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 4; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_links_limb2_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_LINKS_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_links_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb2_follow_pose(zhao2000_links_limb2_work *w, const zhao2000_links_real c[7])
-{
-    static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 3.6651914f;
-    w->x[1] = 0.0f;
-    w->x[2] = 0.0f;
-    w->x[3] = 0.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 1.0f;
-    w->at[4] = 0.0f;
-    w->at[5] = 0.0f;
-    w->at[6] = 0.0f;
-    return zhao2000_links_limb2_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_links_limb2_twist_columns(const zhao2000_links_limb2_work *w, zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = 69.282036f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = 34.641018f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = 34.641018f * w->k[4];
-    const zhao2000_links_real t10 = 60.0f * w->k[5];
-    const zhao2000_links_real t11 = t9 - t10;
-    const zhao2000_links_real t12 = -60.0f * w->k[5];
-    const zhao2000_links_real t13 = t11 + t12;
-    const zhao2000_links_real t14 = t13 + t13;
-    const zhao2000_links_real t15 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t16 = t14 * t15;
-    const zhao2000_links_real t17 = t8 - t16;
-    const zhao2000_links_real t18 = 120.0f * w->k[6];
-    const zhao2000_links_real t19 = 34.641018f * w->k[3];
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = -t20;
-    const zhao2000_links_real t22 = t21 + t21;
-    const zhao2000_links_real t23 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t24 = t22 * t23;
-    const zhao2000_links_real t25 = t17 + t24;
-    const zhao2000_links_real t26 = 244.81978f * t25;
-    const zhao2000_links_real t27 = -t26;
-    const zhao2000_links_real t28 = t0 * t15;
-    const zhao2000_links_real t29 = t5 * t23;
-    const zhao2000_links_real t30 = t28 - t29;
-    const zhao2000_links_real t31 = t14 * t1;
-    const zhao2000_links_real t32 = t30 + t31;
-    const zhao2000_links_real t33 = t22 * t6;
-    const zhao2000_links_real t34 = t32 - t33;
-    const zhao2000_links_real t35 = 244.81978f * t34;
-    const zhao2000_links_real t36 = -t35;
-    const zhao2000_links_real t37 = t14 * t6;
-    const zhao2000_links_real t38 = t5 * t15;
-    const zhao2000_links_real t39 = t0 * t23;
-    const zhao2000_links_real t40 = t38 + t39;
-    const zhao2000_links_real t41 = t37 - t40;
-    const zhao2000_links_real t42 = t22 * t1;
-    const zhao2000_links_real t43 = t41 + t42;
-    const zhao2000_links_real t44 = 244.81978f * t43;
-    const zhao2000_links_real t45 = -t44;
-    const zhao2000_links_real t46 = t11 + t9;
-    const zhao2000_links_real t47 = -t46;
-    const zhao2000_links_real t48 = t47 + t47;
-    const zhao2000_links_real t49 = t48 * t1;
-    const zhao2000_links_real t50 = t18 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = -60.0f * w->k[4];
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t53 + t53;
-    const zhao2000_links_real t55 = t54 * t15;
-    const zhao2000_links_real t56 = t51 - t55;
-    const zhao2000_links_real t57 = 60.0f * w->k[3];
-    const zhao2000_links_real t58 = 69.282036f * w->k[6];
-    const zhao2000_links_real t59 = t57 - t58;
-    const zhao2000_links_real t60 = t59 + t59;
-    const zhao2000_links_real t61 = t60 * t23;
-    const zhao2000_links_real t62 = t56 + t61;
-    const zhao2000_links_real t63 = 244.81978f * t62;
-    const zhao2000_links_real t64 = -t63;
-    const zhao2000_links_real t65 = t48 * t15;
-    const zhao2000_links_real t66 = t18 * t23;
-    const zhao2000_links_real t67 = t65 - t66;
-    const zhao2000_links_real t68 = t54 * t1;
-    const zhao2000_links_real t69 = t67 + t68;
-    const zhao2000_links_real t70 = t60 * t6;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = 244.81978f * t71;
-    const zhao2000_links_real t73 = -t72;
-    const zhao2000_links_real t74 = t54 * t6;
-    const zhao2000_links_real t75 = t18 * t15;
-    const zhao2000_links_real t76 = t48 * t23;
+    const zhao2000_links_real t63 = 1.0f / t49;
+    const zhao2000_links_real t64 = t62 * t63;
+    const zhao2000_links_real t65 = 30.272121f * t64;
+    const zhao2000_links_real t66 = t43 * t55;
+    const zhao2000_links_real t67 = t47 * r2;
+    const zhao2000_links_real t68 = t66 + t67;
+    const zhao2000_links_real t69 = t68 * t63;
+    const zhao2000_links_real t70 = -63.115757f * t69;
+    const zhao2000_links_real t71 = t65 - t70;
+    const zhao2000_links_real t72 = t71 + r1;
+    const zhao2000_links_real t73 = -6.1662765f * t72;
+    const zhao2000_links_real t74 = -30.272121f * t69;
+    const zhao2000_links_real t75 = t34 - t74;
+    const zhao2000_links_real t76 = -63.115757f * t64;
     const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = t74 - t77;
-    const zhao2000_links_real t79 = t60 * t1;
-    const zhao2000_links_real t80 = t78 + t79;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = 60.0f * w->k[6];
-    const zhao2000_links_real t84 = t19 + t83;
-    const zhao2000_links_real t85 = t84 + t84;
-    const zhao2000_links_real t86 = t85 * t1;
-    const zhao2000_links_real t87 = t11 + t11;
-    const zhao2000_links_real t88 = t87 * t6;
-    const zhao2000_links_real t89 = t86 - t88;
-    const zhao2000_links_real t90 = -60.0f * w->k[3];
-    const zhao2000_links_real t91 = t90 + t3;
-    const zhao2000_links_real t92 = t91 + t91;
-    const zhao2000_links_real t93 = t92 * t15;
-    const zhao2000_links_real t94 = t89 - t93;
-    const zhao2000_links_real t95 = 60.0f * w->k[4];
-    const zhao2000_links_real t96 = 34.641018f * w->k[5];
-    const zhao2000_links_real t97 = t95 + t96;
-    const zhao2000_links_real t98 = t97 + t97;
-    const zhao2000_links_real t99 = t98 * t23;
-    const zhao2000_links_real t100 = t94 + t99;
-    const zhao2000_links_real t101 = 244.81978f * t100;
-    const zhao2000_links_real t102 = -t101;
-    const zhao2000_links_real t103 = t85 * t15;
-    const zhao2000_links_real t104 = t87 * t23;
-    const zhao2000_links_real t105 = t103 - t104;
-    const zhao2000_links_real t106 = t92 * t1;
-    const zhao2000_links_real t107 = t105 + t106;
-    const zhao2000_links_real t108 = t98 * t6;
-    const zhao2000_links_real t109 = t107 - t108;
-    const zhao2000_links_real t110 = 244.81978f * t109;
-    const zhao2000_links_real t111 = -t110;
-    const zhao2000_links_real t112 = t92 * t6;
-    const zhao2000_links_real t113 = t87 * t15;
-    const zhao2000_links_real t114 = t85 * t23;
-    const zhao2000_links_real t115 = t113 + t114;
-    const zhao2000_links_real t116 = t112 - t115;
-    const zhao2000_links_real t117 = t98 * t1;
-    const zhao2000_links_real t118 = t116 + t117;
-    const zhao2000_links_real t119 = 244.81978f * t118;
-    const zhao2000_links_real t120 = -t119;
-    const zhao2000_links_real t121 = w->x[0] - 3.6651914f;
-    const zhao2000_links_real t122 = 0.5f * t121;
-    const zhao2000_links_real t123 = cosf(t122);
-    const zhao2000_links_real t124 = 0.5f * w->x[1];
-    const zhao2000_links_real t125 = cosf(t124);
-    const zhao2000_links_real t126 = t123 * t125;
-    const zhao2000_links_real t127 = 0.5f * w->x[2];
-    const zhao2000_links_real t128 = sinf(t127);
-    const zhao2000_links_real t129 = -0.5f * t128;
-    const zhao2000_links_real t130 = t126 * t129;
-    const zhao2000_links_real t131 = sinf(t124);
-    const zhao2000_links_real t132 = -0.5f * t131;
-    const zhao2000_links_real t133 = t123 * t132;
-    const zhao2000_links_real t134 = sinf(t122);
-    const zhao2000_links_real t135 = 0.8660254f * t131;
-    const zhao2000_links_real t136 = t134 * t135;
-    const zhao2000_links_real t137 = t133 - t136;
-    const zhao2000_links_real t138 = cosf(t127);
-    const zhao2000_links_real t139 = t137 * t138;
-    const zhao2000_links_real t140 = t130 + t139;
-    const zhao2000_links_real t141 = t134 * t125;
-    const zhao2000_links_real t142 = 0.8660254f * t128;
-    const zhao2000_links_real t143 = t141 * t142;
-    const zhao2000_links_real t144 = t140 - t143;
-    const zhao2000_links_real t145 = 0.5f * w->x[3];
-    const zhao2000_links_real t146 = sinf(t145);
-    const zhao2000_links_real t147 = 0.8660254f * t146;
-    const zhao2000_links_real t148 = t144 * t147;
-    const zhao2000_links_real t149 = t126 * t142;
-    const zhao2000_links_real t150 = t123 * t135;
-    const zhao2000_links_real t151 = t134 * t132;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = t152 * t138;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t141 * t129;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = -0.5f * t146;
-    const zhao2000_links_real t158 = t156 * t157;
-    const zhao2000_links_real t159 = t148 - t158;
-    const zhao2000_links_real t160 = t137 * t142;
-    const zhao2000_links_real t161 = t152 * t129;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t141 * t138;
-    const zhao2000_links_real t164 = t162 + t163;
-    const zhao2000_links_real t165 = cosf(t145);
-    const zhao2000_links_real t166 = t164 * t165;
-    const zhao2000_links_real t167 = t159 + t166;
-    const zhao2000_links_real t168 = 489.63956f * t167;
-    const zhao2000_links_real t169 = t168 * t1;
-    const zhao2000_links_real t170 = t126 * t138;
-    const zhao2000_links_real t171 = t137 * t129;
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t152 * t142;
-    const zhao2000_links_real t174 = t172 - t173;
-    const zhao2000_links_real t175 = t174 * t147;
-    const zhao2000_links_real t176 = t156 * t165;
-    const zhao2000_links_real t177 = t175 + t176;
-    const zhao2000_links_real t178 = t164 * t157;
-    const zhao2000_links_real t179 = t177 + t178;
-    const zhao2000_links_real t180 = 489.63956f * t179;
-    const zhao2000_links_real t181 = t180 * t6;
-    const zhao2000_links_real t182 = t169 - t181;
-    const zhao2000_links_real t183 = t174 * t165;
-    const zhao2000_links_real t184 = t144 * t157;
-    const zhao2000_links_real t185 = t183 - t184;
-    const zhao2000_links_real t186 = t156 * t147;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = 489.63956f * t187;
-    const zhao2000_links_real t189 = t188 * t15;
-    const zhao2000_links_real t190 = t182 + t189;
-    const zhao2000_links_real t191 = t174 * t157;
-    const zhao2000_links_real t192 = t144 * t165;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t164 * t147;
-    const zhao2000_links_real t195 = t193 - t194;
-    const zhao2000_links_real t196 = 489.63956f * t195;
-    const zhao2000_links_real t197 = t196 * t23;
-    const zhao2000_links_real t198 = t190 - t197;
-    const zhao2000_links_real t199 = 244.81978f * t198;
-    const zhao2000_links_real t200 = -t199;
-    const zhao2000_links_real t201 = t196 * t6;
-    const zhao2000_links_real t202 = t188 * t1;
-    const zhao2000_links_real t203 = t168 * t15;
-    const zhao2000_links_real t204 = t180 * t23;
-    const zhao2000_links_real t205 = t203 - t204;
-    const zhao2000_links_real t206 = t205 - t202;
-    const zhao2000_links_real t207 = t206 + t201;
-    const zhao2000_links_real t208 = 244.81978f * t207;
-    const zhao2000_links_real t209 = -t208;
-    const zhao2000_links_real t210 = t180 * t15;
-    const zhao2000_links_real t211 = t168 * t23;
-    const zhao2000_links_real t212 = t210 + t211;
-    const zhao2000_links_real t213 = t188 * t6;
-    const zhao2000_links_real t214 = t212 + t213;
-    const zhao2000_links_real t215 = t196 * t1;
-    const zhao2000_links_real t216 = t214 + t215;
-    const zhao2000_links_real t217 = 244.81978f * t216;
-    const zhao2000_links_real t218 = t201 + t202;
-    const zhao2000_links_real t219 = t218 - t203;
-    const zhao2000_links_real t220 = t219 - t204;
-    const zhao2000_links_real t221 = 244.81978f * t220;
-    const zhao2000_links_real t222 = -t221;
-    const zhao2000_links_real t223 = t197 + t189;
-    const zhao2000_links_real t224 = t223 + t169;
-    const zhao2000_links_real t225 = t224 + t181;
-    const zhao2000_links_real t226 = 244.81978f * t225;
-    const zhao2000_links_real t227 = -t226;
-    const zhao2000_links_real t228 = t196 * t15;
-    const zhao2000_links_real t229 = t188 * t23;
-    const zhao2000_links_real t230 = t228 - t229;
-    const zhao2000_links_real t231 = t168 * t6;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t180 * t1;
-    const zhao2000_links_real t234 = t232 - t233;
-    const zhao2000_links_real t235 = 244.81978f * t234;
-    const zhao2000_links_real t236 = -t235;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t27;
-    sides[4] = t36;
-    sides[5] = t45;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t64;
-    sides[10] = t73;
-    sides[11] = t82;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t102;
-    sides[16] = t111;
-    sides[17] = t120;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t200;
-    sides[22] = t209;
-    sides[23] = t217;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t222;
-    sides[28] = t227;
-    sides[29] = t236;
+    const zhao2000_links_real t78 = 69.727875f * t77;
+    const zhao2000_links_real t79 = t73 - t78;
+    const zhao2000_links_real t80 = t79 * -0.00020408163f;
+    const zhao2000_links_real t81 = -6.1662765f * t80;
+    const zhao2000_links_real t82 = -6.1662765f * t77;
+    const zhao2000_links_real t83 = -69.727875f * t72;
+    const zhao2000_links_real t84 = t82 - t83;
+    const zhao2000_links_real t85 = t84 * -0.00020408163f;
+    const zhao2000_links_real t86 = 69.727875f * t85;
+    const zhao2000_links_real t87 = t81 + t86;
+    const zhao2000_links_real t88 = t87 - t70;
+    const zhao2000_links_real t89 = t88 + t65;
+    const zhao2000_links_real t90 = t89 * t23;
+    const zhao2000_links_real t91 = t89 * t89;
+    const zhao2000_links_real t92 = 1.0f / t91;
+    const zhao2000_links_real t93 = t90 * t92;
+    const zhao2000_links_real t94 = t89 * t13;
+    const zhao2000_links_real t95 = t94 * t92;
+    const zhao2000_links_real t96 = atan2f(t93, t95);
+    const zhao2000_links_real t97 = t96 + 3.1415927f;
+    const zhao2000_links_real t98 = atan2f(t85, t80);
+    const zhao2000_links_real t99 = t64 * t80;
+    const zhao2000_links_real t100 = t69 * t85;
+    const zhao2000_links_real t101 = t99 + t100;
+    const zhao2000_links_real t102 = t64 * t85;
+    const zhao2000_links_real t103 = t69 * t80;
+    const zhao2000_links_real t104 = t102 - t103;
+    const zhao2000_links_real t105 = atan2f(t101, t104);
+    const zhao2000_links_real t106 = -t64;
+    const zhao2000_links_real t107 = -t69;
+    const zhao2000_links_real t108 = atan2f(t106, t107);
+    x[0] = t97;
+    x[1] = t98;
+    x[2] = t105;
+    x[3] = t108;
+    return ((d1 > 1.74e-08f) && (d2 > 1.18e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
 }
 
-/* Work space of zhao2000_links_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta3, hip3, elbow3, wrist3
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    zhao2000_links_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    zhao2000_links_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb3_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_links_limb3_rows(zhao2000_links_limb3_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_real c[7], zhao2000_links_real rates[6])
 {
-    /* row 1 */
-    const zhao2000_links_real t0 = 34.641018f * w->k[4];
-    const zhao2000_links_real t1 = -60.0f * w->k[5];
+    const zhao2000_links_real t0 = 34.641018f * c[4];
+    const zhao2000_links_real t1 = 60.0f * c[5];
     const zhao2000_links_real t2 = t0 - t1;
-    const zhao2000_links_real t3 = w->k[5] * t2;
-    const zhao2000_links_real t4 = -60.0f * w->k[6];
-    const zhao2000_links_real t5 = w->k[6] * t4;
+    const zhao2000_links_real t3 = c[5] * t2;
+    const zhao2000_links_real t4 = 60.0f * c[6];
+    const zhao2000_links_real t5 = c[6] * t4;
     const zhao2000_links_real t6 = t3 - t5;
-    const zhao2000_links_real t7 = 34.641018f * w->k[6];
-    const zhao2000_links_real t8 = w->k[3] * t7;
+    const zhao2000_links_real t7 = 34.641018f * c[6];
+    const zhao2000_links_real t8 = c[3] * t7;
+    const zhao2000_links_real t9 = t6 - t8;
+    const zhao2000_links_real t10 = t9 + t9;
+    const zhao2000_links_real t11 = 60.0f + t10;
+    const zhao2000_links_real t12 = c[0] + t11;
+    const zhao2000_links_real t13 = t12 + (-120.0f);
+    const zhao2000_links_real t14 = t13 * t13;
+    const zhao2000_links_real t15 = c[3] * t4;
+    const zhao2000_links_real t16 = c[6] * t7;
+    const zhao2000_links_real t17 = c[4] * t2;
+    const zhao2000_links_real t18 = t16 + t17;
+    const zhao2000_links_real t19 = t15 - t18;
+    const zhao2000_links_real t20 = t19 + t19;
+    const zhao2000_links_real t21 = 34.641018f + t20;
+    const zhao2000_links_real t22 = c[1] + t21;
+    const zhao2000_links_real t23 = t22 + (-69.282036f);
+    const zhao2000_links_real t24 = t23 * t23;
+    const zhao2000_links_real t25 = t14 + t24;
+    const zhao2000_links_real d1 = t25; /* above 0 where theta2_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00479f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t28 = c[3] * t2;
+    const zhao2000_links_real t29 = c[4] * t4;
+    const zhao2000_links_real t30 = c[5] * t7;
+    const zhao2000_links_real t31 = t29 + t30;
+    const zhao2000_links_real t32 = t28 + t31;
+    const zhao2000_links_real t33 = t32 + t32;
+    const zhao2000_links_real t34 = c[2] + t33;
+    const zhao2000_links_real t35 = 0.0012584238f * t34;
+    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = 1.7201067f * t37;
+    const zhao2000_links_real t39 = -0.01423018f * t34;
+    const zhao2000_links_real t40 = 0.0012584238f * r1;
+    const zhao2000_links_real t41 = t39 - t40;
+    const zhao2000_links_real t42 = -1.0204082f * t41;
+    const zhao2000_links_real t43 = t38 - t42;
+    const zhao2000_links_real t44 = t43 * t43;
+    const zhao2000_links_real t45 = -1.0204082f * t37;
+    const zhao2000_links_real t46 = -1.7201067f * t41;
+    const zhao2000_links_real t47 = t45 - t46;
+    const zhao2000_links_real t48 = t47 * t47;
+    const zhao2000_links_real t49 = t44 + t48;
+    const zhao2000_links_real t50 = t41 * t41;
+    const zhao2000_links_real t51 = 0.7396918f + t50;
+    const zhao2000_links_real t52 = t37 * t37;
+    const zhao2000_links_real t53 = t52 + 0.2603082f;
+    const zhao2000_links_real t54 = t51 + t53;
+    const zhao2000_links_real t55 = t54 + (-1.0f);
+    const zhao2000_links_real t56 = t55 * t55;
+    const zhao2000_links_real t57 = t49 - t56;
+    const zhao2000_links_real d2 = t57; /* above 0 where elbow2 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.24e-06f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t60 = t43 * r2;
+    const zhao2000_links_real t61 = t47 * t55;
+    const zhao2000_links_real t62 = t60 - t61;
+    const zhao2000_links_real t63 = 1.0f / t49;
+    const zhao2000_links_real t64 = t62 * t63;
+    const zhao2000_links_real t65 = 30.272121f * t64;
+    const zhao2000_links_real t66 = t43 * t55;
+    const zhao2000_links_real t67 = t47 * r2;
+    const zhao2000_links_real t68 = t66 + t67;
+    const zhao2000_links_real t69 = t68 * t63;
+    const zhao2000_links_real t70 = -63.115757f * t69;
+    const zhao2000_links_real t71 = t65 - t70;
+    const zhao2000_links_real t72 = t71 + r1;
+    const zhao2000_links_real t73 = -6.1662765f * t72;
+    const zhao2000_links_real t74 = -30.272121f * t69;
+    const zhao2000_links_real t75 = t34 - t74;
+    const zhao2000_links_real t76 = -63.115757f * t64;
+    const zhao2000_links_real t77 = t75 + t76;
+    const zhao2000_links_real t78 = 69.727875f * t77;
+    const zhao2000_links_real t79 = t73 - t78;
+    const zhao2000_links_real t80 = t79 * -0.00020408163f;
+    const zhao2000_links_real t81 = -6.1662765f * t80;
+    const zhao2000_links_real t82 = -6.1662765f * t77;
+    const zhao2000_links_real t83 = -69.727875f * t72;
+    const zhao2000_links_real t84 = t82 - t83;
+    const zhao2000_links_real t85 = t84 * -0.00020408163f;
+    const zhao2000_links_real t86 = 69.727875f * t85;
+    const zhao2000_links_real t87 = t81 + t86;
+    const zhao2000_links_real t88 = t87 - t70;
+    const zhao2000_links_real t89 = t88 + t65;
+    const zhao2000_links_real t90 = t89 * t13;
+    const zhao2000_links_real t91 = t89 * t89;
+    const zhao2000_links_real t92 = 1.0f / t91;
+    const zhao2000_links_real t93 = t90 * t92;
+    const zhao2000_links_real t94 = t89 * t23;
+    const zhao2000_links_real t95 = t94 * t92;
+    const zhao2000_links_real t96 = t95 * t95;
+    const zhao2000_links_real t97 = t93 * t93;
+    const zhao2000_links_real t98 = t96 + t97;
+    const zhao2000_links_real t99 = 1.0f / t98;
+    const zhao2000_links_real t100 = t93 * t99;
+    const zhao2000_links_real t101 = -0.025761534f * r2;
+    const zhao2000_links_real t102 = 0.012355968f * t55;
+    const zhao2000_links_real t103 = -0.0025168476f * t41;
+    const zhao2000_links_real t104 = -0.02846036f * t37;
+    const zhao2000_links_real t105 = t103 + t104;
+    const zhao2000_links_real t106 = t47 * t105;
+    const zhao2000_links_real t107 = t102 + t106;
+    const zhao2000_links_real t108 = t101 - t107;
+    const zhao2000_links_real t109 = t108 * t63;
+    const zhao2000_links_real t110 = t64 * t63;
+    const zhao2000_links_real t111 = -0.051523067f * t43;
+    const zhao2000_links_real t112 = 0.024711937f * t47;
+    const zhao2000_links_real t113 = t111 + t112;
+    const zhao2000_links_real t114 = t110 * t113;
+    const zhao2000_links_real t115 = t109 - t114;
+    const zhao2000_links_real t116 = 30.272121f * t115;
+    const zhao2000_links_real t117 = -0.025761534f * t55;
+    const zhao2000_links_real t118 = t43 * t105;
+    const zhao2000_links_real t119 = t117 + t118;
+    const zhao2000_links_real t120 = 0.012355968f * r2;
+    const zhao2000_links_real t121 = t119 + t120;
+    const zhao2000_links_real t122 = t121 * t63;
+    const zhao2000_links_real t123 = t69 * t63;
+    const zhao2000_links_real t124 = t123 * t113;
+    const zhao2000_links_real t125 = t122 - t124;
+    const zhao2000_links_real t126 = -63.115757f * t125;
+    const zhao2000_links_real t127 = t116 - t126;
+    const zhao2000_links_real t128 = t127 + 1.0f;
+    const zhao2000_links_real t129 = -6.1662765f * t128;
+    const zhao2000_links_real t130 = -63.115757f * t115;
+    const zhao2000_links_real t131 = -30.272121f * t125;
+    const zhao2000_links_real t132 = t130 - t131;
+    const zhao2000_links_real t133 = 69.727875f * t132;
+    const zhao2000_links_real t134 = t129 - t133;
+    const zhao2000_links_real t135 = 0.0012584238f * t134;
+    const zhao2000_links_real t136 = -6.1662765f * t132;
+    const zhao2000_links_real t137 = -69.727875f * t128;
+    const zhao2000_links_real t138 = t136 - t137;
+    const zhao2000_links_real t139 = -0.01423018f * t138;
+    const zhao2000_links_real t140 = t135 + t139;
+    const zhao2000_links_real t141 = t140 - t126;
+    const zhao2000_links_real t142 = t141 + t116;
+    const zhao2000_links_real t143 = t23 * t142;
+    const zhao2000_links_real t144 = t143 * t92;
+    const zhao2000_links_real t145 = t95 * t92;
+    const zhao2000_links_real t146 = t89 * t142;
+    const zhao2000_links_real t147 = t146 + t146;
+    const zhao2000_links_real t148 = t145 * t147;
+    const zhao2000_links_real t149 = t144 - t148;
+    const zhao2000_links_real t150 = t100 * t149;
+    const zhao2000_links_real t151 = t95 * t99;
+    const zhao2000_links_real t152 = t13 * t142;
+    const zhao2000_links_real t153 = t152 * t92;
+    const zhao2000_links_real t154 = t93 * t92;
+    const zhao2000_links_real t155 = t154 * t147;
+    const zhao2000_links_real t156 = t153 - t155;
+    const zhao2000_links_real t157 = t151 * t156;
+    const zhao2000_links_real t158 = t150 - t157;
+    const zhao2000_links_real t159 = 1.0f / r1;
+    const zhao2000_links_real t160 = t13 * t159;
+    const zhao2000_links_real t161 = t158 * t160;
+    const zhao2000_links_real t162 = t43 * t63;
+    const zhao2000_links_real t163 = 30.272121f * t162;
+    const zhao2000_links_real t164 = t47 * t63;
+    const zhao2000_links_real t165 = -63.115757f * t164;
+    const zhao2000_links_real t166 = t163 - t165;
+    const zhao2000_links_real t167 = -6.1662765f * t166;
+    const zhao2000_links_real t168 = -63.115757f * t162;
+    const zhao2000_links_real t169 = -30.272121f * t164;
+    const zhao2000_links_real t170 = t168 - t169;
+    const zhao2000_links_real t171 = 69.727875f * t170;
+    const zhao2000_links_real t172 = t167 - t171;
+    const zhao2000_links_real t173 = 0.0012584238f * t172;
+    const zhao2000_links_real t174 = -6.1662765f * t170;
+    const zhao2000_links_real t175 = -69.727875f * t166;
+    const zhao2000_links_real t176 = t174 - t175;
+    const zhao2000_links_real t177 = -0.01423018f * t176;
+    const zhao2000_links_real t178 = t173 + t177;
+    const zhao2000_links_real t179 = t178 - t165;
+    const zhao2000_links_real t180 = t179 + t163;
+    const zhao2000_links_real t181 = t23 * t180;
+    const zhao2000_links_real t182 = t181 * t92;
+    const zhao2000_links_real t183 = t89 * t180;
+    const zhao2000_links_real t184 = t183 + t183;
+    const zhao2000_links_real t185 = t145 * t184;
+    const zhao2000_links_real t186 = t182 - t185;
+    const zhao2000_links_real t187 = t100 * t186;
+    const zhao2000_links_real t188 = t13 * t180;
+    const zhao2000_links_real t189 = t188 * t92;
+    const zhao2000_links_real t190 = t154 * t184;
+    const zhao2000_links_real t191 = t189 - t190;
+    const zhao2000_links_real t192 = t151 * t191;
+    const zhao2000_links_real t193 = t187 - t192;
+    const zhao2000_links_real t194 = t55 + t55;
+    const zhao2000_links_real t195 = t194 * t105;
+    const zhao2000_links_real t196 = t113 - t195;
+    const zhao2000_links_real t197 = t196 * t160;
+    const zhao2000_links_real t198 = r2 + r2;
+    const zhao2000_links_real t199 = 1.0f / t198;
+    const zhao2000_links_real t200 = t197 * t199;
+    const zhao2000_links_real t201 = t193 * t200;
+    const zhao2000_links_real t202 = t161 + t201;
+    const zhao2000_links_real t203 = t151 * t92;
+    const zhao2000_links_real t204 = t89 * t203;
+    const zhao2000_links_real t205 = t202 - t204;
+    const zhao2000_links_real t206 = t100 * t92;
+    const zhao2000_links_real t207 = t89 * t206;
+    const zhao2000_links_real t208 = t23 * t159;
+    const zhao2000_links_real t209 = t158 * t208;
+    const zhao2000_links_real t210 = t196 * t208;
+    const zhao2000_links_real t211 = t210 * t199;
+    const zhao2000_links_real t212 = t193 * t211;
+    const zhao2000_links_real t213 = t209 + t212;
+    const zhao2000_links_real t214 = t207 + t213;
+    const zhao2000_links_real t215 = t154 * t151;
+    const zhao2000_links_real t216 = t145 * t100;
+    const zhao2000_links_real t217 = t215 - t216;
+    const zhao2000_links_real t218 = t89 * t217;
+    const zhao2000_links_real t219 = t13 * t203;
+    const zhao2000_links_real t220 = t218 - t219;
+    const zhao2000_links_real t221 = 69.727875f * t220;
+    const zhao2000_links_real t222 = t23 * t206;
+    const zhao2000_links_real t223 = t218 + t222;
+    const zhao2000_links_real t224 = 69.727875f * t223;
+    const zhao2000_links_real t225 = t221 + t224;
+    const zhao2000_links_real t226 = 0.0012584238f * t225;
+    const zhao2000_links_real t227 = -6.1662765f * t220;
+    const zhao2000_links_real t228 = -6.1662765f * t223;
+    const zhao2000_links_real t229 = t227 + t228;
+    const zhao2000_links_real t230 = -0.01423018f * t229;
+    const zhao2000_links_real t231 = t226 - t230;
+    const zhao2000_links_real t232 = t41 + t41;
+    const zhao2000_links_real t233 = -63.115757f * t220;
+    const zhao2000_links_real t234 = -63.115757f * t223;
+    const zhao2000_links_real t235 = t233 + t234;
+    const zhao2000_links_real t236 = -30.272121f * t231;
+    const zhao2000_links_real t237 = t235 + t236;
+    const zhao2000_links_real t238 = 0.0012584238f * t229;
+    const zhao2000_links_real t239 = 0.01423018f * t225;
+    const zhao2000_links_real t240 = t238 - t239;
+    const zhao2000_links_real t241 = -63.115757f * t240;
+    const zhao2000_links_real t242 = t237 + t241;
+    const zhao2000_links_real t243 = t242 * t63;
+    const zhao2000_links_real t244 = t43 * t243;
+    const zhao2000_links_real t245 = 30.272121f * t220;
+    const zhao2000_links_real t246 = 30.272121f * t223;
+    const zhao2000_links_real t247 = t245 + t246;
+    const zhao2000_links_real t248 = -63.115757f * t231;
+    const zhao2000_links_real t249 = t247 + t248;
+    const zhao2000_links_real t250 = 30.272121f * t240;
+    const zhao2000_links_real t251 = t249 + t250;
+    const zhao2000_links_real t252 = t251 * t63;
+    const zhao2000_links_real t253 = t47 * t252;
+    const zhao2000_links_real t254 = t244 + t253;
+    const zhao2000_links_real t255 = t232 * t254;
+    const zhao2000_links_real t256 = t47 + t47;
+    const zhao2000_links_real t257 = t123 * t242;
+    const zhao2000_links_real t258 = t110 * t251;
+    const zhao2000_links_real t259 = t257 - t258;
+    const zhao2000_links_real t260 = t256 * t259;
+    const zhao2000_links_real t261 = r2 * t243;
+    const zhao2000_links_real t262 = t260 - t261;
+    const zhao2000_links_real t263 = t55 * t252;
+    const zhao2000_links_real t264 = t262 - t263;
+    const zhao2000_links_real t265 = -1.7201067f * t264;
+    const zhao2000_links_real t266 = t255 + t265;
+    const zhao2000_links_real t267 = t43 + t43;
+    const zhao2000_links_real t268 = t267 * t259;
+    const zhao2000_links_real t269 = t55 * t243;
+    const zhao2000_links_real t270 = t268 - t269;
+    const zhao2000_links_real t271 = r2 * t252;
+    const zhao2000_links_real t272 = t270 + t271;
+    const zhao2000_links_real t273 = -1.0204082f * t272;
+    const zhao2000_links_real t274 = t266 + t273;
+    const zhao2000_links_real t275 = -0.01423018f * t274;
+    const zhao2000_links_real t276 = t231 - t275;
+    const zhao2000_links_real t277 = -1.0204082f * t264;
+    const zhao2000_links_real t278 = t37 + t37;
+    const zhao2000_links_real t279 = t278 * t254;
+    const zhao2000_links_real t280 = t277 - t279;
+    const zhao2000_links_real t281 = 1.7201067f * t272;
+    const zhao2000_links_real t282 = t280 + t281;
+    const zhao2000_links_real t283 = 0.0012584238f * t282;
+    const zhao2000_links_real t284 = t276 + t283;
+    const zhao2000_links_real t285 = -2.0408163f * t47;
+    const zhao2000_links_real t286 = t278 * t194;
+    const zhao2000_links_real t287 = t285 - t286;
+    const zhao2000_links_real t288 = 3.4402134f * t43;
+    const zhao2000_links_real t289 = t287 + t288;
+    const zhao2000_links_real t290 = 0.0012584238f * t289;
+    const zhao2000_links_real t291 = t232 * t194;
+    const zhao2000_links_real t292 = -3.4402134f * t47;
+    const zhao2000_links_real t293 = t291 + t292;
+    const zhao2000_links_real t294 = -2.0408163f * t43;
+    const zhao2000_links_real t295 = t293 + t294;
+    const zhao2000_links_real t296 = -0.01423018f * t295;
+    const zhao2000_links_real t297 = t290 - t296;
+    const zhao2000_links_real t298 = t297 * t199;
+    const zhao2000_links_real t299 = t193 * t298;
+    const zhao2000_links_real t300 = t284 + t299;
+    const zhao2000_links_real t301 = t284 + t284;
+    const zhao2000_links_real t302 = t4 * t301;
+    const zhao2000_links_real t303 = t207 + t207;
+    const zhao2000_links_real t304 = t2 * t303;
+    const zhao2000_links_real t305 = t302 - t304;
+    const zhao2000_links_real t306 = -t204;
+    const zhao2000_links_real t307 = t306 + t306;
+    const zhao2000_links_real t308 = c[5] * t307;
+    const zhao2000_links_real t309 = c[4] * t303;
+    const zhao2000_links_real t310 = t308 - t309;
+    const zhao2000_links_real t311 = c[3] * t301;
+    const zhao2000_links_real t312 = t310 + t311;
+    const zhao2000_links_real t313 = 34.641018f * t312;
+    const zhao2000_links_real t314 = t305 + t313;
+    const zhao2000_links_real t315 = 0.0020423187f * c[3];
+    const zhao2000_links_real t316 = t314 * t315;
+    const zhao2000_links_real t317 = t4 * t303;
+    const zhao2000_links_real t318 = t7 * t307;
+    const zhao2000_links_real t319 = t317 - t318;
+    const zhao2000_links_real t320 = t2 * t301;
+    const zhao2000_links_real t321 = t319 + t320;
+    const zhao2000_links_real t322 = 0.0020423187f * c[4];
+    const zhao2000_links_real t323 = t321 * t322;
+    const zhao2000_links_real t324 = t316 - t323;
+    const zhao2000_links_real t325 = t2 * t307;
+    const zhao2000_links_real t326 = t7 * t301;
+    const zhao2000_links_real t327 = t325 + t326;
+    const zhao2000_links_real t328 = 60.0f * t312;
+    const zhao2000_links_real t329 = t327 - t328;
+    const zhao2000_links_real t330 = 0.0020423187f * c[6];
+    const zhao2000_links_real t331 = t329 * t330;
+    const zhao2000_links_real t332 = t324 - t331;
+    const zhao2000_links_real t333 = c[5] * t301;
+    const zhao2000_links_real t334 = c[3] * t307;
+    const zhao2000_links_real t335 = c[6] * t303;
+    const zhao2000_links_real t336 = t334 + t335;
+    const zhao2000_links_real t337 = t333 - t336;
+    const zhao2000_links_real t338 = 34.641018f * t337;
+    const zhao2000_links_real t339 = t4 * t307;
+    const zhao2000_links_real t340 = t7 * t303;
+    const zhao2000_links_real t341 = t339 + t340;
+    const zhao2000_links_real t342 = t338 - t341;
+    const zhao2000_links_real t343 = c[3] * t303;
+    const zhao2000_links_real t344 = c[6] * t307;
+    const zhao2000_links_real t345 = t343 - t344;
+    const zhao2000_links_real t346 = c[4] * t301;
+    const zhao2000_links_real t347 = t345 + t346;
+    const zhao2000_links_real t348 = 60.0f * t347;
+    const zhao2000_links_real t349 = t342 + t348;
+    const zhao2000_links_real t350 = 0.0020423187f * c[5];
+    const zhao2000_links_real t351 = t349 * t350;
+    const zhao2000_links_real t352 = t332 + t351;
+    const zhao2000_links_real t353 = 244.81978f * t352;
+    const zhao2000_links_real t354 = 4.0f * t13;
+    const zhao2000_links_real t355 = c[5] * t354;
+    const zhao2000_links_real t356 = 4.0f * t23;
+    const zhao2000_links_real t357 = c[4] * t356;
+    const zhao2000_links_real t358 = t355 - t357;
+    const zhao2000_links_real t359 = 34.641018f * t358;
+    const zhao2000_links_real t360 = t2 * t356;
+    const zhao2000_links_real t361 = t359 - t360;
+    const zhao2000_links_real t362 = t361 * t315;
+    const zhao2000_links_real t363 = t4 * t356;
+    const zhao2000_links_real t364 = t7 * t354;
+    const zhao2000_links_real t365 = t363 - t364;
+    const zhao2000_links_real t366 = t365 * t322;
+    const zhao2000_links_real t367 = t362 - t366;
+    const zhao2000_links_real t368 = t2 * t354;
+    const zhao2000_links_real t369 = 60.0f * t358;
+    const zhao2000_links_real t370 = t368 - t369;
+    const zhao2000_links_real t371 = t370 * t330;
+    const zhao2000_links_real t372 = t367 - t371;
+    const zhao2000_links_real t373 = c[3] * t356;
+    const zhao2000_links_real t374 = c[6] * t354;
+    const zhao2000_links_real t375 = t373 - t374;
+    const zhao2000_links_real t376 = 60.0f * t375;
+    const zhao2000_links_real t377 = t7 * t356;
+    const zhao2000_links_real t378 = c[6] * t356;
+    const zhao2000_links_real t379 = c[3] * t354;
+    const zhao2000_links_real t380 = t378 + t379;
+    const zhao2000_links_real t381 = 34.641018f * t380;
+    const zhao2000_links_real t382 = t377 + t381;
+    const zhao2000_links_real t383 = t4 * t354;
+    const zhao2000_links_real t384 = t382 + t383;
+    const zhao2000_links_real t385 = t376 - t384;
+    const zhao2000_links_real t386 = t385 * t350;
+    const zhao2000_links_real t387 = t372 + t386;
+    const zhao2000_links_real t388 = 244.81978f * t387;
+    const zhao2000_links_real t389 = r1 + r1;
+    const zhao2000_links_real t390 = 1.0f / t389;
+    const zhao2000_links_real t391 = t388 * t390;
+    const zhao2000_links_real t392 = t158 * t391;
+    const zhao2000_links_real t393 = t297 + t297;
+    const zhao2000_links_real t394 = t4 * t393;
+    const zhao2000_links_real t395 = c[3] * t393;
+    const zhao2000_links_real t396 = 34.641018f * t395;
+    const zhao2000_links_real t397 = t394 + t396;
+    const zhao2000_links_real t398 = t397 * t315;
+    const zhao2000_links_real t399 = t2 * t393;
+    const zhao2000_links_real t400 = t399 * t322;
+    const zhao2000_links_real t401 = t398 - t400;
+    const zhao2000_links_real t402 = t7 * t393;
+    const zhao2000_links_real t403 = 60.0f * t395;
+    const zhao2000_links_real t404 = t402 - t403;
+    const zhao2000_links_real t405 = t404 * t330;
+    const zhao2000_links_real t406 = t401 - t405;
+    const zhao2000_links_real t407 = c[5] * t393;
+    const zhao2000_links_real t408 = 34.641018f * t407;
+    const zhao2000_links_real t409 = c[4] * t393;
+    const zhao2000_links_real t410 = 60.0f * t409;
+    const zhao2000_links_real t411 = t408 + t410;
+    const zhao2000_links_real t412 = t411 * t350;
+    const zhao2000_links_real t413 = t406 + t412;
+    const zhao2000_links_real t414 = 244.81978f * t413;
+    const zhao2000_links_real t415 = t196 * t391;
+    const zhao2000_links_real t416 = t414 + t415;
+    const zhao2000_links_real t417 = t416 * t199;
+    const zhao2000_links_real t418 = t193 * t417;
+    const zhao2000_links_real t419 = t392 + t418;
+    const zhao2000_links_real t420 = t353 + t419;
+    const zhao2000_links_real t421 = t314 * t330;
+    const zhao2000_links_real t422 = t321 * t350;
+    const zhao2000_links_real t423 = t421 - t422;
+    const zhao2000_links_real t424 = t329 * t315;
+    const zhao2000_links_real t425 = t423 + t424;
+    const zhao2000_links_real t426 = t349 * t322;
+    const zhao2000_links_real t427 = t425 - t426;
+    const zhao2000_links_real t428 = 244.81978f * t427;
+    const zhao2000_links_real t429 = t361 * t330;
+    const zhao2000_links_real t430 = t365 * t350;
+    const zhao2000_links_real t431 = t429 - t430;
+    const zhao2000_links_real t432 = t370 * t315;
+    const zhao2000_links_real t433 = t431 + t432;
+    const zhao2000_links_real t434 = t385 * t322;
+    const zhao2000_links_real t435 = t433 - t434;
+    const zhao2000_links_real t436 = 244.81978f * t435;
+    const zhao2000_links_real t437 = t436 * t390;
+    const zhao2000_links_real t438 = t158 * t437;
+    const zhao2000_links_real t439 = t397 * t330;
+    const zhao2000_links_real t440 = t399 * t350;
+    const zhao2000_links_real t441 = t439 - t440;
+    const zhao2000_links_real t442 = t404 * t315;
+    const zhao2000_links_real t443 = t441 + t442;
+    const zhao2000_links_real t444 = t411 * t322;
+    const zhao2000_links_real t445 = t443 - t444;
+    const zhao2000_links_real t446 = 244.81978f * t445;
+    const zhao2000_links_real t447 = t196 * t437;
+    const zhao2000_links_real t448 = t446 + t447;
+    const zhao2000_links_real t449 = t448 * t199;
+    const zhao2000_links_real t450 = t193 * t449;
+    const zhao2000_links_real t451 = t438 + t450;
+    const zhao2000_links_real t452 = t428 + t451;
+    const zhao2000_links_real t453 = t329 * t322;
+    const zhao2000_links_real t454 = t321 * t330;
+    const zhao2000_links_real t455 = t314 * t350;
+    const zhao2000_links_real t456 = t454 + t455;
+    const zhao2000_links_real t457 = t453 - t456;
+    const zhao2000_links_real t458 = t349 * t315;
+    const zhao2000_links_real t459 = t457 + t458;
+    const zhao2000_links_real t460 = 244.81978f * t459;
+    const zhao2000_links_real t461 = t370 * t322;
+    const zhao2000_links_real t462 = t365 * t330;
+    const zhao2000_links_real t463 = t361 * t350;
+    const zhao2000_links_real t464 = t462 + t463;
+    const zhao2000_links_real t465 = t461 - t464;
+    const zhao2000_links_real t466 = t385 * t315;
+    const zhao2000_links_real t467 = t465 + t466;
+    const zhao2000_links_real t468 = 244.81978f * t467;
+    const zhao2000_links_real t469 = t468 * t390;
+    const zhao2000_links_real t470 = t158 * t469;
+    const zhao2000_links_real t471 = t404 * t322;
+    const zhao2000_links_real t472 = t399 * t330;
+    const zhao2000_links_real t473 = t397 * t350;
+    const zhao2000_links_real t474 = t472 + t473;
+    const zhao2000_links_real t475 = t471 - t474;
+    const zhao2000_links_real t476 = t411 * t315;
+    const zhao2000_links_real t477 = t475 + t476;
+    const zhao2000_links_real t478 = 244.81978f * t477;
+    const zhao2000_links_real t479 = t196 * t469;
+    const zhao2000_links_real t480 = t478 + t479;
+    const zhao2000_links_real t481 = t480 * t199;
+    const zhao2000_links_real t482 = t193 * t481;
+    const zhao2000_links_real t483 = t470 + t482;
+    const zhao2000_links_real t484 = t460 + t483;
+    rates[0] = t205;
+    rates[1] = t214;
+    rates[2] = t300;
+    rates[3] = t420;
+    rates[4] = t452;
+    rates[5] = t484;
+    return ((d1 > 0.00479f) && (d2 > 3.24e-06f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_SINGULAR;
+}
+
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+static zhao2000_links_status zhao2000_links_limb3_joints(const zhao2000_links_real c[7], zhao2000_links_real x[4])
+{
+    const zhao2000_links_real t0 = 34.641018f * c[4];
+    const zhao2000_links_real t1 = -60.0f * c[5];
+    const zhao2000_links_real t2 = t0 - t1;
+    const zhao2000_links_real t3 = c[5] * t2;
+    const zhao2000_links_real t4 = -60.0f * c[6];
+    const zhao2000_links_real t5 = c[6] * t4;
+    const zhao2000_links_real t6 = t3 - t5;
+    const zhao2000_links_real t7 = 34.641018f * c[6];
+    const zhao2000_links_real t8 = c[3] * t7;
     const zhao2000_links_real t9 = t6 - t8;
     const zhao2000_links_real t10 = t9 + t9;
     const zhao2000_links_real t11 = -60.0f + t10;
-    const zhao2000_links_real t12 = w->k[0] + t11;
-    const zhao2000_links_real t13 = w->x[0] - 5.7595863f;
-    const zhao2000_links_real t14 = cosf(t13);
-    const zhao2000_links_real t15 = cosf(w->x[1]);
-    const zhao2000_links_real t16 = cosf(w->x[2]);
-    const zhao2000_links_real t17 = 54.659847f * t16;
-    const zhao2000_links_real t18 = sinf(w->x[2]);
-    const zhao2000_links_real t19 = -26.216427f * t18;
-    const zhao2000_links_real t20 = t17 + t19;
-    const zhao2000_links_real t21 = -114.65985f + t20;
-    const zhao2000_links_real t22 = t21 - (-120.0f);
-    const zhao2000_links_real t23 = t15 * t22;
-    const zhao2000_links_real t24 = sinf(w->x[1]);
-    const zhao2000_links_real t25 = 30.272121f * t16;
-    const zhao2000_links_real t26 = 63.115757f * t18;
-    const zhao2000_links_real t27 = t25 + t26;
-    const zhao2000_links_real t28 = 69.727875f + t27;
-    const zhao2000_links_real t29 = -0.8660254f * t28;
-    const zhao2000_links_real t30 = t24 * t29;
-    const zhao2000_links_real t31 = t23 + t30;
-    const zhao2000_links_real t32 = 1.0f - t15;
-    const zhao2000_links_real t33 = -0.5f * t22;
-    const zhao2000_links_real t34 = -31.557878f * t16;
-    const zhao2000_links_real t35 = 15.136061f * t18;
-    const zhao2000_links_real t36 = t34 + t35;
-    const zhao2000_links_real t37 = 66.19889f + t36;
-    const zhao2000_links_real t38 = t37 - 69.282036f;
-    const zhao2000_links_real t39 = -0.8660254f * t38;
-    const zhao2000_links_real t40 = t33 + t39;
-    const zhao2000_links_real t41 = t32 * t40;
-    const zhao2000_links_real t42 = -0.5f * t41;
-    const zhao2000_links_real t43 = t31 + t42;
-    const zhao2000_links_real t44 = t14 * t43;
-    const zhao2000_links_real t45 = sinf(t13);
-    const zhao2000_links_real t46 = t15 * t38;
-    const zhao2000_links_real t47 = -0.5f * t28;
-    const zhao2000_links_real t48 = t24 * t47;
-    const zhao2000_links_real t49 = t46 - t48;
-    const zhao2000_links_real t50 = -0.8660254f * t41;
-    const zhao2000_links_real t51 = t49 + t50;
-    const zhao2000_links_real t52 = t45 * t51;
-    const zhao2000_links_real t53 = t44 - t52;
-    const zhao2000_links_real t54 = -120.0f + t53;
-    const zhao2000_links_real t55 = t12 - t54;
-    const zhao2000_links_real t56 = -t55;
-    w->f[0] = t56;
-    /* row 2 */
-    const zhao2000_links_real t58 = w->k[3] * t4;
-    const zhao2000_links_real t59 = w->k[6] * t7;
-    const zhao2000_links_real t60 = w->k[4] * t2;
-    const zhao2000_links_real t61 = t59 + t60;
-    const zhao2000_links_real t62 = t58 - t61;
-    const zhao2000_links_real t63 = t62 + t62;
-    const zhao2000_links_real t64 = 34.641018f + t63;
-    const zhao2000_links_real t65 = w->k[1] + t64;
-    const zhao2000_links_real t66 = t14 * t51;
-    const zhao2000_links_real t67 = t45 * t43;
-    const zhao2000_links_real t68 = t66 + t67;
-    const zhao2000_links_real t69 = 69.282036f + t68;
-    const zhao2000_links_real t70 = t65 - t69;
-    const zhao2000_links_real t71 = -t70;
-    w->f[1] = t71;
-    /* row 3 */
-    const zhao2000_links_real t73 = w->k[3] * t2;
-    const zhao2000_links_real t74 = w->k[4] * t4;
-    const zhao2000_links_real t75 = w->k[5] * t7;
-    const zhao2000_links_real t76 = t74 + t75;
-    const zhao2000_links_real t77 = t73 + t76;
-    const zhao2000_links_real t78 = t77 + t77;
-    const zhao2000_links_real t79 = w->k[2] + t78;
-    const zhao2000_links_real t80 = t15 * t28;
-    const zhao2000_links_real t81 = -0.5f * t38;
-    const zhao2000_links_real t82 = -0.8660254f * t22;
-    const zhao2000_links_real t83 = t81 - t82;
-    const zhao2000_links_real t84 = t24 * t83;
-    const zhao2000_links_real t85 = t80 + t84;
-    const zhao2000_links_real t86 = t14 * t85;
-    const zhao2000_links_real t87 = 1.0f - t14;
-    const zhao2000_links_real t88 = t87 * t85;
-    const zhao2000_links_real t89 = t86 + t88;
-    const zhao2000_links_real t90 = t79 - t89;
-    const zhao2000_links_real t91 = -t90;
-    w->f[2] = t91;
-    /* row 4 */
-    const zhao2000_links_real t93 = 0.5f * t13;
-    const zhao2000_links_real t94 = cosf(t93);
-    const zhao2000_links_real t95 = 0.5f * w->x[1];
-    const zhao2000_links_real t96 = cosf(t95);
-    const zhao2000_links_real t97 = t94 * t96;
-    const zhao2000_links_real t98 = 0.5f * w->x[2];
-    const zhao2000_links_real t99 = cosf(t98);
-    const zhao2000_links_real t100 = t97 * t99;
-    const zhao2000_links_real t101 = sinf(t95);
-    const zhao2000_links_real t102 = -0.5f * t101;
-    const zhao2000_links_real t103 = t94 * t102;
-    const zhao2000_links_real t104 = sinf(t93);
-    const zhao2000_links_real t105 = -0.8660254f * t101;
-    const zhao2000_links_real t106 = t104 * t105;
-    const zhao2000_links_real t107 = t103 - t106;
-    const zhao2000_links_real t108 = sinf(t98);
-    const zhao2000_links_real t109 = -0.5f * t108;
-    const zhao2000_links_real t110 = t107 * t109;
-    const zhao2000_links_real t111 = t100 - t110;
-    const zhao2000_links_real t112 = t94 * t105;
-    const zhao2000_links_real t113 = t104 * t102;
-    const zhao2000_links_real t114 = t112 + t113;
-    const zhao2000_links_real t115 = -0.8660254f * t108;
-    const zhao2000_links_real t116 = t114 * t115;
-    const zhao2000_links_real t117 = t111 - t116;
-    const zhao2000_links_real t118 = 0.5f * w->x[3];
-    const zhao2000_links_real t119 = cosf(t118);
-    const zhao2000_links_real t120 = t117 * t119;
-    const zhao2000_links_real t121 = t97 * t109;
-    const zhao2000_links_real t122 = t107 * t99;
-    const zhao2000_links_real t123 = t121 + t122;
-    const zhao2000_links_real t124 = t104 * t96;
-    const zhao2000_links_real t125 = t124 * t115;
-    const zhao2000_links_real t126 = t123 - t125;
-    const zhao2000_links_real t127 = sinf(t118);
-    const zhao2000_links_real t128 = -0.5f * t127;
-    const zhao2000_links_real t129 = t126 * t128;
-    const zhao2000_links_real t130 = t120 - t129;
-    const zhao2000_links_real t131 = t97 * t115;
-    const zhao2000_links_real t132 = t114 * t99;
-    const zhao2000_links_real t133 = t131 + t132;
-    const zhao2000_links_real t134 = t124 * t109;
-    const zhao2000_links_real t135 = t133 + t134;
-    const zhao2000_links_real t136 = -0.8660254f * t127;
-    const zhao2000_links_real t137 = t135 * t136;
-    const zhao2000_links_real t138 = t130 - t137;
-    const zhao2000_links_real t139 = t138 * w->k[5];
-    const zhao2000_links_real t140 = t117 * t128;
-    const zhao2000_links_real t141 = t126 * t119;
-    const zhao2000_links_real t142 = t140 + t141;
-    const zhao2000_links_real t143 = t107 * t115;
-    const zhao2000_links_real t144 = t114 * t109;
-    const zhao2000_links_real t145 = t143 - t144;
-    const zhao2000_links_real t146 = t124 * t99;
-    const zhao2000_links_real t147 = t145 + t146;
-    const zhao2000_links_real t148 = t147 * t136;
-    const zhao2000_links_real t149 = t142 - t148;
-    const zhao2000_links_real t150 = t149 * w->k[6];
-    const zhao2000_links_real t151 = t139 + t150;
-    const zhao2000_links_real t152 = t117 * t136;
-    const zhao2000_links_real t153 = t135 * t119;
-    const zhao2000_links_real t154 = t152 + t153;
-    const zhao2000_links_real t155 = t147 * t128;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = t156 * w->k[3];
-    const zhao2000_links_real t158 = t151 - t157;
-    const zhao2000_links_real t159 = t126 * t136;
-    const zhao2000_links_real t160 = t135 * t128;
-    const zhao2000_links_real t161 = t159 - t160;
-    const zhao2000_links_real t162 = t147 * t119;
-    const zhao2000_links_real t163 = t161 + t162;
-    const zhao2000_links_real t164 = t163 * w->k[4];
-    const zhao2000_links_real t165 = t158 - t164;
-    const zhao2000_links_real t166 = 489.63956f * t165;
-    w->f[3] = t166;
-    /* row 5 */
-    const zhao2000_links_real t168 = t138 * w->k[4];
-    const zhao2000_links_real t169 = t149 * w->k[3];
-    const zhao2000_links_real t170 = t168 - t169;
-    const zhao2000_links_real t171 = t156 * w->k[6];
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t163 * w->k[5];
-    const zhao2000_links_real t174 = t172 + t173;
-    const zhao2000_links_real t175 = 489.63956f * t174;
-    const zhao2000_links_real t176 = -t175;
-    w->f[4] = t176;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_limb3_residual(const zhao2000_links_limb3_work *w)
-{
-    zhao2000_links_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 5; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_links_real zhao2000_links_limb3_apply_step(zhao2000_links_limb3_work *w)
-{
-    const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
-    const zhao2000_links_real t1 = w->x[0] + t0;
-    const zhao2000_links_real t2 = 0.0040846374f * w->f[1];
-    const zhao2000_links_real t3 = w->x[1] + t2;
-    const zhao2000_links_real t4 = 0.0040846374f * w->f[2];
-    const zhao2000_links_real t5 = w->x[2] + t4;
-    const zhao2000_links_real t6 = 0.0040846374f * w->f[3];
-    const zhao2000_links_real t7 = w->x[3] + t6;
-    const zhao2000_links_real t8 = w->f[0] * w->f[0];
-    const zhao2000_links_real t9 = w->f[1] * w->f[1];
-    const zhao2000_links_real t10 = t8 + t9;
-    const zhao2000_links_real t11 = w->f[2] * w->f[2];
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = w->f[3] * w->f[3];
-    const zhao2000_links_real t14 = t12 + t13;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    return t14;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_limb3_set_target(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb3_matrix(zhao2000_links_limb3_work *w)
-{
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = 54.659847f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = -26.216427f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = -114.65985f + t5;
-    const zhao2000_links_real t7 = t6 - (-120.0f);
-    const zhao2000_links_real t8 = t0 * t7;
-    const zhao2000_links_real t9 = sinf(w->x[1]);
-    const zhao2000_links_real t10 = 30.272121f * t1;
-    const zhao2000_links_real t11 = 63.115757f * t3;
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = 69.727875f + t12;
-    const zhao2000_links_real t14 = -0.8660254f * t13;
-    const zhao2000_links_real t15 = t9 * t14;
-    const zhao2000_links_real t16 = t8 + t15;
-    const zhao2000_links_real t17 = 1.0f - t0;
-    const zhao2000_links_real t18 = -0.5f * t7;
-    const zhao2000_links_real t19 = -31.557878f * t1;
-    const zhao2000_links_real t20 = 15.136061f * t3;
-    const zhao2000_links_real t21 = t19 + t20;
-    const zhao2000_links_real t22 = 66.19889f + t21;
-    const zhao2000_links_real t23 = t22 - 69.282036f;
-    const zhao2000_links_real t24 = -0.8660254f * t23;
-    const zhao2000_links_real t25 = t18 + t24;
-    const zhao2000_links_real t26 = t17 * t25;
-    const zhao2000_links_real t27 = -0.5f * t26;
-    const zhao2000_links_real t28 = t16 + t27;
-    const zhao2000_links_real t29 = w->x[0] - 5.7595863f;
-    const zhao2000_links_real t30 = sinf(t29);
-    const zhao2000_links_real t31 = t28 * t30;
-    const zhao2000_links_real t32 = t0 * t23;
-    const zhao2000_links_real t33 = -0.5f * t13;
-    const zhao2000_links_real t34 = t9 * t33;
-    const zhao2000_links_real t35 = t32 - t34;
-    const zhao2000_links_real t36 = -0.8660254f * t26;
-    const zhao2000_links_real t37 = t35 + t36;
-    const zhao2000_links_real t38 = cosf(t29);
-    const zhao2000_links_real t39 = t37 * t38;
-    const zhao2000_links_real t40 = t31 + t39;
-    const zhao2000_links_real t41 = 0.0040846374f * t40;
-    w->a[0] = t41;
-    const zhao2000_links_real t43 = t14 * t0;
-    const zhao2000_links_real t44 = t7 * t9;
-    const zhao2000_links_real t45 = t43 - t44;
-    const zhao2000_links_real t46 = t25 * t9;
-    const zhao2000_links_real t47 = -0.5f * t46;
-    const zhao2000_links_real t48 = t45 + t47;
-    const zhao2000_links_real t49 = t38 * t48;
-    const zhao2000_links_real t50 = -0.8660254f * t46;
-    const zhao2000_links_real t51 = t23 * t9;
-    const zhao2000_links_real t52 = t33 * t0;
-    const zhao2000_links_real t53 = t51 + t52;
-    const zhao2000_links_real t54 = t50 - t53;
-    const zhao2000_links_real t55 = t30 * t54;
-    const zhao2000_links_real t56 = t49 - t55;
-    const zhao2000_links_real t57 = 0.0040846374f * t56;
-    const zhao2000_links_real t58 = -t57;
-    w->a[1] = t58;
-    const zhao2000_links_real t60 = -26.216427f * t1;
-    const zhao2000_links_real t61 = 54.659847f * t3;
+    const zhao2000_links_real t12 = c[0] + t11;
+    const zhao2000_links_real t13 = t12 + 120.0f;
+    const zhao2000_links_real t14 = t13 * t13;
+    const zhao2000_links_real t15 = c[3] * t4;
+    const zhao2000_links_real t16 = c[6] * t7;
+    const zhao2000_links_real t17 = c[4] * t2;
+    const zhao2000_links_real t18 = t16 + t17;
+    const zhao2000_links_real t19 = t15 - t18;
+    const zhao2000_links_real t20 = t19 + t19;
+    const zhao2000_links_real t21 = 34.641018f + t20;
+    const zhao2000_links_real t22 = c[1] + t21;
+    const zhao2000_links_real t23 = t22 + (-69.282036f);
+    const zhao2000_links_real t24 = t23 * t23;
+    const zhao2000_links_real t25 = t14 + t24;
+    const zhao2000_links_real d1 = t25; /* above 0 where theta3_side has two values */
+    const zhao2000_links_real r1 = (d1 > 1.85e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t28 = c[3] * t2;
+    const zhao2000_links_real t29 = c[4] * t4;
+    const zhao2000_links_real t30 = c[5] * t7;
+    const zhao2000_links_real t31 = t29 + t30;
+    const zhao2000_links_real t32 = t28 + t31;
+    const zhao2000_links_real t33 = t32 + t32;
+    const zhao2000_links_real t34 = c[2] + t33;
+    const zhao2000_links_real t35 = 0.0012584238f * t34;
+    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = 1.7201067f * t37;
+    const zhao2000_links_real t39 = -0.01423018f * t34;
+    const zhao2000_links_real t40 = 0.0012584238f * r1;
+    const zhao2000_links_real t41 = t39 - t40;
+    const zhao2000_links_real t42 = -1.0204082f * t41;
+    const zhao2000_links_real t43 = t38 - t42;
+    const zhao2000_links_real t44 = t43 * t43;
+    const zhao2000_links_real t45 = -1.0204082f * t37;
+    const zhao2000_links_real t46 = -1.7201067f * t41;
+    const zhao2000_links_real t47 = t45 - t46;
+    const zhao2000_links_real t48 = t47 * t47;
+    const zhao2000_links_real t49 = t44 + t48;
+    const zhao2000_links_real t50 = t41 * t41;
+    const zhao2000_links_real t51 = 0.7396918f + t50;
+    const zhao2000_links_real t52 = t37 * t37;
+    const zhao2000_links_real t53 = t52 + 0.2603082f;
+    const zhao2000_links_real t54 = t51 + t53;
+    const zhao2000_links_real t55 = t54 + (-1.0f);
+    const zhao2000_links_real t56 = t55 * t55;
+    const zhao2000_links_real t57 = t49 - t56;
+    const zhao2000_links_real d2 = t57; /* above 0 where elbow3 has two values */
+    const zhao2000_links_real r2 = (d2 > 1.2e-11f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t60 = t43 * r2;
+    const zhao2000_links_real t61 = t47 * t55;
     const zhao2000_links_real t62 = t60 - t61;
-    const zhao2000_links_real t63 = t0 * t62;
-    const zhao2000_links_real t64 = 63.115757f * t1;
-    const zhao2000_links_real t65 = 30.272121f * t3;
-    const zhao2000_links_real t66 = t64 - t65;
-    const zhao2000_links_real t67 = -0.8660254f * t66;
-    const zhao2000_links_real t68 = t9 * t67;
-    const zhao2000_links_real t69 = t63 + t68;
-    const zhao2000_links_real t70 = -0.5f * t62;
-    const zhao2000_links_real t71 = 15.136061f * t1;
-    const zhao2000_links_real t72 = -31.557878f * t3;
-    const zhao2000_links_real t73 = t71 - t72;
-    const zhao2000_links_real t74 = -0.8660254f * t73;
-    const zhao2000_links_real t75 = t70 + t74;
-    const zhao2000_links_real t76 = t17 * t75;
-    const zhao2000_links_real t77 = -0.5f * t76;
-    const zhao2000_links_real t78 = t69 + t77;
-    const zhao2000_links_real t79 = t38 * t78;
-    const zhao2000_links_real t80 = t0 * t73;
-    const zhao2000_links_real t81 = -0.5f * t66;
-    const zhao2000_links_real t82 = t9 * t81;
-    const zhao2000_links_real t83 = t80 - t82;
-    const zhao2000_links_real t84 = -0.8660254f * t76;
-    const zhao2000_links_real t85 = t83 + t84;
-    const zhao2000_links_real t86 = t30 * t85;
-    const zhao2000_links_real t87 = t79 - t86;
-    const zhao2000_links_real t88 = 0.0040846374f * t87;
-    const zhao2000_links_real t89 = -t88;
-    w->a[2] = t89;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t92 = t28 * t38;
-    const zhao2000_links_real t93 = t37 * t30;
-    const zhao2000_links_real t94 = t92 - t93;
-    const zhao2000_links_real t95 = 0.0040846374f * t94;
-    const zhao2000_links_real t96 = -t95;
-    w->a[4] = t96;
-    const zhao2000_links_real t98 = t38 * t54;
-    const zhao2000_links_real t99 = t30 * t48;
-    const zhao2000_links_real t100 = t98 + t99;
-    const zhao2000_links_real t101 = 0.0040846374f * t100;
-    const zhao2000_links_real t102 = -t101;
-    w->a[5] = t102;
-    const zhao2000_links_real t104 = t38 * t85;
-    const zhao2000_links_real t105 = t30 * t78;
-    const zhao2000_links_real t106 = t104 + t105;
-    const zhao2000_links_real t107 = 0.0040846374f * t106;
-    const zhao2000_links_real t108 = -t107;
-    w->a[6] = t108;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t112 = -0.5f * t23;
-    const zhao2000_links_real t113 = -0.8660254f * t7;
-    const zhao2000_links_real t114 = t112 - t113;
-    const zhao2000_links_real t115 = t114 * t0;
-    const zhao2000_links_real t116 = t13 * t9;
-    const zhao2000_links_real t117 = t115 - t116;
-    const zhao2000_links_real t118 = t38 * t117;
-    const zhao2000_links_real t119 = 1.0f - t38;
-    const zhao2000_links_real t120 = t119 * t117;
-    const zhao2000_links_real t121 = t118 + t120;
-    const zhao2000_links_real t122 = 0.0040846374f * t121;
-    const zhao2000_links_real t123 = -t122;
-    w->a[9] = t123;
-    const zhao2000_links_real t125 = t0 * t66;
-    const zhao2000_links_real t126 = -0.5f * t73;
-    const zhao2000_links_real t127 = -0.8660254f * t62;
-    const zhao2000_links_real t128 = t126 - t127;
-    const zhao2000_links_real t129 = t9 * t128;
-    const zhao2000_links_real t130 = t125 + t129;
-    const zhao2000_links_real t131 = t38 * t130;
-    const zhao2000_links_real t132 = t119 * t130;
-    const zhao2000_links_real t133 = t131 + t132;
-    const zhao2000_links_real t134 = 0.0040846374f * t133;
-    const zhao2000_links_real t135 = -t134;
-    w->a[10] = t135;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t138 = 0.5f * w->x[3];
-    const zhao2000_links_real t139 = cosf(t138);
-    const zhao2000_links_real t140 = 0.5f * w->x[2];
-    const zhao2000_links_real t141 = sinf(t140);
-    const zhao2000_links_real t142 = -0.5f * t141;
-    const zhao2000_links_real t143 = 0.5f * w->x[1];
-    const zhao2000_links_real t144 = sinf(t143);
-    const zhao2000_links_real t145 = -0.5f * t144;
-    const zhao2000_links_real t146 = 0.5f * t29;
-    const zhao2000_links_real t147 = sinf(t146);
-    const zhao2000_links_real t148 = 0.5f * t147;
-    const zhao2000_links_real t149 = t145 * t148;
-    const zhao2000_links_real t150 = -0.8660254f * t144;
-    const zhao2000_links_real t151 = cosf(t146);
-    const zhao2000_links_real t152 = 0.5f * t151;
-    const zhao2000_links_real t153 = t150 * t152;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t142 * t154;
-    const zhao2000_links_real t156 = cosf(t140);
-    const zhao2000_links_real t157 = cosf(t143);
-    const zhao2000_links_real t158 = t157 * t148;
-    const zhao2000_links_real t159 = t156 * t158;
-    const zhao2000_links_real t160 = t155 - t159;
-    const zhao2000_links_real t161 = -0.8660254f * t141;
-    const zhao2000_links_real t162 = t145 * t152;
-    const zhao2000_links_real t163 = t150 * t148;
-    const zhao2000_links_real t164 = t162 - t163;
-    const zhao2000_links_real t165 = t161 * t164;
-    const zhao2000_links_real t166 = t160 - t165;
-    const zhao2000_links_real t167 = t139 * t166;
-    const zhao2000_links_real t168 = sinf(t138);
-    const zhao2000_links_real t169 = -0.5f * t168;
-    const zhao2000_links_real t170 = t142 * t158;
-    const zhao2000_links_real t171 = t156 * t154;
-    const zhao2000_links_real t172 = t170 + t171;
-    const zhao2000_links_real t173 = t157 * t152;
-    const zhao2000_links_real t174 = t161 * t173;
-    const zhao2000_links_real t175 = t172 + t174;
-    const zhao2000_links_real t176 = t169 * t175;
-    const zhao2000_links_real t177 = t167 + t176;
-    const zhao2000_links_real t178 = -0.8660254f * t168;
-    const zhao2000_links_real t179 = t156 * t164;
-    const zhao2000_links_real t180 = t161 * t158;
-    const zhao2000_links_real t181 = t179 - t180;
-    const zhao2000_links_real t182 = t142 * t173;
-    const zhao2000_links_real t183 = t181 + t182;
-    const zhao2000_links_real t184 = t178 * t183;
-    const zhao2000_links_real t185 = t177 - t184;
-    const zhao2000_links_real t186 = w->k[5] * t185;
-    const zhao2000_links_real t187 = t169 * t166;
-    const zhao2000_links_real t188 = t139 * t175;
-    const zhao2000_links_real t189 = t187 - t188;
-    const zhao2000_links_real t190 = t156 * t173;
-    const zhao2000_links_real t191 = t161 * t154;
-    const zhao2000_links_real t192 = t142 * t164;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t190 - t193;
-    const zhao2000_links_real t195 = t178 * t194;
-    const zhao2000_links_real t196 = t189 - t195;
-    const zhao2000_links_real t197 = w->k[6] * t196;
-    const zhao2000_links_real t198 = t186 + t197;
-    const zhao2000_links_real t199 = t178 * t166;
-    const zhao2000_links_real t200 = t139 * t183;
-    const zhao2000_links_real t201 = t199 + t200;
-    const zhao2000_links_real t202 = t169 * t194;
-    const zhao2000_links_real t203 = t201 + t202;
-    const zhao2000_links_real t204 = w->k[3] * t203;
-    const zhao2000_links_real t205 = t198 - t204;
-    const zhao2000_links_real t206 = t139 * t194;
-    const zhao2000_links_real t207 = t178 * t175;
-    const zhao2000_links_real t208 = t169 * t183;
-    const zhao2000_links_real t209 = t207 + t208;
-    const zhao2000_links_real t210 = t206 - t209;
-    const zhao2000_links_real t211 = w->k[4] * t210;
-    const zhao2000_links_real t212 = t205 - t211;
-    const zhao2000_links_real t213 = t212 + t212;
-    const zhao2000_links_real t214 = -t213;
-    w->a[12] = t214;
-    const zhao2000_links_real t216 = -0.25f * t157;
-    const zhao2000_links_real t217 = t151 * t216;
-    const zhao2000_links_real t218 = -0.4330127f * t157;
-    const zhao2000_links_real t219 = t147 * t218;
-    const zhao2000_links_real t220 = t217 - t219;
-    const zhao2000_links_real t221 = t156 * t220;
-    const zhao2000_links_real t222 = 0.5f * t144;
-    const zhao2000_links_real t223 = t151 * t222;
-    const zhao2000_links_real t224 = t142 * t223;
-    const zhao2000_links_real t225 = t221 - t224;
-    const zhao2000_links_real t226 = t147 * t222;
-    const zhao2000_links_real t227 = t161 * t226;
-    const zhao2000_links_real t228 = t225 + t227;
-    const zhao2000_links_real t229 = t139 * t228;
-    const zhao2000_links_real t230 = t156 * t223;
-    const zhao2000_links_real t231 = t142 * t220;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t151 * t218;
-    const zhao2000_links_real t234 = t147 * t216;
-    const zhao2000_links_real t235 = t233 + t234;
-    const zhao2000_links_real t236 = t161 * t235;
-    const zhao2000_links_real t237 = t232 + t236;
-    const zhao2000_links_real t238 = t169 * t237;
-    const zhao2000_links_real t239 = t229 - t238;
-    const zhao2000_links_real t240 = t161 * t220;
-    const zhao2000_links_real t241 = t142 * t235;
-    const zhao2000_links_real t242 = t240 - t241;
-    const zhao2000_links_real t243 = t156 * t226;
-    const zhao2000_links_real t244 = t242 - t243;
-    const zhao2000_links_real t245 = t178 * t244;
-    const zhao2000_links_real t246 = t239 - t245;
-    const zhao2000_links_real t247 = w->k[6] * t246;
-    const zhao2000_links_real t248 = t139 * t237;
-    const zhao2000_links_real t249 = t169 * t228;
-    const zhao2000_links_real t250 = t248 + t249;
-    const zhao2000_links_real t251 = t156 * t235;
-    const zhao2000_links_real t252 = t161 * t223;
-    const zhao2000_links_real t253 = t251 - t252;
-    const zhao2000_links_real t254 = t142 * t226;
-    const zhao2000_links_real t255 = t253 - t254;
-    const zhao2000_links_real t256 = t178 * t255;
-    const zhao2000_links_real t257 = t250 + t256;
-    const zhao2000_links_real t258 = w->k[5] * t257;
-    const zhao2000_links_real t259 = t247 - t258;
-    const zhao2000_links_real t260 = t139 * t255;
-    const zhao2000_links_real t261 = t178 * t237;
-    const zhao2000_links_real t262 = t260 - t261;
-    const zhao2000_links_real t263 = t169 * t244;
-    const zhao2000_links_real t264 = t262 + t263;
-    const zhao2000_links_real t265 = w->k[3] * t264;
-    const zhao2000_links_real t266 = t259 - t265;
-    const zhao2000_links_real t267 = t178 * t228;
-    const zhao2000_links_real t268 = t169 * t255;
-    const zhao2000_links_real t269 = t267 - t268;
-    const zhao2000_links_real t270 = t139 * t244;
-    const zhao2000_links_real t271 = t269 + t270;
-    const zhao2000_links_real t272 = w->k[4] * t271;
-    const zhao2000_links_real t273 = t266 - t272;
-    const zhao2000_links_real t274 = t273 + t273;
-    const zhao2000_links_real t275 = -t274;
-    w->a[13] = t275;
-    const zhao2000_links_real t277 = t151 * t157;
-    const zhao2000_links_real t278 = -0.25f * t156;
-    const zhao2000_links_real t279 = t277 * t278;
-    const zhao2000_links_real t280 = t151 * t145;
-    const zhao2000_links_real t281 = t147 * t150;
-    const zhao2000_links_real t282 = t280 - t281;
-    const zhao2000_links_real t283 = 0.5f * t141;
-    const zhao2000_links_real t284 = t282 * t283;
-    const zhao2000_links_real t285 = t279 - t284;
-    const zhao2000_links_real t286 = t147 * t157;
-    const zhao2000_links_real t287 = -0.4330127f * t156;
-    const zhao2000_links_real t288 = t286 * t287;
-    const zhao2000_links_real t289 = t285 - t288;
-    const zhao2000_links_real t290 = t139 * t289;
-    const zhao2000_links_real t291 = t277 * t283;
-    const zhao2000_links_real t292 = t282 * t278;
-    const zhao2000_links_real t293 = t291 + t292;
-    const zhao2000_links_real t294 = t151 * t150;
-    const zhao2000_links_real t295 = t147 * t145;
-    const zhao2000_links_real t296 = t294 + t295;
-    const zhao2000_links_real t297 = t296 * t287;
-    const zhao2000_links_real t298 = t293 + t297;
-    const zhao2000_links_real t299 = t169 * t298;
-    const zhao2000_links_real t300 = t290 - t299;
-    const zhao2000_links_real t301 = t282 * t287;
-    const zhao2000_links_real t302 = t296 * t278;
-    const zhao2000_links_real t303 = t301 - t302;
-    const zhao2000_links_real t304 = t286 * t283;
-    const zhao2000_links_real t305 = t303 - t304;
-    const zhao2000_links_real t306 = t178 * t305;
-    const zhao2000_links_real t307 = t300 - t306;
-    const zhao2000_links_real t308 = w->k[6] * t307;
-    const zhao2000_links_real t309 = t139 * t298;
-    const zhao2000_links_real t310 = t169 * t289;
-    const zhao2000_links_real t311 = t309 + t310;
-    const zhao2000_links_real t312 = t277 * t287;
-    const zhao2000_links_real t313 = t296 * t283;
-    const zhao2000_links_real t314 = t312 - t313;
-    const zhao2000_links_real t315 = t286 * t278;
-    const zhao2000_links_real t316 = t314 + t315;
-    const zhao2000_links_real t317 = t178 * t316;
-    const zhao2000_links_real t318 = t311 + t317;
-    const zhao2000_links_real t319 = w->k[5] * t318;
-    const zhao2000_links_real t320 = t308 - t319;
-    const zhao2000_links_real t321 = t139 * t316;
-    const zhao2000_links_real t322 = t178 * t298;
-    const zhao2000_links_real t323 = t321 - t322;
-    const zhao2000_links_real t324 = t169 * t305;
-    const zhao2000_links_real t325 = t323 + t324;
-    const zhao2000_links_real t326 = w->k[3] * t325;
-    const zhao2000_links_real t327 = t320 - t326;
-    const zhao2000_links_real t328 = t178 * t289;
-    const zhao2000_links_real t329 = t169 * t316;
-    const zhao2000_links_real t330 = t328 - t329;
-    const zhao2000_links_real t331 = t139 * t305;
-    const zhao2000_links_real t332 = t330 + t331;
-    const zhao2000_links_real t333 = w->k[4] * t332;
-    const zhao2000_links_real t334 = t327 - t333;
-    const zhao2000_links_real t335 = t334 + t334;
-    const zhao2000_links_real t336 = -t335;
-    w->a[14] = t336;
-    const zhao2000_links_real t338 = t277 * t156;
-    const zhao2000_links_real t339 = t282 * t142;
-    const zhao2000_links_real t340 = t338 - t339;
-    const zhao2000_links_real t341 = t296 * t161;
-    const zhao2000_links_real t342 = t340 - t341;
-    const zhao2000_links_real t343 = -0.25f * t139;
-    const zhao2000_links_real t344 = t342 * t343;
-    const zhao2000_links_real t345 = t277 * t142;
-    const zhao2000_links_real t346 = t282 * t156;
-    const zhao2000_links_real t347 = t345 + t346;
-    const zhao2000_links_real t348 = t286 * t161;
-    const zhao2000_links_real t349 = t347 - t348;
-    const zhao2000_links_real t350 = 0.5f * t168;
-    const zhao2000_links_real t351 = t349 * t350;
-    const zhao2000_links_real t352 = t344 - t351;
-    const zhao2000_links_real t353 = t282 * t161;
-    const zhao2000_links_real t354 = t296 * t142;
-    const zhao2000_links_real t355 = t353 - t354;
-    const zhao2000_links_real t356 = t286 * t156;
-    const zhao2000_links_real t357 = t355 + t356;
-    const zhao2000_links_real t358 = -0.4330127f * t139;
-    const zhao2000_links_real t359 = t357 * t358;
-    const zhao2000_links_real t360 = t352 - t359;
-    const zhao2000_links_real t361 = w->k[6] * t360;
-    const zhao2000_links_real t362 = t342 * t350;
-    const zhao2000_links_real t363 = t349 * t343;
-    const zhao2000_links_real t364 = t362 + t363;
-    const zhao2000_links_real t365 = t277 * t161;
-    const zhao2000_links_real t366 = t296 * t156;
-    const zhao2000_links_real t367 = t365 + t366;
-    const zhao2000_links_real t368 = t286 * t142;
-    const zhao2000_links_real t369 = t367 + t368;
-    const zhao2000_links_real t370 = t369 * t358;
-    const zhao2000_links_real t371 = t364 + t370;
-    const zhao2000_links_real t372 = w->k[5] * t371;
-    const zhao2000_links_real t373 = t361 - t372;
-    const zhao2000_links_real t374 = t342 * t358;
-    const zhao2000_links_real t375 = t369 * t350;
-    const zhao2000_links_real t376 = t374 - t375;
-    const zhao2000_links_real t377 = t357 * t343;
-    const zhao2000_links_real t378 = t376 + t377;
-    const zhao2000_links_real t379 = w->k[3] * t378;
-    const zhao2000_links_real t380 = t373 - t379;
-    const zhao2000_links_real t381 = t349 * t358;
-    const zhao2000_links_real t382 = t369 * t343;
-    const zhao2000_links_real t383 = t381 - t382;
-    const zhao2000_links_real t384 = t357 * t350;
-    const zhao2000_links_real t385 = t383 - t384;
-    const zhao2000_links_real t386 = w->k[4] * t385;
-    const zhao2000_links_real t387 = t380 - t386;
-    const zhao2000_links_real t388 = t387 + t387;
-    const zhao2000_links_real t389 = -t388;
-    w->a[15] = t389;
-    const zhao2000_links_real t391 = w->k[4] * t185;
-    const zhao2000_links_real t392 = w->k[3] * t196;
-    const zhao2000_links_real t393 = t391 - t392;
-    const zhao2000_links_real t394 = w->k[6] * t203;
-    const zhao2000_links_real t395 = t393 - t394;
-    const zhao2000_links_real t396 = w->k[5] * t210;
-    const zhao2000_links_real t397 = t395 + t396;
-    const zhao2000_links_real t398 = t397 + t397;
-    w->a[16] = t398;
-    const zhao2000_links_real t400 = w->k[5] * t271;
-    const zhao2000_links_real t401 = w->k[4] * t257;
-    const zhao2000_links_real t402 = w->k[3] * t246;
-    const zhao2000_links_real t403 = t401 + t402;
-    const zhao2000_links_real t404 = w->k[6] * t264;
-    const zhao2000_links_real t405 = t403 + t404;
-    const zhao2000_links_real t406 = t400 - t405;
-    const zhao2000_links_real t407 = t406 + t406;
-    w->a[17] = t407;
-    const zhao2000_links_real t409 = w->k[5] * t332;
-    const zhao2000_links_real t410 = w->k[4] * t318;
-    const zhao2000_links_real t411 = w->k[3] * t307;
-    const zhao2000_links_real t412 = t410 + t411;
-    const zhao2000_links_real t413 = w->k[6] * t325;
-    const zhao2000_links_real t414 = t412 + t413;
-    const zhao2000_links_real t415 = t409 - t414;
-    const zhao2000_links_real t416 = t415 + t415;
-    w->a[18] = t416;
-    const zhao2000_links_real t418 = w->k[5] * t385;
-    const zhao2000_links_real t419 = w->k[4] * t371;
-    const zhao2000_links_real t420 = w->k[3] * t360;
-    const zhao2000_links_real t421 = t419 + t420;
-    const zhao2000_links_real t422 = w->k[6] * t378;
-    const zhao2000_links_real t423 = t421 + t422;
-    const zhao2000_links_real t424 = t418 - t423;
-    const zhao2000_links_real t425 = t424 + t424;
-    w->a[19] = t425;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. */
-static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
-{
-    zhao2000_links_limb3_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_limb3_reaches_middle(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], zhao2000_links_real middle)
-{
-    zhao2000_links_real end[4];
-    zhao2000_links_real size[3];
-    for (int i = 0; i < 4; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_links_limb3_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_links_limb3_rows(w);
-        zhao2000_links_limb3_solve(w);
-        size[i] = zhao2000_links_limb3_apply_step(w);
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= 8.7219416e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_links_status zhao2000_links_limb3_newton(zhao2000_links_limb3_work *w, const zhao2000_links_real to[7], const zhao2000_links_config *config, zhao2000_links_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_links_real longest2 = config->max_step * config->max_step;
-    zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_links_real done = 0.0f;
-    zhao2000_links_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_links_real size = 0.0f;
-    zhao2000_links_real kappa2 = 5.28529e-05f;
-    zhao2000_links_real limit;
-    zhao2000_links_real residual = HUGE_VALF;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_links_real turn2 = 0.0f;
-    const zhao2000_links_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    zhao2000_links_limb3_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    for (;;) {
-        zhao2000_links_limb3_rows(w);
-        if (verify) {
-            residual = zhao2000_links_limb3_residual(w);
-            if (residual <= config->tolerance + 0.00093391334f) {
-                status = ZHAO2000_LINKS_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                zhao2000_links_limb3_set_target(w, to, done);
-            }
-            int turn = zhao2000_links_limb3_factor(w);
-            if (taken == 0U) {
-                zhao2000_links_limb3_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_LINKS_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_links_limb3_solve(w);
-        const zhao2000_links_real before = size;
-        size = zhao2000_links_limb3_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.7219416e-07f));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_links_limb3_reaches_middle(w, to, done + 0.5f * (aim - done));
-            zhao2000_links_limb3_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_links_real error2;
-                zhao2000_links_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.7219416e-07f));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.7219416e-07f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_links_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 4; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_links_limb3_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 4; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_links_limb3_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_LINKS_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_links_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Solves the limb for pose coordinates c, from the reference configuration along the line of poses to c. */
-static zhao2000_links_status zhao2000_links_limb3_follow_pose(zhao2000_links_limb3_work *w, const zhao2000_links_real c[7])
-{
-    static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
-    /* state and pose of the reference configuration */
-    w->x[0] = 5.7595863f;
-    w->x[1] = 0.0f;
-    w->x[2] = 0.0f;
-    w->x[3] = 0.0f;
-    w->at[0] = 0.0f;
-    w->at[1] = 0.0f;
-    w->at[2] = 100.0f;
-    w->at[3] = 1.0f;
-    w->at[4] = 0.0f;
-    w->at[5] = 0.0f;
-    w->at[6] = 0.0f;
-    return zhao2000_links_limb3_newton(w, c, &usual, NULL);
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void zhao2000_links_limb3_twist_columns(const zhao2000_links_limb3_work *w, zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = 69.282036f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = 34.641018f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = 34.641018f * w->k[4];
-    const zhao2000_links_real t10 = -60.0f * w->k[5];
-    const zhao2000_links_real t11 = t9 - t10;
-    const zhao2000_links_real t12 = 60.0f * w->k[5];
-    const zhao2000_links_real t13 = t11 + t12;
-    const zhao2000_links_real t14 = t13 + t13;
-    const zhao2000_links_real t15 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t16 = t14 * t15;
-    const zhao2000_links_real t17 = t8 - t16;
-    const zhao2000_links_real t18 = -120.0f * w->k[6];
-    const zhao2000_links_real t19 = 34.641018f * w->k[3];
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = -t20;
-    const zhao2000_links_real t22 = t21 + t21;
-    const zhao2000_links_real t23 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t24 = t22 * t23;
-    const zhao2000_links_real t25 = t17 + t24;
-    const zhao2000_links_real t26 = 244.81978f * t25;
-    const zhao2000_links_real t27 = -t26;
-    const zhao2000_links_real t28 = t0 * t15;
-    const zhao2000_links_real t29 = t5 * t23;
-    const zhao2000_links_real t30 = t28 - t29;
-    const zhao2000_links_real t31 = t14 * t1;
-    const zhao2000_links_real t32 = t30 + t31;
-    const zhao2000_links_real t33 = t22 * t6;
-    const zhao2000_links_real t34 = t32 - t33;
-    const zhao2000_links_real t35 = 244.81978f * t34;
-    const zhao2000_links_real t36 = -t35;
-    const zhao2000_links_real t37 = t14 * t6;
-    const zhao2000_links_real t38 = t5 * t15;
-    const zhao2000_links_real t39 = t0 * t23;
-    const zhao2000_links_real t40 = t38 + t39;
-    const zhao2000_links_real t41 = t37 - t40;
-    const zhao2000_links_real t42 = t22 * t1;
-    const zhao2000_links_real t43 = t41 + t42;
-    const zhao2000_links_real t44 = 244.81978f * t43;
-    const zhao2000_links_real t45 = -t44;
-    const zhao2000_links_real t46 = t11 + t9;
-    const zhao2000_links_real t47 = -t46;
-    const zhao2000_links_real t48 = t47 + t47;
-    const zhao2000_links_real t49 = t48 * t1;
-    const zhao2000_links_real t50 = t18 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = 60.0f * w->k[4];
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t53 + t53;
-    const zhao2000_links_real t55 = t54 * t15;
-    const zhao2000_links_real t56 = t51 - t55;
-    const zhao2000_links_real t57 = -60.0f * w->k[3];
-    const zhao2000_links_real t58 = 69.282036f * w->k[6];
-    const zhao2000_links_real t59 = t57 - t58;
-    const zhao2000_links_real t60 = t59 + t59;
-    const zhao2000_links_real t61 = t60 * t23;
-    const zhao2000_links_real t62 = t56 + t61;
-    const zhao2000_links_real t63 = 244.81978f * t62;
-    const zhao2000_links_real t64 = -t63;
-    const zhao2000_links_real t65 = t48 * t15;
-    const zhao2000_links_real t66 = t18 * t23;
-    const zhao2000_links_real t67 = t65 - t66;
-    const zhao2000_links_real t68 = t54 * t1;
-    const zhao2000_links_real t69 = t67 + t68;
-    const zhao2000_links_real t70 = t60 * t6;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = 244.81978f * t71;
-    const zhao2000_links_real t73 = -t72;
-    const zhao2000_links_real t74 = t54 * t6;
-    const zhao2000_links_real t75 = t18 * t15;
-    const zhao2000_links_real t76 = t48 * t23;
+    const zhao2000_links_real t63 = 1.0f / t49;
+    const zhao2000_links_real t64 = t62 * t63;
+    const zhao2000_links_real t65 = 30.272121f * t64;
+    const zhao2000_links_real t66 = t43 * t55;
+    const zhao2000_links_real t67 = t47 * r2;
+    const zhao2000_links_real t68 = t66 + t67;
+    const zhao2000_links_real t69 = t68 * t63;
+    const zhao2000_links_real t70 = -63.115757f * t69;
+    const zhao2000_links_real t71 = t65 - t70;
+    const zhao2000_links_real t72 = t71 + r1;
+    const zhao2000_links_real t73 = -6.1662765f * t72;
+    const zhao2000_links_real t74 = -30.272121f * t69;
+    const zhao2000_links_real t75 = t34 - t74;
+    const zhao2000_links_real t76 = -63.115757f * t64;
     const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = t74 - t77;
-    const zhao2000_links_real t79 = t60 * t1;
-    const zhao2000_links_real t80 = t78 + t79;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = -60.0f * w->k[6];
-    const zhao2000_links_real t84 = t19 + t83;
-    const zhao2000_links_real t85 = t84 + t84;
-    const zhao2000_links_real t86 = t85 * t1;
-    const zhao2000_links_real t87 = t11 + t11;
-    const zhao2000_links_real t88 = t87 * t6;
-    const zhao2000_links_real t89 = t86 - t88;
-    const zhao2000_links_real t90 = 60.0f * w->k[3];
-    const zhao2000_links_real t91 = t90 + t3;
-    const zhao2000_links_real t92 = t91 + t91;
-    const zhao2000_links_real t93 = t92 * t15;
-    const zhao2000_links_real t94 = t89 - t93;
-    const zhao2000_links_real t95 = -60.0f * w->k[4];
-    const zhao2000_links_real t96 = 34.641018f * w->k[5];
-    const zhao2000_links_real t97 = t95 + t96;
-    const zhao2000_links_real t98 = t97 + t97;
-    const zhao2000_links_real t99 = t98 * t23;
-    const zhao2000_links_real t100 = t94 + t99;
-    const zhao2000_links_real t101 = 244.81978f * t100;
-    const zhao2000_links_real t102 = -t101;
-    const zhao2000_links_real t103 = t85 * t15;
-    const zhao2000_links_real t104 = t87 * t23;
-    const zhao2000_links_real t105 = t103 - t104;
-    const zhao2000_links_real t106 = t92 * t1;
-    const zhao2000_links_real t107 = t105 + t106;
-    const zhao2000_links_real t108 = t98 * t6;
-    const zhao2000_links_real t109 = t107 - t108;
-    const zhao2000_links_real t110 = 244.81978f * t109;
-    const zhao2000_links_real t111 = -t110;
-    const zhao2000_links_real t112 = t92 * t6;
-    const zhao2000_links_real t113 = t87 * t15;
-    const zhao2000_links_real t114 = t85 * t23;
-    const zhao2000_links_real t115 = t113 + t114;
-    const zhao2000_links_real t116 = t112 - t115;
-    const zhao2000_links_real t117 = t98 * t1;
-    const zhao2000_links_real t118 = t116 + t117;
-    const zhao2000_links_real t119 = 244.81978f * t118;
-    const zhao2000_links_real t120 = -t119;
-    const zhao2000_links_real t121 = w->x[0] - 5.7595863f;
-    const zhao2000_links_real t122 = 0.5f * t121;
-    const zhao2000_links_real t123 = cosf(t122);
-    const zhao2000_links_real t124 = 0.5f * w->x[1];
-    const zhao2000_links_real t125 = cosf(t124);
-    const zhao2000_links_real t126 = t123 * t125;
-    const zhao2000_links_real t127 = 0.5f * w->x[2];
-    const zhao2000_links_real t128 = sinf(t127);
-    const zhao2000_links_real t129 = -0.5f * t128;
-    const zhao2000_links_real t130 = t126 * t129;
-    const zhao2000_links_real t131 = sinf(t124);
-    const zhao2000_links_real t132 = -0.5f * t131;
-    const zhao2000_links_real t133 = t123 * t132;
-    const zhao2000_links_real t134 = sinf(t122);
-    const zhao2000_links_real t135 = -0.8660254f * t131;
-    const zhao2000_links_real t136 = t134 * t135;
-    const zhao2000_links_real t137 = t133 - t136;
-    const zhao2000_links_real t138 = cosf(t127);
-    const zhao2000_links_real t139 = t137 * t138;
-    const zhao2000_links_real t140 = t130 + t139;
-    const zhao2000_links_real t141 = t134 * t125;
-    const zhao2000_links_real t142 = -0.8660254f * t128;
-    const zhao2000_links_real t143 = t141 * t142;
-    const zhao2000_links_real t144 = t140 - t143;
-    const zhao2000_links_real t145 = 0.5f * w->x[3];
-    const zhao2000_links_real t146 = sinf(t145);
-    const zhao2000_links_real t147 = -0.8660254f * t146;
-    const zhao2000_links_real t148 = t144 * t147;
-    const zhao2000_links_real t149 = t126 * t142;
-    const zhao2000_links_real t150 = t123 * t135;
-    const zhao2000_links_real t151 = t134 * t132;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = t152 * t138;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t141 * t129;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = -0.5f * t146;
-    const zhao2000_links_real t158 = t156 * t157;
-    const zhao2000_links_real t159 = t148 - t158;
-    const zhao2000_links_real t160 = t137 * t142;
-    const zhao2000_links_real t161 = t152 * t129;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t141 * t138;
-    const zhao2000_links_real t164 = t162 + t163;
-    const zhao2000_links_real t165 = cosf(t145);
-    const zhao2000_links_real t166 = t164 * t165;
-    const zhao2000_links_real t167 = t159 + t166;
-    const zhao2000_links_real t168 = 489.63956f * t167;
-    const zhao2000_links_real t169 = t168 * t1;
-    const zhao2000_links_real t170 = t126 * t138;
-    const zhao2000_links_real t171 = t137 * t129;
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t152 * t142;
-    const zhao2000_links_real t174 = t172 - t173;
-    const zhao2000_links_real t175 = t174 * t147;
-    const zhao2000_links_real t176 = t156 * t165;
-    const zhao2000_links_real t177 = t175 + t176;
-    const zhao2000_links_real t178 = t164 * t157;
-    const zhao2000_links_real t179 = t177 + t178;
-    const zhao2000_links_real t180 = 489.63956f * t179;
-    const zhao2000_links_real t181 = t180 * t6;
-    const zhao2000_links_real t182 = t169 - t181;
-    const zhao2000_links_real t183 = t174 * t165;
-    const zhao2000_links_real t184 = t144 * t157;
-    const zhao2000_links_real t185 = t183 - t184;
-    const zhao2000_links_real t186 = t156 * t147;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = 489.63956f * t187;
-    const zhao2000_links_real t189 = t188 * t15;
-    const zhao2000_links_real t190 = t182 + t189;
-    const zhao2000_links_real t191 = t174 * t157;
-    const zhao2000_links_real t192 = t144 * t165;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t164 * t147;
-    const zhao2000_links_real t195 = t193 - t194;
-    const zhao2000_links_real t196 = 489.63956f * t195;
-    const zhao2000_links_real t197 = t196 * t23;
-    const zhao2000_links_real t198 = t190 - t197;
-    const zhao2000_links_real t199 = 244.81978f * t198;
-    const zhao2000_links_real t200 = -t199;
-    const zhao2000_links_real t201 = t196 * t6;
-    const zhao2000_links_real t202 = t188 * t1;
-    const zhao2000_links_real t203 = t168 * t15;
-    const zhao2000_links_real t204 = t180 * t23;
-    const zhao2000_links_real t205 = t203 - t204;
-    const zhao2000_links_real t206 = t205 - t202;
-    const zhao2000_links_real t207 = t206 + t201;
-    const zhao2000_links_real t208 = 244.81978f * t207;
-    const zhao2000_links_real t209 = -t208;
-    const zhao2000_links_real t210 = t180 * t15;
-    const zhao2000_links_real t211 = t168 * t23;
-    const zhao2000_links_real t212 = t210 + t211;
-    const zhao2000_links_real t213 = t188 * t6;
-    const zhao2000_links_real t214 = t212 + t213;
-    const zhao2000_links_real t215 = t196 * t1;
-    const zhao2000_links_real t216 = t214 + t215;
-    const zhao2000_links_real t217 = 244.81978f * t216;
-    const zhao2000_links_real t218 = t201 + t202;
-    const zhao2000_links_real t219 = t218 - t203;
-    const zhao2000_links_real t220 = t219 - t204;
-    const zhao2000_links_real t221 = 244.81978f * t220;
-    const zhao2000_links_real t222 = -t221;
-    const zhao2000_links_real t223 = t197 + t189;
-    const zhao2000_links_real t224 = t223 + t169;
-    const zhao2000_links_real t225 = t224 + t181;
-    const zhao2000_links_real t226 = 244.81978f * t225;
-    const zhao2000_links_real t227 = -t226;
-    const zhao2000_links_real t228 = t196 * t15;
-    const zhao2000_links_real t229 = t188 * t23;
-    const zhao2000_links_real t230 = t228 - t229;
-    const zhao2000_links_real t231 = t168 * t6;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t180 * t1;
-    const zhao2000_links_real t234 = t232 - t233;
-    const zhao2000_links_real t235 = 244.81978f * t234;
-    const zhao2000_links_real t236 = -t235;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t27;
-    sides[4] = t36;
-    sides[5] = t45;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t64;
-    sides[10] = t73;
-    sides[11] = t82;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t102;
-    sides[16] = t111;
-    sides[17] = t120;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t200;
-    sides[22] = t209;
-    sides[23] = t217;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t222;
-    sides[28] = t227;
-    sides[29] = t236;
+    const zhao2000_links_real t78 = 69.727875f * t77;
+    const zhao2000_links_real t79 = t73 - t78;
+    const zhao2000_links_real t80 = t79 * -0.00020408163f;
+    const zhao2000_links_real t81 = -6.1662765f * t80;
+    const zhao2000_links_real t82 = -6.1662765f * t77;
+    const zhao2000_links_real t83 = -69.727875f * t72;
+    const zhao2000_links_real t84 = t82 - t83;
+    const zhao2000_links_real t85 = t84 * -0.00020408163f;
+    const zhao2000_links_real t86 = 69.727875f * t85;
+    const zhao2000_links_real t87 = t81 + t86;
+    const zhao2000_links_real t88 = t87 - t70;
+    const zhao2000_links_real t89 = t88 + t65;
+    const zhao2000_links_real t90 = t89 * t23;
+    const zhao2000_links_real t91 = t89 * t89;
+    const zhao2000_links_real t92 = 1.0f / t91;
+    const zhao2000_links_real t93 = t90 * t92;
+    const zhao2000_links_real t94 = -t93;
+    const zhao2000_links_real t95 = t89 * t13;
+    const zhao2000_links_real t96 = t95 * t92;
+    const zhao2000_links_real t97 = -t96;
+    const zhao2000_links_real t98 = atan2f(t94, t97);
+    const zhao2000_links_real t99 = t98 + 6.2831855f;
+    const zhao2000_links_real t100 = atan2f(t85, t80);
+    const zhao2000_links_real t101 = t64 * t80;
+    const zhao2000_links_real t102 = t69 * t85;
+    const zhao2000_links_real t103 = t101 + t102;
+    const zhao2000_links_real t104 = t64 * t85;
+    const zhao2000_links_real t105 = t69 * t80;
+    const zhao2000_links_real t106 = t104 - t105;
+    const zhao2000_links_real t107 = atan2f(t103, t106);
+    const zhao2000_links_real t108 = -t64;
+    const zhao2000_links_real t109 = -t69;
+    const zhao2000_links_real t110 = atan2f(t108, t109);
+    x[0] = t99;
+    x[1] = t100;
+    x[2] = t107;
+    x[3] = t110;
+    return ((d1 > 1.85e-08f) && (d2 > 1.2e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
+}
+
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+static zhao2000_links_status zhao2000_links_limb3_rates(const zhao2000_links_real c[7], zhao2000_links_real rates[6])
+{
+    const zhao2000_links_real t0 = 34.641018f * c[4];
+    const zhao2000_links_real t1 = -60.0f * c[5];
+    const zhao2000_links_real t2 = t0 - t1;
+    const zhao2000_links_real t3 = c[5] * t2;
+    const zhao2000_links_real t4 = -60.0f * c[6];
+    const zhao2000_links_real t5 = c[6] * t4;
+    const zhao2000_links_real t6 = t3 - t5;
+    const zhao2000_links_real t7 = 34.641018f * c[6];
+    const zhao2000_links_real t8 = c[3] * t7;
+    const zhao2000_links_real t9 = t6 - t8;
+    const zhao2000_links_real t10 = t9 + t9;
+    const zhao2000_links_real t11 = -60.0f + t10;
+    const zhao2000_links_real t12 = c[0] + t11;
+    const zhao2000_links_real t13 = t12 + 120.0f;
+    const zhao2000_links_real t14 = t13 * t13;
+    const zhao2000_links_real t15 = c[3] * t4;
+    const zhao2000_links_real t16 = c[6] * t7;
+    const zhao2000_links_real t17 = c[4] * t2;
+    const zhao2000_links_real t18 = t16 + t17;
+    const zhao2000_links_real t19 = t15 - t18;
+    const zhao2000_links_real t20 = t19 + t19;
+    const zhao2000_links_real t21 = 34.641018f + t20;
+    const zhao2000_links_real t22 = c[1] + t21;
+    const zhao2000_links_real t23 = t22 + (-69.282036f);
+    const zhao2000_links_real t24 = t23 * t23;
+    const zhao2000_links_real t25 = t14 + t24;
+    const zhao2000_links_real d1 = t25; /* above 0 where theta3_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00508f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t28 = c[3] * t2;
+    const zhao2000_links_real t29 = c[4] * t4;
+    const zhao2000_links_real t30 = c[5] * t7;
+    const zhao2000_links_real t31 = t29 + t30;
+    const zhao2000_links_real t32 = t28 + t31;
+    const zhao2000_links_real t33 = t32 + t32;
+    const zhao2000_links_real t34 = c[2] + t33;
+    const zhao2000_links_real t35 = 0.0012584238f * t34;
+    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = 1.7201067f * t37;
+    const zhao2000_links_real t39 = -0.01423018f * t34;
+    const zhao2000_links_real t40 = 0.0012584238f * r1;
+    const zhao2000_links_real t41 = t39 - t40;
+    const zhao2000_links_real t42 = -1.0204082f * t41;
+    const zhao2000_links_real t43 = t38 - t42;
+    const zhao2000_links_real t44 = t43 * t43;
+    const zhao2000_links_real t45 = -1.0204082f * t37;
+    const zhao2000_links_real t46 = -1.7201067f * t41;
+    const zhao2000_links_real t47 = t45 - t46;
+    const zhao2000_links_real t48 = t47 * t47;
+    const zhao2000_links_real t49 = t44 + t48;
+    const zhao2000_links_real t50 = t41 * t41;
+    const zhao2000_links_real t51 = 0.7396918f + t50;
+    const zhao2000_links_real t52 = t37 * t37;
+    const zhao2000_links_real t53 = t52 + 0.2603082f;
+    const zhao2000_links_real t54 = t51 + t53;
+    const zhao2000_links_real t55 = t54 + (-1.0f);
+    const zhao2000_links_real t56 = t55 * t55;
+    const zhao2000_links_real t57 = t49 - t56;
+    const zhao2000_links_real d2 = t57; /* above 0 where elbow3 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.31e-06f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real t60 = t43 * r2;
+    const zhao2000_links_real t61 = t47 * t55;
+    const zhao2000_links_real t62 = t60 - t61;
+    const zhao2000_links_real t63 = 1.0f / t49;
+    const zhao2000_links_real t64 = t62 * t63;
+    const zhao2000_links_real t65 = 30.272121f * t64;
+    const zhao2000_links_real t66 = t43 * t55;
+    const zhao2000_links_real t67 = t47 * r2;
+    const zhao2000_links_real t68 = t66 + t67;
+    const zhao2000_links_real t69 = t68 * t63;
+    const zhao2000_links_real t70 = -63.115757f * t69;
+    const zhao2000_links_real t71 = t65 - t70;
+    const zhao2000_links_real t72 = t71 + r1;
+    const zhao2000_links_real t73 = -6.1662765f * t72;
+    const zhao2000_links_real t74 = -30.272121f * t69;
+    const zhao2000_links_real t75 = t34 - t74;
+    const zhao2000_links_real t76 = -63.115757f * t64;
+    const zhao2000_links_real t77 = t75 + t76;
+    const zhao2000_links_real t78 = 69.727875f * t77;
+    const zhao2000_links_real t79 = t73 - t78;
+    const zhao2000_links_real t80 = t79 * -0.00020408163f;
+    const zhao2000_links_real t81 = -6.1662765f * t80;
+    const zhao2000_links_real t82 = -6.1662765f * t77;
+    const zhao2000_links_real t83 = -69.727875f * t72;
+    const zhao2000_links_real t84 = t82 - t83;
+    const zhao2000_links_real t85 = t84 * -0.00020408163f;
+    const zhao2000_links_real t86 = 69.727875f * t85;
+    const zhao2000_links_real t87 = t81 + t86;
+    const zhao2000_links_real t88 = t87 - t70;
+    const zhao2000_links_real t89 = t88 + t65;
+    const zhao2000_links_real t90 = t89 * t13;
+    const zhao2000_links_real t91 = t89 * t89;
+    const zhao2000_links_real t92 = 1.0f / t91;
+    const zhao2000_links_real t93 = t90 * t92;
+    const zhao2000_links_real t94 = t89 * t23;
+    const zhao2000_links_real t95 = t94 * t92;
+    const zhao2000_links_real t96 = t95 * t95;
+    const zhao2000_links_real t97 = t93 * t93;
+    const zhao2000_links_real t98 = t96 + t97;
+    const zhao2000_links_real t99 = 1.0f / t98;
+    const zhao2000_links_real t100 = t93 * t99;
+    const zhao2000_links_real t101 = -0.025761534f * r2;
+    const zhao2000_links_real t102 = 0.012355968f * t55;
+    const zhao2000_links_real t103 = -0.0025168476f * t41;
+    const zhao2000_links_real t104 = -0.02846036f * t37;
+    const zhao2000_links_real t105 = t103 + t104;
+    const zhao2000_links_real t106 = t47 * t105;
+    const zhao2000_links_real t107 = t102 + t106;
+    const zhao2000_links_real t108 = t101 - t107;
+    const zhao2000_links_real t109 = t108 * t63;
+    const zhao2000_links_real t110 = t64 * t63;
+    const zhao2000_links_real t111 = -0.051523067f * t43;
+    const zhao2000_links_real t112 = 0.024711937f * t47;
+    const zhao2000_links_real t113 = t111 + t112;
+    const zhao2000_links_real t114 = t110 * t113;
+    const zhao2000_links_real t115 = t109 - t114;
+    const zhao2000_links_real t116 = 30.272121f * t115;
+    const zhao2000_links_real t117 = -0.025761534f * t55;
+    const zhao2000_links_real t118 = t43 * t105;
+    const zhao2000_links_real t119 = t117 + t118;
+    const zhao2000_links_real t120 = 0.012355968f * r2;
+    const zhao2000_links_real t121 = t119 + t120;
+    const zhao2000_links_real t122 = t121 * t63;
+    const zhao2000_links_real t123 = t69 * t63;
+    const zhao2000_links_real t124 = t123 * t113;
+    const zhao2000_links_real t125 = t122 - t124;
+    const zhao2000_links_real t126 = -63.115757f * t125;
+    const zhao2000_links_real t127 = t116 - t126;
+    const zhao2000_links_real t128 = t127 + 1.0f;
+    const zhao2000_links_real t129 = -6.1662765f * t128;
+    const zhao2000_links_real t130 = -63.115757f * t115;
+    const zhao2000_links_real t131 = -30.272121f * t125;
+    const zhao2000_links_real t132 = t130 - t131;
+    const zhao2000_links_real t133 = 69.727875f * t132;
+    const zhao2000_links_real t134 = t129 - t133;
+    const zhao2000_links_real t135 = 0.0012584238f * t134;
+    const zhao2000_links_real t136 = -6.1662765f * t132;
+    const zhao2000_links_real t137 = -69.727875f * t128;
+    const zhao2000_links_real t138 = t136 - t137;
+    const zhao2000_links_real t139 = -0.01423018f * t138;
+    const zhao2000_links_real t140 = t135 + t139;
+    const zhao2000_links_real t141 = t140 - t126;
+    const zhao2000_links_real t142 = t141 + t116;
+    const zhao2000_links_real t143 = t23 * t142;
+    const zhao2000_links_real t144 = t143 * t92;
+    const zhao2000_links_real t145 = t95 * t92;
+    const zhao2000_links_real t146 = t89 * t142;
+    const zhao2000_links_real t147 = t146 + t146;
+    const zhao2000_links_real t148 = t145 * t147;
+    const zhao2000_links_real t149 = t144 - t148;
+    const zhao2000_links_real t150 = t100 * t149;
+    const zhao2000_links_real t151 = t95 * t99;
+    const zhao2000_links_real t152 = t13 * t142;
+    const zhao2000_links_real t153 = t152 * t92;
+    const zhao2000_links_real t154 = t93 * t92;
+    const zhao2000_links_real t155 = t154 * t147;
+    const zhao2000_links_real t156 = t153 - t155;
+    const zhao2000_links_real t157 = t151 * t156;
+    const zhao2000_links_real t158 = t150 - t157;
+    const zhao2000_links_real t159 = 1.0f / r1;
+    const zhao2000_links_real t160 = t13 * t159;
+    const zhao2000_links_real t161 = t158 * t160;
+    const zhao2000_links_real t162 = t43 * t63;
+    const zhao2000_links_real t163 = 30.272121f * t162;
+    const zhao2000_links_real t164 = t47 * t63;
+    const zhao2000_links_real t165 = -63.115757f * t164;
+    const zhao2000_links_real t166 = t163 - t165;
+    const zhao2000_links_real t167 = -6.1662765f * t166;
+    const zhao2000_links_real t168 = -63.115757f * t162;
+    const zhao2000_links_real t169 = -30.272121f * t164;
+    const zhao2000_links_real t170 = t168 - t169;
+    const zhao2000_links_real t171 = 69.727875f * t170;
+    const zhao2000_links_real t172 = t167 - t171;
+    const zhao2000_links_real t173 = 0.0012584238f * t172;
+    const zhao2000_links_real t174 = -6.1662765f * t170;
+    const zhao2000_links_real t175 = -69.727875f * t166;
+    const zhao2000_links_real t176 = t174 - t175;
+    const zhao2000_links_real t177 = -0.01423018f * t176;
+    const zhao2000_links_real t178 = t173 + t177;
+    const zhao2000_links_real t179 = t178 - t165;
+    const zhao2000_links_real t180 = t179 + t163;
+    const zhao2000_links_real t181 = t23 * t180;
+    const zhao2000_links_real t182 = t181 * t92;
+    const zhao2000_links_real t183 = t89 * t180;
+    const zhao2000_links_real t184 = t183 + t183;
+    const zhao2000_links_real t185 = t145 * t184;
+    const zhao2000_links_real t186 = t182 - t185;
+    const zhao2000_links_real t187 = t100 * t186;
+    const zhao2000_links_real t188 = t13 * t180;
+    const zhao2000_links_real t189 = t188 * t92;
+    const zhao2000_links_real t190 = t154 * t184;
+    const zhao2000_links_real t191 = t189 - t190;
+    const zhao2000_links_real t192 = t151 * t191;
+    const zhao2000_links_real t193 = t187 - t192;
+    const zhao2000_links_real t194 = t55 + t55;
+    const zhao2000_links_real t195 = t194 * t105;
+    const zhao2000_links_real t196 = t113 - t195;
+    const zhao2000_links_real t197 = t196 * t160;
+    const zhao2000_links_real t198 = r2 + r2;
+    const zhao2000_links_real t199 = 1.0f / t198;
+    const zhao2000_links_real t200 = t197 * t199;
+    const zhao2000_links_real t201 = t193 * t200;
+    const zhao2000_links_real t202 = t161 + t201;
+    const zhao2000_links_real t203 = t151 * t92;
+    const zhao2000_links_real t204 = t89 * t203;
+    const zhao2000_links_real t205 = t202 - t204;
+    const zhao2000_links_real t206 = t100 * t92;
+    const zhao2000_links_real t207 = t89 * t206;
+    const zhao2000_links_real t208 = t23 * t159;
+    const zhao2000_links_real t209 = t158 * t208;
+    const zhao2000_links_real t210 = t196 * t208;
+    const zhao2000_links_real t211 = t210 * t199;
+    const zhao2000_links_real t212 = t193 * t211;
+    const zhao2000_links_real t213 = t209 + t212;
+    const zhao2000_links_real t214 = t207 + t213;
+    const zhao2000_links_real t215 = t154 * t151;
+    const zhao2000_links_real t216 = t145 * t100;
+    const zhao2000_links_real t217 = t215 - t216;
+    const zhao2000_links_real t218 = t89 * t217;
+    const zhao2000_links_real t219 = t13 * t203;
+    const zhao2000_links_real t220 = t218 - t219;
+    const zhao2000_links_real t221 = 69.727875f * t220;
+    const zhao2000_links_real t222 = t23 * t206;
+    const zhao2000_links_real t223 = t218 + t222;
+    const zhao2000_links_real t224 = 69.727875f * t223;
+    const zhao2000_links_real t225 = t221 + t224;
+    const zhao2000_links_real t226 = 0.0012584238f * t225;
+    const zhao2000_links_real t227 = -6.1662765f * t220;
+    const zhao2000_links_real t228 = -6.1662765f * t223;
+    const zhao2000_links_real t229 = t227 + t228;
+    const zhao2000_links_real t230 = -0.01423018f * t229;
+    const zhao2000_links_real t231 = t226 - t230;
+    const zhao2000_links_real t232 = t41 + t41;
+    const zhao2000_links_real t233 = -63.115757f * t220;
+    const zhao2000_links_real t234 = -63.115757f * t223;
+    const zhao2000_links_real t235 = t233 + t234;
+    const zhao2000_links_real t236 = -30.272121f * t231;
+    const zhao2000_links_real t237 = t235 + t236;
+    const zhao2000_links_real t238 = 0.0012584238f * t229;
+    const zhao2000_links_real t239 = 0.01423018f * t225;
+    const zhao2000_links_real t240 = t238 - t239;
+    const zhao2000_links_real t241 = -63.115757f * t240;
+    const zhao2000_links_real t242 = t237 + t241;
+    const zhao2000_links_real t243 = t242 * t63;
+    const zhao2000_links_real t244 = t43 * t243;
+    const zhao2000_links_real t245 = 30.272121f * t220;
+    const zhao2000_links_real t246 = 30.272121f * t223;
+    const zhao2000_links_real t247 = t245 + t246;
+    const zhao2000_links_real t248 = -63.115757f * t231;
+    const zhao2000_links_real t249 = t247 + t248;
+    const zhao2000_links_real t250 = 30.272121f * t240;
+    const zhao2000_links_real t251 = t249 + t250;
+    const zhao2000_links_real t252 = t251 * t63;
+    const zhao2000_links_real t253 = t47 * t252;
+    const zhao2000_links_real t254 = t244 + t253;
+    const zhao2000_links_real t255 = t232 * t254;
+    const zhao2000_links_real t256 = t47 + t47;
+    const zhao2000_links_real t257 = t123 * t242;
+    const zhao2000_links_real t258 = t110 * t251;
+    const zhao2000_links_real t259 = t257 - t258;
+    const zhao2000_links_real t260 = t256 * t259;
+    const zhao2000_links_real t261 = r2 * t243;
+    const zhao2000_links_real t262 = t260 - t261;
+    const zhao2000_links_real t263 = t55 * t252;
+    const zhao2000_links_real t264 = t262 - t263;
+    const zhao2000_links_real t265 = -1.7201067f * t264;
+    const zhao2000_links_real t266 = t255 + t265;
+    const zhao2000_links_real t267 = t43 + t43;
+    const zhao2000_links_real t268 = t267 * t259;
+    const zhao2000_links_real t269 = t55 * t243;
+    const zhao2000_links_real t270 = t268 - t269;
+    const zhao2000_links_real t271 = r2 * t252;
+    const zhao2000_links_real t272 = t270 + t271;
+    const zhao2000_links_real t273 = -1.0204082f * t272;
+    const zhao2000_links_real t274 = t266 + t273;
+    const zhao2000_links_real t275 = -0.01423018f * t274;
+    const zhao2000_links_real t276 = t231 - t275;
+    const zhao2000_links_real t277 = -1.0204082f * t264;
+    const zhao2000_links_real t278 = t37 + t37;
+    const zhao2000_links_real t279 = t278 * t254;
+    const zhao2000_links_real t280 = t277 - t279;
+    const zhao2000_links_real t281 = 1.7201067f * t272;
+    const zhao2000_links_real t282 = t280 + t281;
+    const zhao2000_links_real t283 = 0.0012584238f * t282;
+    const zhao2000_links_real t284 = t276 + t283;
+    const zhao2000_links_real t285 = -2.0408163f * t47;
+    const zhao2000_links_real t286 = t278 * t194;
+    const zhao2000_links_real t287 = t285 - t286;
+    const zhao2000_links_real t288 = 3.4402134f * t43;
+    const zhao2000_links_real t289 = t287 + t288;
+    const zhao2000_links_real t290 = 0.0012584238f * t289;
+    const zhao2000_links_real t291 = t232 * t194;
+    const zhao2000_links_real t292 = -3.4402134f * t47;
+    const zhao2000_links_real t293 = t291 + t292;
+    const zhao2000_links_real t294 = -2.0408163f * t43;
+    const zhao2000_links_real t295 = t293 + t294;
+    const zhao2000_links_real t296 = -0.01423018f * t295;
+    const zhao2000_links_real t297 = t290 - t296;
+    const zhao2000_links_real t298 = t297 * t199;
+    const zhao2000_links_real t299 = t193 * t298;
+    const zhao2000_links_real t300 = t284 + t299;
+    const zhao2000_links_real t301 = t284 + t284;
+    const zhao2000_links_real t302 = t4 * t301;
+    const zhao2000_links_real t303 = t207 + t207;
+    const zhao2000_links_real t304 = t2 * t303;
+    const zhao2000_links_real t305 = t302 - t304;
+    const zhao2000_links_real t306 = -t204;
+    const zhao2000_links_real t307 = t306 + t306;
+    const zhao2000_links_real t308 = c[5] * t307;
+    const zhao2000_links_real t309 = c[4] * t303;
+    const zhao2000_links_real t310 = t308 - t309;
+    const zhao2000_links_real t311 = c[3] * t301;
+    const zhao2000_links_real t312 = t310 + t311;
+    const zhao2000_links_real t313 = 34.641018f * t312;
+    const zhao2000_links_real t314 = t305 + t313;
+    const zhao2000_links_real t315 = 0.0020423187f * c[3];
+    const zhao2000_links_real t316 = t314 * t315;
+    const zhao2000_links_real t317 = t4 * t303;
+    const zhao2000_links_real t318 = t7 * t307;
+    const zhao2000_links_real t319 = t317 - t318;
+    const zhao2000_links_real t320 = t2 * t301;
+    const zhao2000_links_real t321 = t319 + t320;
+    const zhao2000_links_real t322 = 0.0020423187f * c[4];
+    const zhao2000_links_real t323 = t321 * t322;
+    const zhao2000_links_real t324 = t316 - t323;
+    const zhao2000_links_real t325 = t2 * t307;
+    const zhao2000_links_real t326 = t7 * t301;
+    const zhao2000_links_real t327 = t325 + t326;
+    const zhao2000_links_real t328 = -60.0f * t312;
+    const zhao2000_links_real t329 = t327 - t328;
+    const zhao2000_links_real t330 = 0.0020423187f * c[6];
+    const zhao2000_links_real t331 = t329 * t330;
+    const zhao2000_links_real t332 = t324 - t331;
+    const zhao2000_links_real t333 = c[5] * t301;
+    const zhao2000_links_real t334 = c[3] * t307;
+    const zhao2000_links_real t335 = c[6] * t303;
+    const zhao2000_links_real t336 = t334 + t335;
+    const zhao2000_links_real t337 = t333 - t336;
+    const zhao2000_links_real t338 = 34.641018f * t337;
+    const zhao2000_links_real t339 = t4 * t307;
+    const zhao2000_links_real t340 = t7 * t303;
+    const zhao2000_links_real t341 = t339 + t340;
+    const zhao2000_links_real t342 = t338 - t341;
+    const zhao2000_links_real t343 = c[3] * t303;
+    const zhao2000_links_real t344 = c[6] * t307;
+    const zhao2000_links_real t345 = t343 - t344;
+    const zhao2000_links_real t346 = c[4] * t301;
+    const zhao2000_links_real t347 = t345 + t346;
+    const zhao2000_links_real t348 = -60.0f * t347;
+    const zhao2000_links_real t349 = t342 + t348;
+    const zhao2000_links_real t350 = 0.0020423187f * c[5];
+    const zhao2000_links_real t351 = t349 * t350;
+    const zhao2000_links_real t352 = t332 + t351;
+    const zhao2000_links_real t353 = 244.81978f * t352;
+    const zhao2000_links_real t354 = 4.0f * t13;
+    const zhao2000_links_real t355 = c[5] * t354;
+    const zhao2000_links_real t356 = 4.0f * t23;
+    const zhao2000_links_real t357 = c[4] * t356;
+    const zhao2000_links_real t358 = t355 - t357;
+    const zhao2000_links_real t359 = 34.641018f * t358;
+    const zhao2000_links_real t360 = t2 * t356;
+    const zhao2000_links_real t361 = t359 - t360;
+    const zhao2000_links_real t362 = t361 * t315;
+    const zhao2000_links_real t363 = t4 * t356;
+    const zhao2000_links_real t364 = t7 * t354;
+    const zhao2000_links_real t365 = t363 - t364;
+    const zhao2000_links_real t366 = t365 * t322;
+    const zhao2000_links_real t367 = t362 - t366;
+    const zhao2000_links_real t368 = t2 * t354;
+    const zhao2000_links_real t369 = -60.0f * t358;
+    const zhao2000_links_real t370 = t368 - t369;
+    const zhao2000_links_real t371 = t370 * t330;
+    const zhao2000_links_real t372 = t367 - t371;
+    const zhao2000_links_real t373 = c[3] * t356;
+    const zhao2000_links_real t374 = c[6] * t354;
+    const zhao2000_links_real t375 = t373 - t374;
+    const zhao2000_links_real t376 = -60.0f * t375;
+    const zhao2000_links_real t377 = t7 * t356;
+    const zhao2000_links_real t378 = c[6] * t356;
+    const zhao2000_links_real t379 = c[3] * t354;
+    const zhao2000_links_real t380 = t378 + t379;
+    const zhao2000_links_real t381 = 34.641018f * t380;
+    const zhao2000_links_real t382 = t377 + t381;
+    const zhao2000_links_real t383 = t4 * t354;
+    const zhao2000_links_real t384 = t382 + t383;
+    const zhao2000_links_real t385 = t376 - t384;
+    const zhao2000_links_real t386 = t385 * t350;
+    const zhao2000_links_real t387 = t372 + t386;
+    const zhao2000_links_real t388 = 244.81978f * t387;
+    const zhao2000_links_real t389 = r1 + r1;
+    const zhao2000_links_real t390 = 1.0f / t389;
+    const zhao2000_links_real t391 = t388 * t390;
+    const zhao2000_links_real t392 = t158 * t391;
+    const zhao2000_links_real t393 = t297 + t297;
+    const zhao2000_links_real t394 = t4 * t393;
+    const zhao2000_links_real t395 = c[3] * t393;
+    const zhao2000_links_real t396 = 34.641018f * t395;
+    const zhao2000_links_real t397 = t394 + t396;
+    const zhao2000_links_real t398 = t397 * t315;
+    const zhao2000_links_real t399 = t2 * t393;
+    const zhao2000_links_real t400 = t399 * t322;
+    const zhao2000_links_real t401 = t398 - t400;
+    const zhao2000_links_real t402 = t7 * t393;
+    const zhao2000_links_real t403 = -60.0f * t395;
+    const zhao2000_links_real t404 = t402 - t403;
+    const zhao2000_links_real t405 = t404 * t330;
+    const zhao2000_links_real t406 = t401 - t405;
+    const zhao2000_links_real t407 = c[5] * t393;
+    const zhao2000_links_real t408 = 34.641018f * t407;
+    const zhao2000_links_real t409 = c[4] * t393;
+    const zhao2000_links_real t410 = -60.0f * t409;
+    const zhao2000_links_real t411 = t408 + t410;
+    const zhao2000_links_real t412 = t411 * t350;
+    const zhao2000_links_real t413 = t406 + t412;
+    const zhao2000_links_real t414 = 244.81978f * t413;
+    const zhao2000_links_real t415 = t196 * t391;
+    const zhao2000_links_real t416 = t414 + t415;
+    const zhao2000_links_real t417 = t416 * t199;
+    const zhao2000_links_real t418 = t193 * t417;
+    const zhao2000_links_real t419 = t392 + t418;
+    const zhao2000_links_real t420 = t353 + t419;
+    const zhao2000_links_real t421 = t314 * t330;
+    const zhao2000_links_real t422 = t321 * t350;
+    const zhao2000_links_real t423 = t421 - t422;
+    const zhao2000_links_real t424 = t329 * t315;
+    const zhao2000_links_real t425 = t423 + t424;
+    const zhao2000_links_real t426 = t349 * t322;
+    const zhao2000_links_real t427 = t425 - t426;
+    const zhao2000_links_real t428 = 244.81978f * t427;
+    const zhao2000_links_real t429 = t361 * t330;
+    const zhao2000_links_real t430 = t365 * t350;
+    const zhao2000_links_real t431 = t429 - t430;
+    const zhao2000_links_real t432 = t370 * t315;
+    const zhao2000_links_real t433 = t431 + t432;
+    const zhao2000_links_real t434 = t385 * t322;
+    const zhao2000_links_real t435 = t433 - t434;
+    const zhao2000_links_real t436 = 244.81978f * t435;
+    const zhao2000_links_real t437 = t436 * t390;
+    const zhao2000_links_real t438 = t158 * t437;
+    const zhao2000_links_real t439 = t397 * t330;
+    const zhao2000_links_real t440 = t399 * t350;
+    const zhao2000_links_real t441 = t439 - t440;
+    const zhao2000_links_real t442 = t404 * t315;
+    const zhao2000_links_real t443 = t441 + t442;
+    const zhao2000_links_real t444 = t411 * t322;
+    const zhao2000_links_real t445 = t443 - t444;
+    const zhao2000_links_real t446 = 244.81978f * t445;
+    const zhao2000_links_real t447 = t196 * t437;
+    const zhao2000_links_real t448 = t446 + t447;
+    const zhao2000_links_real t449 = t448 * t199;
+    const zhao2000_links_real t450 = t193 * t449;
+    const zhao2000_links_real t451 = t438 + t450;
+    const zhao2000_links_real t452 = t428 + t451;
+    const zhao2000_links_real t453 = t329 * t322;
+    const zhao2000_links_real t454 = t321 * t330;
+    const zhao2000_links_real t455 = t314 * t350;
+    const zhao2000_links_real t456 = t454 + t455;
+    const zhao2000_links_real t457 = t453 - t456;
+    const zhao2000_links_real t458 = t349 * t315;
+    const zhao2000_links_real t459 = t457 + t458;
+    const zhao2000_links_real t460 = 244.81978f * t459;
+    const zhao2000_links_real t461 = t370 * t322;
+    const zhao2000_links_real t462 = t365 * t330;
+    const zhao2000_links_real t463 = t361 * t350;
+    const zhao2000_links_real t464 = t462 + t463;
+    const zhao2000_links_real t465 = t461 - t464;
+    const zhao2000_links_real t466 = t385 * t315;
+    const zhao2000_links_real t467 = t465 + t466;
+    const zhao2000_links_real t468 = 244.81978f * t467;
+    const zhao2000_links_real t469 = t468 * t390;
+    const zhao2000_links_real t470 = t158 * t469;
+    const zhao2000_links_real t471 = t404 * t322;
+    const zhao2000_links_real t472 = t399 * t330;
+    const zhao2000_links_real t473 = t397 * t350;
+    const zhao2000_links_real t474 = t472 + t473;
+    const zhao2000_links_real t475 = t471 - t474;
+    const zhao2000_links_real t476 = t411 * t315;
+    const zhao2000_links_real t477 = t475 + t476;
+    const zhao2000_links_real t478 = 244.81978f * t477;
+    const zhao2000_links_real t479 = t196 * t469;
+    const zhao2000_links_real t480 = t478 + t479;
+    const zhao2000_links_real t481 = t480 * t199;
+    const zhao2000_links_real t482 = t193 * t481;
+    const zhao2000_links_real t483 = t470 + t482;
+    const zhao2000_links_real t484 = t460 + t483;
+    rates[0] = t205;
+    rates[1] = t214;
+    rates[2] = t300;
+    rates[3] = t420;
+    rates[4] = t452;
+    rates[5] = t484;
+    return ((d1 > 0.00508f) && (d2 > 3.31e-06f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_SINGULAR;
 }
 
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
@@ -3518,30 +1912,30 @@ static zhao2000_links_status zhao2000_links_solve_limbs(const zhao2000_links_rea
     (void)passive;
     /* theta1, hip1, elbow1, wrist1 */
     if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_limb1_work w;
-        status = zhao2000_links_limb1_follow_pose(&w, c);
-        q[0] = w.x[0];
-        passive[0] = w.x[1];
-        passive[1] = w.x[2];
-        passive[2] = w.x[3];
+        zhao2000_links_real x[4];
+        status = zhao2000_links_limb1_joints(c, x);
+        q[0] = x[0];
+        passive[0] = x[1];
+        passive[1] = x[2];
+        passive[2] = x[3];
     }
     /* theta2, hip2, elbow2, wrist2 */
     if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_limb2_work w;
-        status = zhao2000_links_limb2_follow_pose(&w, c);
-        q[1] = w.x[0];
-        passive[3] = w.x[1];
-        passive[4] = w.x[2];
-        passive[5] = w.x[3];
+        zhao2000_links_real x[4];
+        status = zhao2000_links_limb2_joints(c, x);
+        q[1] = x[0];
+        passive[3] = x[1];
+        passive[4] = x[2];
+        passive[5] = x[3];
     }
     /* theta3, hip3, elbow3, wrist3 */
     if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_limb3_work w;
-        status = zhao2000_links_limb3_follow_pose(&w, c);
-        q[2] = w.x[0];
-        passive[6] = w.x[1];
-        passive[7] = w.x[2];
-        passive[8] = w.x[3];
+        zhao2000_links_real x[4];
+        status = zhao2000_links_limb3_joints(c, x);
+        q[2] = x[0];
+        passive[6] = x[1];
+        passive[7] = x[2];
+        passive[8] = x[3];
     }
     /* op */
     const zhao2000_links_real op_0 = c[0] * c[0];
@@ -5964,24 +4358,144 @@ static void zhao2000_links_unwrap_joints(const zhao2000_links_real at[4], const 
     }
 }
 
-/* Checks the branch of an answer: whether the limbs there, solved as zhao2000_links_inverse does, have the given joint values. Else
- * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
- * to this one: the pose alone would not say where the limb stands. */
-static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_branch(const zhao2000_links_real c[7], const zhao2000_links_real given[4])
+/* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands on the reference's side of its dead
+ * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_branch(const zhao2000_links_real x[16], const zhao2000_links_real given[4])
 {
-    static const zhao2000_links_real near[4] = { 0.000977f, 0.000977f, 0.000977f, 0.239f };
-    zhao2000_links_real q[4] = { 0.0f };
-    zhao2000_links_real passive[9] = { 0.0f };
-    zhao2000_links_real turned[4];
-    zhao2000_links_status status = zhao2000_links_solve_limbs(c, q, passive);
-    if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_unwrap_joints(q, given, turned);
-        for (int i = 0; i < 4; ++i) {
-            if (!(fabsf(turned[i] - q[i]) <= near[i])) {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-            }
-        }
-    } else {
+    zhao2000_links_status status = ZHAO2000_LINKS_OK;
+    (void)x;
+    (void)given;
+    const zhao2000_links_real limb1_t0 = cosf(x[0]);
+    const zhao2000_links_real limb1_t1 = -6.1662765f * limb1_t0;
+    const zhao2000_links_real limb1_t2 = sinf(x[0]);
+    const zhao2000_links_real limb1_t3 = 69.727875f * limb1_t2;
+    const zhao2000_links_real limb1_t4 = limb1_t1 + limb1_t3;
+    const zhao2000_links_real limb1_t5 = x[0] + x[1];
+    const zhao2000_links_real limb1_t6 = cosf(limb1_t5);
+    const zhao2000_links_real limb1_t7 = -63.115757f * limb1_t6;
+    const zhao2000_links_real limb1_t8 = limb1_t4 + limb1_t7;
+    const zhao2000_links_real limb1_t9 = sinf(limb1_t5);
+    const zhao2000_links_real limb1_t10 = 30.272121f * limb1_t9;
+    const zhao2000_links_real limb1_t11 = limb1_t8 + limb1_t10;
+    const zhao2000_links_real limb1_t12 = -limb1_t11;
+    const zhao2000_links_real limb1_t13 = -69.282036f * x[13];
+    const zhao2000_links_real limb1_t14 = x[12] * limb1_t13;
+    const zhao2000_links_real limb1_t15 = -69.282036f * x[15];
+    const zhao2000_links_real limb1_t16 = x[14] * limb1_t15;
+    const zhao2000_links_real limb1_t17 = limb1_t14 + limb1_t16;
+    const zhao2000_links_real limb1_t18 = limb1_t17 + limb1_t17;
+    const zhao2000_links_real limb1_t19 = x[11] + limb1_t18;
+    const zhao2000_links_real limb1_t20 = 0.0012584238f * limb1_t19;
+    const zhao2000_links_real limb1_t21 = 0.01423018f * limb1_t11;
+    const zhao2000_links_real limb1_t22 = limb1_t20 + limb1_t21;
+    const zhao2000_links_real limb1_t23 = 1.7201067f * limb1_t22;
+    const zhao2000_links_real limb1_t24 = -0.01423018f * limb1_t19;
+    const zhao2000_links_real limb1_t25 = 0.0012584238f * limb1_t11;
+    const zhao2000_links_real limb1_t26 = limb1_t24 + limb1_t25;
+    const zhao2000_links_real limb1_t27 = -1.0204082f * limb1_t26;
+    const zhao2000_links_real limb1_t28 = limb1_t23 - limb1_t27;
+    const zhao2000_links_real limb1_t29 = limb1_t28 * limb1_t9;
+    const zhao2000_links_real limb1_t30 = -1.0204082f * limb1_t22;
+    const zhao2000_links_real limb1_t31 = -1.7201067f * limb1_t26;
+    const zhao2000_links_real limb1_t32 = limb1_t30 - limb1_t31;
+    const zhao2000_links_real limb1_t33 = limb1_t32 * limb1_t6;
+    const zhao2000_links_real limb1_t34 = limb1_t29 - limb1_t33;
+    if (!(limb1_t12 >= -0.07f)) { /* theta1_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(limb1_t34 >= -0.00173f)) { /* elbow1 */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    const zhao2000_links_real limb2_t0 = cosf(x[3]);
+    const zhao2000_links_real limb2_t1 = -6.1662765f * limb2_t0;
+    const zhao2000_links_real limb2_t2 = sinf(x[3]);
+    const zhao2000_links_real limb2_t3 = 69.727875f * limb2_t2;
+    const zhao2000_links_real limb2_t4 = limb2_t1 + limb2_t3;
+    const zhao2000_links_real limb2_t5 = x[3] + x[4];
+    const zhao2000_links_real limb2_t6 = cosf(limb2_t5);
+    const zhao2000_links_real limb2_t7 = -63.115757f * limb2_t6;
+    const zhao2000_links_real limb2_t8 = limb2_t4 + limb2_t7;
+    const zhao2000_links_real limb2_t9 = sinf(limb2_t5);
+    const zhao2000_links_real limb2_t10 = 30.272121f * limb2_t9;
+    const zhao2000_links_real limb2_t11 = limb2_t8 + limb2_t10;
+    const zhao2000_links_real limb2_t12 = -limb2_t11;
+    const zhao2000_links_real limb2_t13 = 34.641018f * x[13];
+    const zhao2000_links_real limb2_t14 = 60.0f * x[14];
+    const zhao2000_links_real limb2_t15 = limb2_t13 - limb2_t14;
+    const zhao2000_links_real limb2_t16 = x[12] * limb2_t15;
+    const zhao2000_links_real limb2_t17 = 60.0f * x[15];
+    const zhao2000_links_real limb2_t18 = x[13] * limb2_t17;
+    const zhao2000_links_real limb2_t19 = 34.641018f * x[15];
+    const zhao2000_links_real limb2_t20 = x[14] * limb2_t19;
+    const zhao2000_links_real limb2_t21 = limb2_t18 + limb2_t20;
+    const zhao2000_links_real limb2_t22 = limb2_t16 + limb2_t21;
+    const zhao2000_links_real limb2_t23 = limb2_t22 + limb2_t22;
+    const zhao2000_links_real limb2_t24 = x[11] + limb2_t23;
+    const zhao2000_links_real limb2_t25 = 0.0012584238f * limb2_t24;
+    const zhao2000_links_real limb2_t26 = 0.01423018f * limb2_t11;
+    const zhao2000_links_real limb2_t27 = limb2_t25 + limb2_t26;
+    const zhao2000_links_real limb2_t28 = 1.7201067f * limb2_t27;
+    const zhao2000_links_real limb2_t29 = -0.01423018f * limb2_t24;
+    const zhao2000_links_real limb2_t30 = 0.0012584238f * limb2_t11;
+    const zhao2000_links_real limb2_t31 = limb2_t29 + limb2_t30;
+    const zhao2000_links_real limb2_t32 = -1.0204082f * limb2_t31;
+    const zhao2000_links_real limb2_t33 = limb2_t28 - limb2_t32;
+    const zhao2000_links_real limb2_t34 = limb2_t33 * limb2_t9;
+    const zhao2000_links_real limb2_t35 = -1.0204082f * limb2_t27;
+    const zhao2000_links_real limb2_t36 = -1.7201067f * limb2_t31;
+    const zhao2000_links_real limb2_t37 = limb2_t35 - limb2_t36;
+    const zhao2000_links_real limb2_t38 = limb2_t37 * limb2_t6;
+    const zhao2000_links_real limb2_t39 = limb2_t34 - limb2_t38;
+    if (!(limb2_t12 >= -0.0676f)) { /* theta2_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(limb2_t39 >= -0.00176f)) { /* elbow2 */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    const zhao2000_links_real limb3_t0 = cosf(x[6]);
+    const zhao2000_links_real limb3_t1 = -6.1662765f * limb3_t0;
+    const zhao2000_links_real limb3_t2 = sinf(x[6]);
+    const zhao2000_links_real limb3_t3 = 69.727875f * limb3_t2;
+    const zhao2000_links_real limb3_t4 = limb3_t1 + limb3_t3;
+    const zhao2000_links_real limb3_t5 = x[6] + x[7];
+    const zhao2000_links_real limb3_t6 = cosf(limb3_t5);
+    const zhao2000_links_real limb3_t7 = -63.115757f * limb3_t6;
+    const zhao2000_links_real limb3_t8 = limb3_t4 + limb3_t7;
+    const zhao2000_links_real limb3_t9 = sinf(limb3_t5);
+    const zhao2000_links_real limb3_t10 = 30.272121f * limb3_t9;
+    const zhao2000_links_real limb3_t11 = limb3_t8 + limb3_t10;
+    const zhao2000_links_real limb3_t12 = -limb3_t11;
+    const zhao2000_links_real limb3_t13 = 34.641018f * x[13];
+    const zhao2000_links_real limb3_t14 = -60.0f * x[14];
+    const zhao2000_links_real limb3_t15 = limb3_t13 - limb3_t14;
+    const zhao2000_links_real limb3_t16 = x[12] * limb3_t15;
+    const zhao2000_links_real limb3_t17 = -60.0f * x[15];
+    const zhao2000_links_real limb3_t18 = x[13] * limb3_t17;
+    const zhao2000_links_real limb3_t19 = 34.641018f * x[15];
+    const zhao2000_links_real limb3_t20 = x[14] * limb3_t19;
+    const zhao2000_links_real limb3_t21 = limb3_t18 + limb3_t20;
+    const zhao2000_links_real limb3_t22 = limb3_t16 + limb3_t21;
+    const zhao2000_links_real limb3_t23 = limb3_t22 + limb3_t22;
+    const zhao2000_links_real limb3_t24 = x[11] + limb3_t23;
+    const zhao2000_links_real limb3_t25 = 0.0012584238f * limb3_t24;
+    const zhao2000_links_real limb3_t26 = 0.01423018f * limb3_t11;
+    const zhao2000_links_real limb3_t27 = limb3_t25 + limb3_t26;
+    const zhao2000_links_real limb3_t28 = 1.7201067f * limb3_t27;
+    const zhao2000_links_real limb3_t29 = -0.01423018f * limb3_t24;
+    const zhao2000_links_real limb3_t30 = 0.0012584238f * limb3_t11;
+    const zhao2000_links_real limb3_t31 = limb3_t29 + limb3_t30;
+    const zhao2000_links_real limb3_t32 = -1.0204082f * limb3_t31;
+    const zhao2000_links_real limb3_t33 = limb3_t28 - limb3_t32;
+    const zhao2000_links_real limb3_t34 = limb3_t33 * limb3_t9;
+    const zhao2000_links_real limb3_t35 = -1.0204082f * limb3_t27;
+    const zhao2000_links_real limb3_t36 = -1.7201067f * limb3_t31;
+    const zhao2000_links_real limb3_t37 = limb3_t35 - limb3_t36;
+    const zhao2000_links_real limb3_t38 = limb3_t37 * limb3_t6;
+    const zhao2000_links_real limb3_t39 = limb3_t34 - limb3_t38;
+    if (!(limb3_t12 >= -0.0696f)) { /* theta3_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(limb3_t39 >= -0.00178f)) { /* elbow3 */
         status = ZHAO2000_LINKS_WRONG_BRANCH;
     }
     return status;
@@ -6029,7 +4543,7 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
         zhao2000_links_unwrap_joints(w.at, joints, given);
         status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_check_branch(&w.x[9], given);
+            status = zhao2000_links_check_branch(w.x, given);
         }
         if (status == ZHAO2000_LINKS_OK) {
             zhao2000_links_write_pose(&w, pose);
@@ -6102,132 +4616,36 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
     if (status == ZHAO2000_LINKS_OK) {
         /* theta1, hip1, elbow1, wrist1 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb1_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb1_follow_pose(&w, c);
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb1_twist_columns(&w, sides);
-                if (zhao2000_links_limb1_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[0] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[1] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[2] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[3] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[4] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[5] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[6];
+            status = zhao2000_links_limb1_rates(c, of_limb);
+            jacobian[0] = of_limb[0];
+            jacobian[1] = of_limb[1];
+            jacobian[2] = of_limb[2];
+            jacobian[3] = of_limb[3];
+            jacobian[4] = of_limb[4];
+            jacobian[5] = of_limb[5];
         }
         /* theta2, hip2, elbow2, wrist2 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb2_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb2_follow_pose(&w, c);
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb2_twist_columns(&w, sides);
-                if (zhao2000_links_limb2_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[6] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[7] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[8] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[9] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[10] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[11] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[6];
+            status = zhao2000_links_limb2_rates(c, of_limb);
+            jacobian[6] = of_limb[0];
+            jacobian[7] = of_limb[1];
+            jacobian[8] = of_limb[2];
+            jacobian[9] = of_limb[3];
+            jacobian[10] = of_limb[4];
+            jacobian[11] = of_limb[5];
         }
         /* theta3, hip3, elbow3, wrist3 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb3_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb3_follow_pose(&w, c);
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb3_twist_columns(&w, sides);
-                if (zhao2000_links_limb3_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[12] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[13] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[14] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[15] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[16] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[17] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[6];
+            status = zhao2000_links_limb3_rates(c, of_limb);
+            jacobian[12] = of_limb[0];
+            jacobian[13] = of_limb[1];
+            jacobian[14] = of_limb[2];
+            jacobian[15] = of_limb[3];
+            jacobian[16] = of_limb[4];
+            jacobian[17] = of_limb[5];
         }
         /* op */
         const zhao2000_links_real op_0 = c[0] * c[0];

@@ -7,12 +7,14 @@ its own, every root is real or not beyond doubt, and every real one is well cond
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from symkin.assembly.block_proofs import BlockProver, RootProofs, block_prover
-from symkin.computed_once import cached_property, lru_cache
+from symkin.assembly.block_proofs import BlockProver, block_prover
+from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
+from symkin.computed_once import cached_property
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.branches import complex_count, real_candidates
@@ -22,45 +24,11 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
-from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, DISTINCT_ROOTS, SUSPECT_CONDITION
-from symkin.position.canonical import canonical
 from symkin.position.problem import Problem
-from symkin.position.roots import features
 
 _REAL, _NOT_REAL = 1e-10, 1e-4
 """Imaginary parts of roots below the first and above the second leave no doubt."""
-
-
-@dataclass(frozen=True, eq=False)
-class BlockRoots:
-    """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing, `owner` (m,) their instances,
-    rising, `residual` (m,), `extremes` (m, 2): the largest and smallest singular values of their Jacobians; `plain` (n,) the
-    instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
-
-    points: np.ndarray
-    owner: np.ndarray
-    residual: np.ndarray
-    extremes: np.ndarray
-    plain: np.ndarray
-    complex_count: np.ndarray
-    proofs: RootProofs | None
-
-    @property
-    def counts(self) -> np.ndarray:
-        """Roots of each instance."""
-        return np.bincount(self.owner, minlength=len(self.plain))
-
-
-@dataclass(frozen=True, eq=False)
-class _Candidates:
-    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the ends `origin` (m,) that they
-    come from, -1 where they combine several."""
-
-    points: np.ndarray
-    owner: np.ndarray
-    origin: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +40,7 @@ class BlockPaths:
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
+    method: ClassVar[str] = "continuation"
 
     @property
     def engine(self) -> str:
@@ -92,9 +61,10 @@ class BlockPaths:
     def prover(self) -> BlockProver:
         return block_prover(self.problem, self.algebraic, self.block)
 
-    @cached_property
-    def _slices(self) -> dict[str, slice]:
-        return {c.name: place for c, place in zip(self.block.unknowns, self.block.slices, strict=True)}
+    @property
+    def digest(self) -> bytes:
+        """What the roots begin from."""
+        return self.start.z.tobytes() + self.start.k.tobytes()
 
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
@@ -114,12 +84,9 @@ class BlockPaths:
         counts, origin, columns, owner = self._real_ones(
             z, instance, plain, None if proved is None else proved.real == "not real"
         )
-        found, origin = self._checked(self._points(columns, owner, origin, k, known), known, plain, counts)
-        if not certify:
-            return found
-        proofs = self.prover.roots(proved, found.points, found.owner, known, origin)
-        plain[found.owner[~proofs.certified]] = False
-        return replace(found, proofs=proofs)
+        counts = counts << len(replaced_universal_joints(self.problem))
+        found, origin = checked_roots(self.block, self._points(columns, owner, origin, k, known), known, plain, counts)
+        return with_proofs(found, self.prover, proved, known, origin) if certify else found
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
         """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose and in each limb."""
@@ -173,7 +140,7 @@ class BlockPaths:
         found[chosen] = several
         return found if several.any() else None
 
-    def _points(self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray) -> _Candidates:
+    def _points(self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray) -> Candidates:
         """Points of the block for real roots z (width, any) at the instances `owner`; with universal joints that distances have
         replaced, all their choices."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
@@ -181,70 +148,13 @@ class BlockPaths:
             values = {c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)}
         names = [c.name for c in self.block.unknowns]
         if not replaced_universal_joints(self.problem):
-            return _Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
+            return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
         points, repeats = [np.zeros((0, self.block.width))], []
         for i, instance in enumerate(owner):
             choices = with_universal_angles(self.problem, known[instance], {name: value[i] for name, value in values.items()})
             points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
             repeats.append(len(choices))
-        return _Candidates(np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1))
-
-    # --- roots -------------------------------------------------------------------------------------------------------
-
-    def _checked(
-        self, candidates: _Candidates, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
-    ) -> tuple[BlockRoots, np.ndarray]:
-        """Candidates polished on the block's own rows; those that close on all rows, written in the standard way, and their
-        origin."""
-        block, owner = self.block, candidates.owner
-        here = known[owner]
-        polished = block.polish_many(candidates.points, here)
-        points = canonical(block.unknowns, self._slices, polished.points)
-        residual = block.residuals(points, here)
-        closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.characteristic_length)
-        points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
-        plain[owner[~(condition_of(extremes) < SUSPECT_CONDITION)]] = False
-        plain[_owners_of_equal(block, points, owner)] = False
-        counts = counts << len(replaced_universal_joints(self.problem))
-        return BlockRoots(
-            points=points,
-            owner=owner,
-            residual=residual[closed],
-            extremes=extremes,
-            plain=plain,
-            complex_count=counts,
-            proofs=None,
-        ), candidates.origin[closed]
-
-
-def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
-    """Instances with two roots that are not distinct (see `roots.unite`).
-
-    Roots differ where a combination of their features does by more than the sum of its weights times the tolerance; sorted by
-    one, nearly all instances are told by neighbours alone.
-    """
-    if len(points) < 2:
-        return []
-    f = features(block, points)
-    weights = _weights(f.shape[1])
-    mixed = f @ weights
-    order = np.lexsort((mixed, owner))
-    sorted_owner, gap = owner[order], np.diff(mixed[order])
-    near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(
-        gap > DISTINCT_ROOTS * block.characteristic_length * float(np.sum(np.abs(weights)))
-    )
-    return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
-
-
-@lru_cache(maxsize=64)
-def _weights(count: int) -> np.ndarray:
-    return np.random.default_rng(0).uniform(-1.0, 1.0, count)
-
-
-def _has_equal(block: System, f: np.ndarray) -> bool:
-    """Whether two of some roots' features (m, any) are one."""
-    apart = np.max(np.abs(f[:, None] - f[None]), axis=2)
-    return bool(np.sum(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))
+        return Candidates(np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1))
 
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:

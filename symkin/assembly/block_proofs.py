@@ -74,7 +74,7 @@ class BlockProver:
             found = certify_batch(
                 self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.characteristic_length
             )
-        expected = origin if ends is not None and (origin >= 0).all() else None
+        expected = np.arange(z.shape[1]) if ends is None else origin if (origin >= 0).all() else None
         index, radius = found.find(z, owner, expected)
         complete = self._complete(found, np.bincount(owner, minlength=len(known)))
         return RootProofs(index >= 0, radius, complete)

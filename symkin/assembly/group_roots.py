@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.closed_roots import ClosedBlock, closed_block
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
@@ -87,10 +88,10 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return _linear(group, known)
-    paths = group_paths(group) if search.method == "continuation" else None
-    if paths is None:
+    solver = group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
+    if solver is None:
         return one_by_one(group, known, search, progress)
-    found = paths.roots(known, certify=False)
+    found = solver.roots(known, certify=False)
     tracked = GroupRoots(
         found.points,
         found.owner,
@@ -99,8 +100,8 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
         unresolved=np.zeros(len(known), dtype=int),
         smallest=np.full(len(known), np.inf),
         continuum=np.zeros(len(known), dtype=bool),
-        engine=paths.engine,
-        orbits=paths.notes,
+        engine=solver.engine,
+        orbits=solver.notes,
     )
     doubtful = np.flatnonzero(~found.plain)
     if not doubtful.size:
@@ -143,6 +144,12 @@ def _statement(roots: Roots) -> Completeness:
     return "incomplete" if roots.unresolved or roots.complex_sets or roots.continuum is not None else "probability one"
 
 
+def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
+    """The formulas of a group, if they are wanted and there are some, else what tracks its paths; None where it has neither."""
+    closed = closed_block(group, 0) if formulas else None
+    return group_paths(group) if closed is None else closed
+
+
 @lru_cache(maxsize=256)
 def group_paths(group: Problem) -> BlockPaths | None:
     """What tracks the paths of a group; None where it has no start."""
@@ -163,7 +170,7 @@ def most_roots(group: Problem) -> int | None:
     """The most isolated solutions of a group at one row of values; None where no paths tell."""
     if is_linear(group):
         return 1
-    paths = group_paths(group)
+    paths = group_solver(group)
     return None if paths is None else paths.most_roots
 
 

@@ -77,8 +77,9 @@ def modes(
     have the same. Modes for given values are found block by block (see
     `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
 
-    `method` "continuation" (default) tracks all complex roots from the mechanism's own generic instance and says how
-    complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
+    By default the inverse problem of an arm whose axes allow it is solved by formulas, in each joint's turn, and all that these leave in
+    doubt, and every other problem, by continuation (`Modes.method` says which). `method` "continuation" tracks all complex roots from
+    the mechanism's own generic instance and says how complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
     "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
     continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
     fit, and for options that the call would ignore: `solver` with continuation, `starts` and `seed` where nothing is sampled.
@@ -154,13 +155,13 @@ def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progre
 def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: Progress | None) -> dict[int, Modes]:
     """The modes of those inputs that leave nothing in doubt and have some."""
     chosen = [i for i, given in enumerate(givens) if given.off_motion == 0.0]
-    prepared = plain_modes(problem, progress) if chosen else None
+    prepared = plain_modes(problem, progress, formulas=search.formulas) if chosen else None
     if prepared is None or not prepared.parts:
         return {}
     plain = prepared.find(np.array([givens[i].values for i in chosen]), certify=True)
-    ends = np.cumsum(plain.table.count)
+    ends, engine = np.cumsum(plain.table.count), prepared.engine
     return {
-        chosen[place]: _plain_modes(prepared, plain, number, slice(end - count, end), givens[chosen[place]], search)
+        chosen[place]: _plain_modes(prepared, plain, number, slice(end - count, end), givens[chosen[place]], search, engine)
         for number, (place, end, count) in enumerate(
             zip(plain.places.tolist(), ends.tolist(), plain.table.count.tolist(), strict=True)
         )
@@ -168,8 +169,10 @@ def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: 
     }
 
 
-def _plain_modes(prepared: PlainModes, plain: Plain, number: int, part: slice, given: Given, search: Search) -> Modes:
-    """The modes of one plain input, the `part` of the table."""
+def _plain_modes(
+    prepared: PlainModes, plain: Plain, number: int, part: slice, given: Given, search: Search, engine: str | None
+) -> Modes:
+    """The modes of one plain input, the `part` of the table, that `engine` has found."""
     t, problem = plain.table, prepared.problem
     notes = (*given.notes, *prepared.notes, *prepared.theorems(plain.complete[number]))
     listed = SolutionList(
@@ -189,11 +192,11 @@ def _plain_modes(prepared: PlainModes, plain: Plain, number: int, part: slice, g
         given=given.echo,
         modes=listed,
         completeness=COMPLETENESS[t.completeness[number]],  # type: ignore[arg-type]
-        method=search.method,
+        method=prepared.method,
         seed=search.seed,
         elapsed_s=0.0,
-        complex_count=int(t.complex_count[number]),
+        complex_count=None if t.complex_count[number] < 0 else int(t.complex_count[number]),
         unresolved_paths=0,
         notes=notes,
-        engine=prepared.engine,
+        engine=engine,
     )

@@ -16,7 +16,8 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
-from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_paths, most_roots
+from symkin.assembly.closed_roots import ClosedBlock
+from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_solver, most_roots
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.one_input import modes_of_input
@@ -102,8 +103,8 @@ class GroupFinder:
     search: Search
 
     @cached_property
-    def _paths(self) -> list[BlockPaths]:
-        found = (None if is_linear(group) else group_paths(group) for group in structure_groups(self.problem))
+    def _paths(self) -> list[BlockPaths | ClosedBlock]:
+        found = (None if is_linear(group) else group_solver(group) for group in structure_groups(self.problem))
         return [paths for paths in found if paths is not None]
 
     @property
@@ -116,7 +117,7 @@ class GroupFinder:
         """Hash of the roots from which paths begin."""
         digest = hashlib.sha256()
         for paths in self._paths:
-            digest.update(paths.start.z.tobytes() + paths.start.k.tobytes())
+            digest.update(paths.digest)
         return digest.hexdigest()
 
     @cached_property

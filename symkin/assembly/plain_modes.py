@@ -11,7 +11,9 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.block_paths import BlockPaths, BlockRoots
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.checked_roots import BlockRoots
+from symkin.assembly.closed_roots import ClosedBlock, closed_block
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
 from symkin.computed_once import cached_property, lru_cache
@@ -46,14 +48,21 @@ class Plain:
 
 @dataclass(frozen=True, eq=False)
 class PlainModes:
-    """What is prepared once for all inputs of one problem: its blocks with their paths, none where some block has none."""
+    """What is prepared once for all inputs of one problem: its blocks with their formulas or paths, none where some block has
+    neither."""
 
     problem: Problem
-    parts: tuple[BlockPaths, ...]
+    parts: tuple[BlockPaths | ClosedBlock, ...]
+
+    @property
+    def method(self) -> str:
+        """How the modes are found: by formulas where all blocks have some."""
+        methods = {part.method for part in self.parts}
+        return methods.pop() if len(methods) == 1 else "continuation"
 
     @property
     def engine(self) -> str | None:
-        """What tracks the paths."""
+        """What tracks the paths or has the formulas."""
         return ", ".join(dict.fromkeys(part.engine for part in self.parts)) or None
 
     @cached_property
@@ -77,7 +86,7 @@ class PlainModes:
         """Hash of the roots from which paths begin."""
         digest = hashlib.sha256()
         for part in self.parts:
-            digest.update(part.start.z.tobytes() + part.start.k.tobytes())
+            digest.update(part.digest)
         return digest.hexdigest()
 
     @cached_property
@@ -205,22 +214,28 @@ def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.nda
     return certified[order].astype(int), np.where(certified, radius, np.nan)[order]
 
 
-def plain_modes(problem: Problem, progress: Progress | None = None) -> PlainModes:
-    """The blocks of a problem with their paths; a start that is not kept yet is computed."""
-    if (
-        problem.is_explicit
-        or problem.system.freedom > problem.generic_rank
-        or unsuitable(problem)
-        or redundant_distances(problem)
-    ):
+def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas: bool = True) -> PlainModes:
+    """The blocks of a problem with their formulas, if they are wanted and there are some, or with their paths; a start that is not
+    kept yet is computed."""
+    unsolvable = problem.is_explicit or problem.system.freedom > problem.generic_rank
+    if unsolvable:
         return PlainModes(problem, ())
-    found = []
+    found: list[_Way] = []
     for number, block in enumerate(problem.blocks):
+        if formulas and closed_block(problem, number) is not None:
+            found.append(None)
+            continue
+        if unsuitable(problem) or redundant_distances(problem):
+            return PlainModes(problem, ())
         start = _kept_start(problem, number, progress, str(cache_folder()))
         if start is None:
             return PlainModes(problem, ())
         found.append((system_of(problem, block), start))
     return _prepared(problem, tuple(found))
+
+
+_Way = tuple[AlgebraicSystem, Fibre] | None
+"""How a block is solved: by paths of a system from a start, or by formulas."""
 
 
 @lru_cache(maxsize=256)
@@ -231,6 +246,13 @@ def _kept_start(problem: Problem, number: int, progress: Progress | None, _folde
 
 
 @lru_cache(maxsize=128)
-def _prepared(problem: Problem, found: tuple[tuple[AlgebraicSystem, Fibre], ...]) -> PlainModes:
-    parts = zip(problem.blocks, found, strict=True)
-    return PlainModes(problem, tuple(BlockPaths(problem, block, system, start) for block, (system, start) in parts))
+def _prepared(problem: Problem, found: tuple[_Way, ...]) -> PlainModes:
+    return PlainModes(problem, tuple(_solver(problem, number, way) for number, way in enumerate(found)))
+
+
+def _solver(problem: Problem, number: int, way: _Way) -> BlockPaths | ClosedBlock:
+    closed = closed_block(problem, number) if way is None else None
+    if closed is not None:
+        return closed
+    assert way is not None  # noqa: S101 - a block without formulas has paths
+    return BlockPaths(problem, problem.blocks[number], *way)

@@ -21,13 +21,15 @@ _MULTISTART = "give method = 'multistart' (--method multistart), which searches 
 @dataclass(frozen=True)
 class Search:
     """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that the caller gave, None for
-    the others, so that what a problem has no use for can be refused."""
+    the others, so that what a problem has no use for can be refused. `formulas`: whether continuation may leave inputs to closed
+    forms where there are some."""
 
     method: str
     starts: int
     seed: int
     solver: str | Newton | LeastSquares
     named: Mapping[str, object] = field(default_factory=dict)
+    formulas: bool = True
 
     @staticmethod
     def of(
@@ -49,6 +51,7 @@ class Search:
             DEFAULT_SEED if seed is None else seed,
             "batched" if solver is None else solver,
             {"starts": starts, "seed": seed, "solver": solver},
+            formulas=method is None,
         )
 
     def refuse_starts(self, problem: Problem) -> None:

@@ -11,6 +11,7 @@ import typer
 
 from symkin.cli.calibrate import calibrate
 from symkin.cli.close import close
+from symkin.cli.convert import convert
 from symkin.cli.describe import list_, show
 from symkin.cli.firmware import firmware
 from symkin.cli.jacobian import jacobian
@@ -54,6 +55,7 @@ def options(
 app.command(name="list")(list_)
 app.command()(show)
 app.command()(close)
+app.command()(convert)
 app.command()(modes)
 app.command()(solve)
 app.command()(singularities)

@@ -28,6 +28,8 @@ from symkin.cli.calibrate_options import (
 )
 from symkin.cli.options import MechArgument, SeedOption
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
+from symkin.cli.reading import reads_robots
+from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -36,8 +38,10 @@ calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.
 
 
 @calibrate.command()
+@reads_robots
 def fit(
     mech: MechArgument,
+    read: ReadOptions,
     data: DataArgument,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the mechanism file and the report.")],
     parameters: PatternOption = None,
@@ -73,7 +77,7 @@ def fit(
     from symkin.calibration.fit_file import NotFittedError, fit_file
     from symkin.formats.load import load
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     check_folder(output, mech, mechanism, force=force)
     given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
     sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}

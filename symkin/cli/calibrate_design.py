@@ -34,8 +34,10 @@ from symkin.cli.calibrate_options import (
 )
 from symkin.cli.options import MechArgument, SeedOption, check_output
 from symkin.cli.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
+from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
 
 if TYPE_CHECKING:
@@ -53,8 +55,10 @@ _DEFAULT_RANGE = "20deg"
 """Range of inclinations and of turns about z where none is given."""
 
 
+@reads_robots
 def simulate(
     mech: MechArgument,
+    read: ReadOptions,
     output: CsvOption,
     postures: RandomPosturesOption = None,
     groups: RandomGroupsOption = None,
@@ -97,7 +101,7 @@ def simulate(
 
     check_output(output, mech, truth, plan)
     check_own_file(output, force=force)
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
     kinds = _split_names(readings)
@@ -137,8 +141,10 @@ def simulate(
     print(f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, seed {seed}")
 
 
+@reads_robots
 def plan(
     mech: MechArgument,
+    read: ReadOptions,
     output: CsvOption,
     postures: PosturesOption = 40,
     groups: GroupsOption = 5,
@@ -173,17 +179,17 @@ def plan(
 
     check_output(output, mech)
     check_own_file(output, force=force)
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     kinds = _split_names(readings)
     _check_anything_read(groups != 0, kinds, noise_group)
     _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)
     noise = _noise(mechanism, noise_joints, noise_group, noise_inclination, noise_position, noise_orientation, Shape.normal)
-    read = tuple(o.name for o in observed_kinds(mechanism, kinds))
+    told = tuple(o.name for o in observed_kinds(mechanism, kinds))
     made = plan_measurements(
         _workspace(mechanism, box, tilt, spin, _LIMIT_MARGIN), postures, noise, groups=groups, criterion=criterion.value, seed=_checked_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
         readings=kinds,
-        parameters=None if parameters is None else match_parameters(mechanism, parameters, read), aligned=not raw
+        parameters=None if parameters is None else match_parameters(mechanism, parameters, told), aligned=not raw
     )  # fmt: skip
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
@@ -17,8 +19,10 @@ if TYPE_CHECKING:
 _SUFFIXES = (".toml", ".json", ".xml")
 
 
+@reads_robots
 def close(
     mech: MechArgument,
+    read: ReadOptions,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -27,6 +31,7 @@ def close(
             help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
         ),
     ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
@@ -34,28 +39,34 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
-    found = close_one(mech)
+    if plot is not None:
+        from symkin.plots.picture_file import check_picture_path
+
+        check_picture_path(plot)
+    found = close_one(mech, read)
+    written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
-    written = f"\nwritten: {output}" if output is not None and found.closed else ""
+        written = f"\nwritten: {output}"
+    if plot is not None and found.closed:
+        found.plot(plot)
+        written += f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + written)
     raise typer.Exit(0 if found.closed else 3)
 
 
 def _check_output(output: Path | None, mech: str) -> None:
     """Refuse, before the work, an output that cannot be written or would replace what is read."""
+    from symkin.files.outputs import check_output
+
     if output is None:
         return
-    if output.suffix not in _SUFFIXES:
-        raise InputError(f"-o: {str(output)!r} has another suffix than {', '.join(_SUFFIXES)}, which close writes")
+    check_output(output, _SUFFIXES, "close", mech)
     if output.suffix == ".xml" and Path(mech).suffix.lower() != ".xml":
         raise InputError(
-            f"-o: {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json"
+            f"output {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json, or "
+            "`symkin convert`"
         )
-    if output.is_dir() or not output.resolve().parent.is_dir():
-        raise InputError(f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is needed")
-    if Path(mech).exists() and Path(mech).resolve() == output.resolve():
-        raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
 
 
 def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:

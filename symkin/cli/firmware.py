@@ -9,6 +9,8 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import MechArgument, numbers_from
+from symkin.cli.reading import reads_robots
+from symkin.formats.read_options import ReadOptions
 
 
 class RealType(StrEnum):
@@ -21,8 +23,10 @@ class GeometryChoice(StrEnum):
     struct = "struct"
 
 
+@reads_robots
 def firmware(
     mech: MechArgument,
+    read: ReadOptions,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
     real: Annotated[RealType, typer.Option(help="The C type of numbers.")] = RealType.double,
     home_relative: Annotated[
@@ -40,7 +44,7 @@ def firmware(
     from symkin.codegen.folder import write_firmware
     from symkin.formats.load import load
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     pose = numbers_from(home, "home", mechanism.angle_unit)
     files = write_firmware(
         mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose

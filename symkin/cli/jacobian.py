@@ -9,7 +9,9 @@ from typing import Annotated
 import typer
 
 from symkin.cli.options import MechArgument, check_output
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 
 
 class Format(StrEnum):
@@ -27,8 +29,10 @@ class Kind(StrEnum):
     passive = "passive"
 
 
+@reads_robots
 def jacobian(
     mech: MechArgument,
+    read: ReadOptions,
     language: Annotated[Format, typer.Option("--format", help="The language to write.")],
     kind: Annotated[
         Kind | None,
@@ -50,7 +54,7 @@ def jacobian(
     from symkin.velocity.jacobian import jacobian as symbolic
 
     check_output(output, mech)
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     made: AnyJacobian
     if of is not None or by is not None:
         if of is None or by is None or kind is not None:

@@ -33,7 +33,10 @@ def whole_numbers(text: str | None, option: str) -> list[int]:
 
 
 MechArgument = Annotated[
-    str, typer.Argument(metavar="MECH", help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf or .sdf file.")
+    str,
+    typer.Argument(
+        metavar="MECH", help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf, .xacro or .sdf file."
+    ),
 ]
 JointsOption = Annotated[
     str | None,

@@ -25,6 +25,8 @@ from symkin.cli.options import (
     whole_numbers,
 )
 from symkin.cli.progress import progress_bar
+from symkin.cli.reading import reads_robots
+from symkin.formats.read_options import ReadOptions
 
 
 class Method(StrEnum):
@@ -37,14 +39,20 @@ class SolverName(StrEnum):
     ipopt = "ipopt"
 
 
+@reads_robots
 def modes(
     mech: MechArgument,
+    read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
     given: GivenOption = None,
     method: Annotated[
-        Method, typer.Option(help="Track all complex solutions, or keep what random starts reach.")
-    ] = Method.continuation,
+        Method | None,
+        typer.Option(
+            help="Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "continuation."
+        ),
+    ] = None,
     starts: Annotated[
         int | None,
         typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
@@ -61,7 +69,7 @@ def modes(
     from symkin.assembly.modes import modes as find_modes
     from symkin.formats.load import load
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -73,7 +81,7 @@ def modes(
             pose=numbers_from(pose, "pose", mechanism.angle_unit),
             given=named_from(given, "given", mechanism.angle_unit),
             choose=whole_numbers(choose, "choose"),
-            method=method.value,
+            method=None if method is None else method.value,
             starts=starts,
             seed=seed,
             progress=progress,
@@ -84,8 +92,10 @@ def modes(
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
 
+@reads_robots
 def solve(
     mech: MechArgument,
+    read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
     given: GivenOption = None,
@@ -97,7 +107,7 @@ def solve(
     from symkin.formats.load import load
     from symkin.position.solve import solve as solve_one
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     unit = mechanism.angle_unit
     result = solve_one(
         mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),

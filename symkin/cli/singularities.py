@@ -24,15 +24,19 @@ from symkin.cli.options import (
     whole_number,
 )
 from symkin.cli.progress import progress_bar
+from symkin.cli.reading import reads_robots
 from symkin.cli.streams import say
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
 from symkin.model.written_number import written_number
 from symkin.position.solve_result import SolveError
 
 
+@reads_robots
 def singularities(
     mech: MechArgument,
+    read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
     given: GivenOption = None,
@@ -77,7 +81,7 @@ def singularities(
         refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 

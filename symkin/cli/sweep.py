@@ -22,7 +22,9 @@ from symkin.cli.options import (
     whole_number,
 )
 from symkin.cli.progress import progress_bar
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 
 
 class Quantity(StrEnum):
@@ -35,8 +37,10 @@ def _count(name: str, text: str) -> Any:
     return typer.Option(name, metavar="N", parser=whole_number, help=text)
 
 
+@reads_robots
 def sweep(
     mech: MechArgument,
+    read: ReadOptions,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
     ],
@@ -94,7 +98,7 @@ def sweep(
     from symkin.sweeps.ranges import check_map_is_left, check_slices, ranged, read_given, read_ranges, read_values
     from symkin.sweeps.run import sweep as run
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     unit, sampled = mechanism.angle_unit, random is not None
     ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
     told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)

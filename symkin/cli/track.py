@@ -19,15 +19,19 @@ from symkin.cli.options import (
     whole_number,
 )
 from symkin.cli.progress import progress_bar
+from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
 
+@reads_robots
 def track(
     mech: MechArgument,
+    read: ReadOptions,
     begin: Annotated[
         str | None,
         typer.Option(
@@ -61,7 +65,7 @@ def track(
     from symkin.following.track_csv import read_trajectory, write_track
     from symkin.formats.load import load
 
-    mechanism = load(mech)
+    mechanism = load(mech, read)
     check_output(output, mech, csv)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path

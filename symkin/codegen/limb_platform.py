@@ -1,8 +1,8 @@
 """Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by limb and all together.
 
 The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given
-the limbs decouple: each is solved from the reference configuration along the line of poses to the given one, so that it
-stays on the reference's branch. Rods are explicit.
+the limbs decouple. Rods are explicit; a limb that has a closed form takes the reference's branch of it; others are solved from
+the reference configuration along the line of poses to the given one, so that they stay on the reference's branch.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
+from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -31,19 +32,25 @@ from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
 
+_COMPARED = 4
+"""Configurations at which the coefficients of a limb's rows are compared, to find its closed form."""
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimbBlock:
-    """A limb once the pose is given: `rod` is the explicit value of its only coordinate, else `kernel` solves it.
+    """A limb once the pose is given: `rod` is the explicit value of its only coordinate, `formulas` give all of them, else `kernel`
+    solves it.
 
-    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist)."""
+    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist). `name`
+    begins the names of the limb's functions."""
 
+    name: str
     system: System
     kernel: Kernel | None
     rod: ca.SX | None
+    formulas: ClosedForm | None
     sides: ca.SX
 
 
@@ -104,7 +111,12 @@ class LimbPlatform:
     @property
     def has_dead_centres(self) -> bool:
         """Whether a limb is more than a rod, whose length the pose decides."""
-        return any(block.kernel is not None for block in self.blocks)
+        return any(block.rod is None for block in self.blocks)
+
+    @property
+    def tells_branch(self) -> bool:
+        """Whether signs tell every limb's branch: all are rods or have closed forms."""
+        return all(block.kernel is None for block in self.blocks)
 
     @cached_property
     def conditions(self) -> System:
@@ -119,17 +131,33 @@ class LimbPlatform:
 
     def _block(self, number: int, system: System) -> LimbBlock:
         pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.characteristic_length
-        rod, kernel = None, None
+        rod, kernel, formulas = None, None, None
         if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
             # the error of a rod is its length by the pose less its coordinate
             rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
         else:
+            formulas = self._formulas(system)
+        if rod is None and formulas is None:
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
         sides = ca.mtimes(of_pose.jacobian, scale)
         sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
-        return LimbBlock(system, kernel, rod, sides)
+        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides)
+
+    def _formulas(self, system: System) -> ClosedForm | None:
+        """The closed form of a limb, where its numbers are constants and all samples are on the reference's branch."""
+        if self.geometry.at_run_time or len(self.samples) < _COMPARED:
+            return None
+        known = self.inverse.known_coordinates
+        poses = np.array([self.inverse.select_values(sample.values, known) for sample in self.samples])
+        limbs = np.array([self.inverse.select_values(sample.values, system.unknowns) for sample in self.samples])
+        found = closed_form(system, poses[:_COMPARED])
+        if found is None:
+            return None
+        home = found.signs_at(*(self.inverse.select_values(self.home_values, c) for c in (system.unknowns, known)))
+        alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
+        return found if alike else None
 
     @property
     def home_values(self) -> np.ndarray:

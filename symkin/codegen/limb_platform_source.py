@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, farthest, fill
+from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_source import limb_text
 from symkin.codegen.linear_solver import singular_condition
@@ -54,7 +55,7 @@ class LimbPlatformSource:
         ranges = condition_within_limits(made.actuated, real, made.closure.characteristic_length)
         return "".join([
             fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
-            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(limb_text(made, block, self._common) for block in made.blocks),
+            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._limb_text(block) for block in made.blocks),
             self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
             fill("parallel_direct.c", values), "\n", self._inverse,
         ])  # fmt: skip
@@ -93,7 +94,8 @@ class LimbPlatformSource:
         """Values of the names in the templates of this kind, the tests and the header."""
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
         passive = sum(c.width for c in made.passive)
-        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({ga}&w.x[{passive}], given);", "}"]
+        answer = "w.x" if self.made.tells_branch else f"{ga}&w.x[{passive}]"
+        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
         unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"{p}_unwrap_joints(w.at, joints, given);"]
         return self._common | {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
@@ -116,6 +118,11 @@ class LimbPlatformSource:
             f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;", "}",
         ]  # fmt: skip
 
+    def _limb_text(self, block: LimbBlock) -> str:
+        """The functions of one limb."""
+        write = limb_text if block.formulas is None else closed_limb_text
+        return write(self.made, block, self._common)
+
     # --- limbs -----------------------------------------------------------------------------------------------------
 
     @property
@@ -124,10 +131,15 @@ class LimbPlatformSource:
         lines: list[str] = []
         for block in self.made.blocks:
             lines.append(f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */")
-            if block.kernel is None:
+            if block.rod is not None:
                 lines += self._rod_lines(block)
                 continue
-            k = f"{self.name}_{block.kernel.name}"
+            k = f"{self.name}_{block.name}"
+            if block.formulas is not None:
+                copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._places(block)]
+                lines += [f"if (status == {self._ok}) {{", f"    {self.real.type} x[{block.system.width}];",
+                          f"    status = {k}_joints(c, x);", *copies, "}"]  # fmt: skip
+                continue
             copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._places(block)]
             lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
                       *copies, "}"]  # fmt: skip
@@ -147,7 +159,7 @@ class LimbPlatformSource:
 
     def _prefix(self, block: LimbBlock) -> str:
         """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
-        rods = [other for other in self.made.blocks if other.kernel is None]
+        rods = [other for other in self.made.blocks if other.rod is not None]
         return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
 
     def _rod_lines(self, block: LimbBlock) -> list[str]:
@@ -180,6 +192,8 @@ class LimbPlatformSource:
         made = self.made
         if not made.has_dead_centres:
             return ""
+        if self.made.tells_branch:
+            return branch_text(made, self._common, self.code.tuning.tolerance)
         size = made.closure.characteristic_length
         # near a dead centre the pose moves by the square of the joint: an error t of the pose is sqrt(t) there
         near = [4.0 * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
@@ -221,8 +235,10 @@ class LimbPlatformSource:
     def _rate_lines(self, block: LimbBlock) -> list[str]:
         """Statements of the Jacobian's rows of one limb."""
         comment = f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */"
-        if block.kernel is None:
+        if block.rod is not None:
             return [comment, *self._rod_rate_lines(block)]
+        if block.kernel is None:
+            return [comment, *self._closed_rate_lines(block)]
         made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
         columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
         actuated = [(there, *solved[here]) for array, there, here in self._places(block) if array == "q"]
@@ -243,6 +259,18 @@ class LimbPlatformSource:
                 )
                 body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
         return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
+
+    def _closed_rate_lines(self, block: LimbBlock) -> list[str]:
+        """Statements that copy the rates of a limb in closed form."""
+        columns, k = COLUMNS[self.made.mechanism.motion], f"{self.name}_{block.name}"
+        actuated = [there for array, there, _ in self._places(block) if array == "q"]
+        copies = [
+            f"    jacobian[{6 * there + column}] = of_limb[{i * len(columns) + j}];"
+            for i, there in enumerate(actuated)
+            for j, column in enumerate(columns)
+        ]
+        return [f"if (status == {self._ok}) {{", f"    {self.real.type} of_limb[{len(actuated) * len(columns)}];",
+                f"    status = {k}_rates(c, of_limb);", *copies, "}"]  # fmt: skip
 
     def _rod_rate_lines(self, block: LimbBlock) -> list[str]:
         """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the twist."""

@@ -33,7 +33,7 @@ in which no large numbers cancel."""
 _CLOSED = r"""The closure's rows $F(q, x, X) = 0$ over joint values $q$, passive joints $x$ and pose $X$ follow; angular rows are multiplied by the
 mechanism's size so that all are lengths. Given $q$, Newton's method finds $(x, X)$ together; where there are more rows than
 unknowns each step is least squares over all rows (QR), and an answer must satisfy all of them. Given $X$ the limbs are
-solved one by one."""
+solved one by one, by formulas where they have a closed form."""
 
 _SERIAL = r"""The tool's pose is a product of exponentials of the joints' screws. The inverse problem solves the rows below, position and
 twice the size times the vector part of the relative quaternion, for the joint values."""
@@ -106,21 +106,58 @@ A limb's dead centre is a singularity too, and a pose alone does not say on whic
 solved at the answer, along the line of poses from the reference as `inverse` solves them: where they have other joint values
 than the given ones (by more than four square roots of the tolerance over the size), or that line leaves what the limb can take,
 the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there."""
+_SIDE = r"""
+
+A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the limb stands. Of a limb in closed
+form a sign tells that: it is taken at the answer and the given joint values, and where it is not the reference's (but for
+an error of four square roots of the tolerance over the size), the status is `WRONG_BRANCH`. The inverse of an answer
+called OK is what was given, and the next call can begin there."""
+
+_FORMULAS = r"""## Limbs in closed form
+
+Given the pose, the rows of these limbs are solved by formulas; of two values the one on the reference's side is taken, and
+`OUT_OF_RANGE` says that a root's argument is negative. $x$ are lengths, $t$ angles, capitals what is known:
+
+$$x^2 + 2 h x + e = 0: \quad x = -h \pm \sqrt{h^2 - e}$$
+
+$$A \cos t + B \sin t + C = 0: \quad (\cos t, \sin t) = \frac{(-A C \mp B r,\ -B C \pm A r)}{A^2 + B^2}, \quad
+r = \sqrt{A^2 + B^2 - C^2}$$
+
+Two rows that are linear in $\cos t$ and $\sin t$ give both by Cramer's rule. Joint rates are the derivatives of the
+formulas, with $\mathrm{d} \sqrt{D} = \mathrm{d} D / (2 \sqrt{D})$; `jacobian` is `SINGULAR` where a root is a thousandth of its usual size."""
+
+
+def _formulas(program: Program) -> list[str]:
+    """The section on limbs in closed form, where there are any: their derivations, and which limbs have none."""
+    kind = program.kind
+    if not isinstance(kind, LimbPlatform) or all(block.formulas is None for block in kind.blocks):
+        return []
+    lines = [_FORMULAS, ""]
+    for block in kind.blocks:
+        if block.formulas is not None:
+            names = ", ".join(f"`{c.name}`" for c in block.system.unknowns)
+            lines += [f"{names}:", "", *(f"{k}. {step}." for k, step in enumerate(block.formulas.steps, start=1)), ""]
+    iterated = [c.name for block in kind.blocks if block.kernel is not None for c in block.system.unknowns]
+    if iterated:
+        lines += [f"No closed form was found for {', '.join(f'`{name}`' for name in iterated)}: Newton's method finds these.", ""]
+    return ["\n".join(lines)]
 
 
 def _branch(program: Program) -> str:
     """The section on which answer is OK, as far as it holds for the kernel."""
     kernel = program.main.kernel
     pieces = _RULE.split("@@")
-    rule = (
-        pieces[0]
-        + (_SIGN if kernel.is_square else "")
-        + pieces[1]
-        + (_DEAD_CENTRE if program.kind.has_dead_centres else "")
-        + pieces[2]
-    )
+    rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + _dead_centres(program) + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
     return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
+
+
+def _dead_centres(program: Program) -> str:
+    """What is said of limbs' dead centres."""
+    kind = program.kind
+    if not kind.has_dead_centres or not isinstance(kind, LimbPlatform):
+        return ""
+    return _SIDE if kind.tells_branch else _DEAD_CENTRE
 
 
 def readme(program: Program) -> str:
@@ -130,6 +167,7 @@ def readme(program: Program) -> str:
     kind = _EQUATIONS[type(program.kind)] + (_RELATIVE if options.home_relative else "")
     kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
+    chapters = "\n\n".join([kind, *_formulas(program), _branch(program)])
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
 
@@ -146,9 +184,7 @@ One step: {counts}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.len
 
 ## Equations
 
-{kind}
-
-{_branch(program)}
+{chapters}
 
 ## Closure
 

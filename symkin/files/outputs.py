@@ -7,6 +7,7 @@ import os
 import stat
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from symkin.errors import InputError
@@ -25,6 +26,18 @@ def write_output(path: str | Path, content: str | bytes) -> None:
             _write_into(path, data, there)
     except OSError as error:
         raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
+
+
+def check_output(path: str | Path, suffixes: Sequence[str], verb: str, reads: str | Path = "") -> None:
+    """Refuse, before the work, an output of a suffix that a verb does not write, one that cannot be written, and one that would replace
+    what is read. Raises InputError."""
+    output = Path(path)
+    if output.suffix not in suffixes:
+        raise InputError(f"output {str(path)!r} has another suffix than {', '.join(suffixes)}, which {verb} writes")
+    if output.is_dir() or not output.resolve().parent.is_dir():
+        raise InputError(f"output {str(path)!r} is a folder, or its folder does not exist; the name of a file is needed")
+    if str(reads) and output.exists() and Path(reads).exists() and os.path.samefile(output, reads):
+        raise InputError(f"output {str(path)!r} is read by this command; give another name")
 
 
 def _status(path: str | Path) -> os.stat_result | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,10 +10,12 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
+from symkin.formats.parts import whole_again
 from symkin.formats.robot import Closure, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
+from symkin.model.mesh import LinkMesh
 from symkin.model.names import identifier
 from symkin.spatial.pose import Pose
 
@@ -51,14 +53,25 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     joints += [_closing_joint(closure, closed) for closure in robot.closures]
     if not joints:
         raise MechanismError(f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least")
-    return Mechanism(
+    found = Mechanism(
         identifier(robot.name),
         link_joints=[LinkJoint(joint, links) for joint, links in joints],
         couplings=robot.couplings,
         length_unit="m",
         angle_unit="rad",
         source=robot.source,
+        link_meshes=list(_link_meshes(robot, closed)),
     )
+    return whole_again(found, robot.parts)
+
+
+def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
+    """The meshes of links, and of bodies that are part of them, where the links are."""
+    for name, meshes in robot.meshes.items():
+        link, frame = robot.merged[name] if name in robot.merged else (name, robot.links[name])
+        for mesh in meshes:
+            pose = closed.placed.displacement(link) @ frame @ mesh.pose
+            yield LinkMesh(link, mesh.file, tuple(pose.position), tuple(pose.quaternion), mesh.scale)
 
 
 def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]]:

@@ -18,6 +18,8 @@ DIGITS = 1e-5
 """Of the size: loops that stay open by less close to the digits that files are written with."""
 RANK_SHARE = 1e-8
 """Share of the largest singular value below which others count as zero, as for every closure of symkin."""
+_NOTHING = 1e-12
+"""Singular value (a length for a length) below which no motion is felt at all: rounding, as where two joints have one axis."""
 _ROUNDING = 1e-14
 """Of the size: loops of a file that stay open by less are left as they are."""
 _ITERATIONS = 300
@@ -177,7 +179,8 @@ def _singular_values(tree: Tree, state: State) -> np.ndarray:
     _, jacobian = constraint_rows(tree, state)
     if min(jacobian.shape) == 0:
         return np.zeros(0)
-    return np.asarray(np.linalg.svd(jacobian / _scales(tree), compute_uv=False))
+    values = np.linalg.svd(jacobian / _scales(tree), compute_uv=False)
+    return np.where(values > _NOTHING, values, 0.0)
 
 
 def row_count(robot: Robot) -> int:

@@ -7,10 +7,47 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symkin.errors import MechanismError
+from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 
 _ZERO = 1e-12
 """Coefficients and constants below this, where the others are about 1, are rounding of equations that say the same."""
+
+
+ToldCoupling = tuple[Coupling, Element]
+"""A coupling, and the element that tells it."""
+
+
+def couplings_told(found: Sequence[ToldCoupling]) -> list[Coupling]:
+    """The couplings of elements that each name the joint that follows. Raises MechanismError for a joint that follows twice, and for
+    joints that follow each other in a circle."""
+    told: dict[str, ToldCoupling] = {}
+    for coupling, element in found:
+        if coupling.joint in told:
+            raise element.error(
+                f"the joint {coupling.joint!r} follows others already (line {told[coupling.joint][1].line}); write one of the two"
+            )
+        told[coupling.joint] = coupling, element
+    for name in told:
+        circle = _circle(name, told)
+        if circle:
+            raise told[name][1].error(f"the joints mimic each other in a circle: {', '.join(sorted(circle))}")
+    return [coupling for coupling, _ in told.values()]
+
+
+def _circle(begin: str, told: Mapping[str, ToldCoupling]) -> list[str]:
+    """The joints on a way from a joint back to itself; none where there is no such way."""
+    ways = {begin: [begin]}
+    todo = [begin]
+    while todo:
+        at = todo.pop()
+        for other in told[at][0].names if at in told else ():
+            if other == begin:
+                return ways[at]
+            if other not in ways:
+                ways[other] = [*ways[at], other]
+                todo.append(other)
+    return []
 
 
 @dataclass(frozen=True)

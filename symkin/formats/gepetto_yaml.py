@@ -16,6 +16,7 @@ from symkin.model.joint import JointType
 from symkin.text import first_of, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
+YAML_ENDINGS = (".yaml", ".yml")
 _AXES: dict[str, Direction] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 _UNIVERSAL = re.compile(r"UJOINT_([XYZ])([XYZ])")
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
@@ -41,8 +42,10 @@ class LoopsBeside:
 
 
 def loops_beside(path: Path) -> LoopsBeside:
-    """What stands in the YAML file of a URDF's name; nothing where there is none, or it closes no loop."""
-    file = next((f for ending in (".yaml", ".yml") if (f := path.with_suffix(ending)).is_file()), None)
+    """What stands in the YAML file of a URDF's name (leg.yaml of leg.urdf, and of leg.urdf.xacro); nothing where there is none, or it
+    closes no loop."""
+    names = [path, path.with_suffix("")] if path.with_suffix("").suffix == ".urdf" else [path]
+    file = next((f for name in names for ending in YAML_ENDINGS if (f := name.with_suffix(ending)).is_file()), None)
     if file is None:
         return LoopsBeside()
     text = _text(file)

@@ -15,7 +15,8 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, renamed
-from symkin.formats.robot import Closure, ClosureType, Robot
+from symkin.formats.parts import Parts
+from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
 from symkin.spatial.pose import Pose
@@ -58,11 +59,12 @@ class JointGraph:
     couplings: Sequence[Coupling] = ()
     notes: tuple[str, ...] = ()
     source: str = ""
-    meshes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
+    parts: Parts = field(default_factory=Parts)
 
 
 def robot_of(graph: JointGraph) -> Robot:
-    """The robot with its root as "base", placed where all joints of the tree are 0; what the root does not reach is left out."""
+    """The robot with its root as "base", placed where all joints of the tree are 0, or at the values that `parts` tells; what the root does not reach is left out."""
     graph = _uniquely_named(graph)
     tree = spanning_tree(graph)
     placed, in_tree = place(graph, tree), {joint.name for joint in tree}
@@ -97,10 +99,21 @@ def place(graph: JointGraph, tree: Sequence[GraphJoint]) -> dict[str, tuple[Pose
             here = joint.links.index(link)
             other = joint.links[1 - here]
             if other not in placed:
-                pose = placed[link][0] @ joint.frames[here] @ joint.frames[1 - here].inverse()
+                moved = _moved(joint, graph.parts.reference.get(joint.name, 0.0))
+                between = moved if here == 0 else moved.inverse()
+                pose = placed[link][0] @ joint.frames[here] @ between @ joint.frames[1 - here].inverse()
                 placed[other] = (Pose(np.asarray(pose.position), _unit(pose.quaternion)), joint)
                 todo.append(other)
     return placed
+
+
+def _moved(joint: GraphJoint, value: float) -> Pose:
+    """How far a joint of one coordinate moves its second frame in its first, from 0 to a value."""
+    if not value or joint.axis is None or FREEDOMS[joint.type] != 1:
+        return Pose.identity()
+    along = value if joint.type == "P" else value * joint.pitch / (2.0 * math.pi)
+    turn = np.zeros(3) if joint.type == "P" else value * np.array(joint.axis)
+    return Pose.from_rotation_vector(along * np.array(joint.axis), turn)
 
 
 def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
@@ -156,6 +169,7 @@ class _Assembly:
             ),
             source=self.graph.source,
             meshes=self._meshes(),
+            parts=self.graph.parts,
             merged={
                 self.link_names[link]: (self.link_names[self.part_of[link]], self.placed[link][0])
                 for link in self.placed
@@ -180,7 +194,8 @@ class _Assembly:
             axis=None if axis is None else _numbers(axis),
             axis2=None if axis2 is None else _numbers(axis2),
             pitch=joint.pitch,
-            actuated=joint.actuated,
+            actuated=joint.actuated or self.graph.parts.drives(joint.name, joint.type),
+            zero=self.graph.parts.reference.get(joint.name, 0.0) if FREEDOMS[joint.type] == 1 else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
         )
         return LinkJoint(made, (self.link_names[carrier], self.link_names[link]))
@@ -208,7 +223,8 @@ class _Assembly:
         parts = (self.link_names[self.part_of[joint.links[0]]], self.link_names[self.part_of[joint.links[1]]])
         kind: ClosureType = joint.type
         limits = joint.limits if FREEDOMS[joint.type] == 1 else None
-        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, joint.actuated)
+        driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
+        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, driven)
 
     def _coupling(self, coupling: Coupling) -> Coupling:
         new = self._coordinate
@@ -233,8 +249,8 @@ class _Assembly:
             if not self._is_kept(coupling, kept)
         ]
 
-    def _meshes(self) -> dict[str, tuple[str, ...]]:
-        return {self.link_names[link]: files for link, files in self.graph.meshes.items() if link in self.placed}
+    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
+        return {self.link_names[link]: meshes for link, meshes in self.graph.meshes.items() if link in self.placed}
 
 
 def _preference(joint: GraphJoint, coupled: bool) -> int:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from symkin.errors import InputError, MechanismError
 from symkin.formats.assembled import mechanism_of
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
-from symkin.model.file import read, shipped, shipped_names
+from symkin.model.file import read as read_file
+from symkin.model.file import shipped, shipped_names
 from symkin.model.mechanism import Mechanism
 from symkin.text import shown
 
 
-def load(name_or_path: str | Path) -> Mechanism:
-    """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml), URDF (.urdf) or SDF (.sdf).
+def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
+    """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml), URDF (.urdf, .xacro) or SDF (.sdf).
 
     A robot becomes a graph of links at the closed configuration that is nearest to the file's own, in metres and radians, its root
-    held as the link "base"; `close` tells the rest. Raises InputError when there is no such mechanism or file, MechanismError for a
-    file that is not right: one line with file, key path or line and element, value and what is allowed.
+    held as the link "base"; `close` tells the rest. `read` tells what the robot's file does not: kinds of closures, actuated joints,
+    arguments of xacro, packages. Raises InputError when there is no such mechanism or file, MechanismError for a file that is not
+    right: one line with file, key path or line and element, value and what is allowed.
 
     >>> import symkin
     >>> hexapod = symkin.load("zhang2009")
@@ -27,11 +31,14 @@ def load(name_or_path: str | Path) -> Mechanism:
     """
     text, path = str(name_or_path), Path(name_or_path)
     if text in shipped_names():
+        _refuse_for_files_of_ours(read, text)
         return shipped(text)
     if path.suffix == ".toml":
-        return read(path)
+        _refuse_for_files_of_ours(read, text)
+        return read_file(path)
     if is_robot(path):
-        return mechanism_of(read_robot(path))
+        with _naming(path):
+            return mechanism_of(read_robot(path, read))
     raise InputError(
         f"mechanism {shown(text)} is unknown; allowed: a path to a .toml, {', '.join(_READERS)} file, or {', '.join(shipped_names())}"
     )
@@ -42,32 +49,51 @@ def is_robot(path: Path) -> bool:
     return path.suffix.lower() in _READERS
 
 
-def read_robot(path: Path) -> Robot:
+def read_robot(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that a file of another format describes, its loops open as they are there."""
+    reader, allowed, because = _READERS[path.suffix.lower()]
+    read.refuse_but(allowed, str(path), because)
+    with _naming(path):
+        return read.told(reader(path, read))
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Put the file before what parts of a robot, which name themselves, say is wrong."""
     try:
-        return _READERS[path.suffix.lower()](path)
+        yield
     except MechanismError as error:
-        # parts of a robot name themselves, but not their file
         text = str(error)
         raise error if str(path) in text or path.name in text else MechanismError(f"{path}: {text}") from None
 
 
-def _mjcf(path: Path) -> Robot:
+def _refuse_for_files_of_ours(read: ReadOptions, text: str) -> None:
+    read.refuse_but((), text, "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself")
+
+
+def _mjcf(path: Path, read: ReadOptions) -> Robot:
     from symkin.formats.mjcf import read_mjcf
 
-    return read_mjcf(path)
+    return read_mjcf(path, read)
 
 
-def _urdf(path: Path) -> Robot:
+def _urdf(path: Path, read: ReadOptions) -> Robot:
     from symkin.formats.urdf import read_urdf
 
-    return read_urdf(path)
+    return read_urdf(path, read)
 
 
-def _sdf(path: Path) -> Robot:
+def _sdf(path: Path, read: ReadOptions) -> Robot:
     from symkin.formats.sdf import read_sdf
 
-    return read_sdf(path)
+    return read_sdf(path, read)
 
 
-_READERS: dict[str, Callable[[Path], Robot]] = {".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}
+_URDF = (_urdf, ("loop", "actuated", "arguments", "packages"), "a URDF file describes one robot")
+_READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...], str]] = {
+    ".xml": (_mjcf, ("loop", "actuated"), "an MJCF file names its parts by paths, and describes one model without macros"),
+    ".urdf": _URDF,
+    ".xacro": _URDF,
+    ".sdf": (_sdf, ("loop", "actuated", "packages", "model"), "SDF has no macros that are expanded here"),
+}
+"""By suffix: the reader, the options that mean something there, and why the others do not."""

@@ -1,21 +1,20 @@
-"""From MuJoCo's compiled model to a robot."""
+"""From MuJoCo's compiled model to a robot: bodies and joints at qpos0, joints that are held at a value moved there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from types import ModuleType
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.couplings import CouplingSet, LinearEquation
+from symkin.formats.mjcf_couplings import couplings_of, driven, idle_actuators, without_kinematics
+from symkin.formats.mjcf_equalities import Equality, active_equalities, body_of, frames_on_bodies, held_values, is_rigid
+from symkin.formats.mjcf_model import CompiledModel
 from symkin.formats.naming import allowed_names, renamed, robot_name
-from symkin.formats.robot import Closure, ClosureType, Robot
-from symkin.formats.xml_text import Element
+from symkin.formats.parts import KEY, parts_from
+from symkin.formats.robot import Closure, Mesh, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.spatial.pose import Pose
@@ -24,38 +23,27 @@ from symkin.text import first_of
 
 _COINCIDE = 1e-9
 """Metres and radians: frames of one link that are this near need no constraint."""
-_NO_NAME = "MuJoCo Model"
-"""What the compiler calls a model without a name."""
-
-
-@dataclass(frozen=True)
-class _Equality:
-    """An active equality constraint: its type's name, its number in the model, its two objects (-1: none), and its place."""
-
-    kind: str
-    number: int
-    objects: tuple[int, int]
-    where: str
 
 
 class Reader:
-    """The parts of a robot from a compiled model at qpos0, joints that are held at a value moved there."""
+    """The parts of a robot from a compiled model; `motors_told`: which joints are actuated is told elsewhere."""
 
-    def __init__(self, mujoco: ModuleType, model: Any, root: Element, path: Path, meshes: dict[str, tuple[str, ...]]) -> None:
-        self.mujoco, self.model, self.root, self.path, self.meshes = mujoco, model, root, path, meshes
+    def __init__(self, compiled: CompiledModel, *, motors_told: bool = False) -> None:
+        self.compiled, self.model, self.motors_told = compiled, compiled.model, motors_told
         self.notes: list[str] = []
-        self.equalities = list(self._active_equalities())
-        self.held = self._held_values()
-        self.data = mujoco.MjData(model)
+        self.equalities = active_equalities(compiled, self.notes)
+        self.held = held_values(compiled, self.equalities, self.notes)
+        self.data = compiled.mujoco.MjData(self.model)
         for joint, value in self.held.items():
-            self.data.qpos[model.jnt_qposadr[joint]] = value
-        mujoco.mj_kinematics(model, self.data)
-        self.free = {int(model.jnt_bodyid[j]) for j in range(model.njnt) if self._type(j) == "free"}
+            self.data.qpos[self.model.jnt_qposadr[joint]] = value
+        compiled.mujoco.mj_kinematics(self.model, self.data)
+        self.free = {int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if self._type(j) == "free"}
         self.floating = self._floating()
         self.part_of = self._parts()
         self._name_everything()
 
     def robot(self) -> Robot:
+        """The robot, with notes on what is left out."""
         model = self.model
         links = {BASE: self._base_frame()}
         merged: dict[str, tuple[str, Pose]] = {}
@@ -65,31 +53,27 @@ class Reader:
                 links[name] = self._frame(body)
             elif name != BASE:
                 merged[name] = (part, self._frame(body))
-        couplings = self._couplings()
+        frames = {**links, **{name: frame for name, (_, frame) in merged.items()}}
+        couplings = couplings_of(self.compiled, self.equalities, self.held, self.joint_names)
         follows = {c.joint for c in couplings.found.values()}
         joints = [entry for body in range(1, model.nbody) for entry in self._joints(body, links, follows)]
         closures = [closure for equality in self.equalities for closure in self._closure(equality)]
+        motors = () if self.motors_told else idle_actuators(self.compiled)
         return Robot(
-            name=robot_name(None if self._model_name == _NO_NAME else self._model_name, self.path),
+            name=robot_name(self.compiled.name, self.compiled.path),
             links=links,
             joints=tuple(joints),
             closures=tuple(closures),
             couplings=tuple(couplings.found.values()),
-            notes=(*self.notes, *couplings.notes, *self._no_kinematics()),
-            source=self.path.name,
-            meshes={
-                self.link_names[b]: self.meshes[n] for b in range(1, model.nbody) if (n := model.body(b).name) in self.meshes
-            },
+            notes=(*self.notes, *couplings.notes, *without_kinematics(self.compiled), *motors),
+            source=self.compiled.path.name,
+            meshes=self._meshes(frames),
             floating=tuple(self.link_names[body] for body in self.floating),
             merged=merged,
+            parts=parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>"),
         )
 
     # --- bodies --------------------------------------------------------------------------------------------------------
-
-    @property
-    def _model_name(self) -> str:
-        names = self.model.names
-        return bytes(names).split(b"\0", 1)[0].decode("utf-8", "replace")
 
     def _body_joints(self, body: int) -> list[int]:
         """The joints that carry a body, in their order, but held and free ones."""
@@ -97,7 +81,7 @@ class Reader:
         return [j for j in range(first, first + count) if j not in self.held and self._type(j) != "free"]
 
     def _type(self, joint: int) -> str:
-        return str(self.mujoco.mjtJoint(int(self.model.jnt_type[joint])).name).removeprefix("mjJNT_").lower()
+        return self.compiled.joint_type(joint)
 
     def _floating(self) -> list[int]:
         """Bodies with a free joint that closures join to the base, or to a body that is held: of bodies that hang together, the first
@@ -115,7 +99,7 @@ class Reader:
                 heads[head(body)] = head(int(model.body_parentid[body]))
         for equality in self.equalities:
             if equality.kind in ("connect", "weld"):
-                first, second = (self._body_of(equality, end) for end in (0, 1))
+                first, second = (body_of(self.compiled, equality, end) for end in (0, 1))
                 heads[head(first)] = head(second)
         floating, still = [], []
         for body in sorted(self.free):
@@ -125,7 +109,7 @@ class Reader:
                 still.append(body)
                 heads[head(body)] = head(0)
         if still:
-            names = first_of([model.body(body).name or f"body{body}" for body in still])
+            names = first_of([self.compiled.body_name(body) for body in still])
             self.notes.append(f"free joints are held where the file has them, and their bodies are part of the base: {names}")
         return floating
 
@@ -139,12 +123,12 @@ class Reader:
 
     def _name_everything(self) -> None:
         model = self.model
-        bodies = {body: model.body(body).name or f"body{body}" for body in range(1, model.nbody)}
+        bodies = {body: self.compiled.body_name(body) for body in range(1, model.nbody)}
         fixed = [body for body, name in bodies.items() if name == BASE and self.part_of[body] == 0]
         others = {body: name for body, name in bodies.items() if body not in fixed}
         names = allowed_names(others.values(), taken=[BASE])
         self.link_names = {0: BASE, **dict.fromkeys(fixed, BASE), **{body: names[name] for body, name in others.items()}}
-        joints = {j: model.joint(j).name or f"{bodies[int(model.jnt_bodyid[j])]}_joint{j}" for j in range(model.njnt)}
+        joints = {j: self.compiled.joint_name(j) or f"{bodies[int(model.jnt_bodyid[j])]}_joint{j}" for j in range(model.njnt)}
         joint_names = allowed_names(joints.values())
         self.joint_names = {j: joint_names[name] for j, name in joints.items()}
         self.notes += [*renamed("links", names), *renamed("joints", joint_names)]
@@ -152,7 +136,7 @@ class Reader:
         used = set(joint_names.values())
         for equality in self.equalities:
             if equality.kind in ("connect", "weld"):
-                ends = [self.link_names[self._body_of(equality, end)] for end in (0, 1)]
+                ends = [self.link_names[body_of(self.compiled, equality, end)] for end in (0, 1)]
                 own = model.equality(equality.number).name or f"{equality.kind}_{ends[0]}_{ends[1]}"
                 number, name = 2, own
                 while name in used:
@@ -188,6 +172,22 @@ class Reader:
             elif name in joints:
                 found[place] = joints[name]
         return found
+
+    def _meshes(self, frames: Mapping[str, Pose]) -> dict[str, tuple[Mesh, ...]]:
+        """The meshes of bodies, each once, in the frames of links and merged bodies."""
+        found: dict[str, list[Mesh]] = {}
+        shown: set[tuple[str, str, tuple[float, ...]]] = set()
+        for geom, mesh in self.compiled.meshes.items():
+            body = int(self.model.geom_bodyid[geom])
+            name = self.link_names[body]
+            pose = frames[name].inverse() @ self._frame(body) @ self.compiled.geom_pose(geom) @ mesh.pose
+            numbers = tuple(
+                float(x) for part in (pose.position, pose.quaternion, mesh.scale) for x in np.round(np.asarray(part), 9)
+            )
+            if (name, mesh.file, numbers) not in shown:
+                shown.add((name, mesh.file, numbers))
+                found.setdefault(name, []).append(replace(mesh, pose=pose))
+        return {name: tuple(meshes) for name, meshes in found.items()}
 
     # --- joints --------------------------------------------------------------------------------------------------------
 
@@ -233,78 +233,23 @@ class Reader:
     @cached_property
     def _driven(self) -> set[int]:
         """Joints that actuators drive."""
-        return {joint for k in range(self.model.nu) for joint in self._driven_by(k)}
+        return driven(self.compiled)
 
-    def _driven_by(self, actuator: int) -> list[int]:
-        """Hinges and slides that an actuator drives, directly or through a fixed tendon."""
-        model, transmissions = self.model, self.mujoco.mjtTrn
-        kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator][0])
-        joints: list[int] = []
-        if kind in (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_JOINTINPARENT)):
-            joints = [target]
-        elif kind == int(transmissions.mjTRN_TENDON):
-            joints = [joint for joint, _ in self._tendon(target) or ()]
-        return [joint for joint in joints if self._type(joint) in ("hinge", "slide")]
+    # --- closures --------------------------------------------------------------------------------------------------------
 
-    # --- equality constraints --------------------------------------------------------------------------------------------
-
-    def _active_equalities(self) -> Iterator[_Equality]:
-        model = self.model
-        written = [e for section in self.root.all("equality") for e in section.children]
-        for k in range(model.neq):
-            kind = str(self.mujoco.mjtEq(int(model.eq_type[k])).name).removeprefix("mjEQ_").lower()
-            # of included and of multiplied elements the place is not known
-            where = (
-                written[k].where
-                if len(written) == model.neq
-                else f"{self.path}: <{kind}> number {k + 1} of the equality constraints"
-            )
-            found = _Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
-            if not model.eq_active0[k]:
-                self.notes.append(f"{where}: it is not active, and left out")
-            elif kind in ("connect", "weld") and any(model.body_mocapid[self._body_of(found, end)] >= 0 for end in (0, 1)):
-                self.notes.append(f"{where}: it joins a mocap body, which is moved from outside, and is left out")
-            else:
-                yield found
-
-    def _held_values(self) -> dict[int, float]:
-        """Joints that an equality holds at a value."""
-        found: dict[int, float] = {}
-        for equality in self.equalities:
-            joint, other = equality.objects
-            if equality.kind == "joint" and other < 0:
-                value = float(self.model.qpos0[self.model.jnt_qposadr[joint]] + self.model.eq_data[equality.number][0])
-                name = self.model.joint(joint).name
-                if found.get(joint, value) != value:
-                    raise MechanismError(f"{equality.where}: the joint {name!r} is held at two values")
-                found[joint] = value
-                self.notes.append(
-                    f"the joint {name!r} is held at {value:g} by an equality: its link is part of the one that carries it"
-                )
-        return found
-
-    def _body_of(self, equality: _Equality, end: int) -> int:
-        number = equality.objects[end]
-        if int(self.model.eq_objtype[equality.number]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
-            return int(self.model.site_bodyid[number])
-        return max(number, 0)
-
-    def _closure(self, equality: _Equality) -> Iterator[Closure]:
+    def _closure(self, equality: Equality) -> Iterator[Closure]:
         """The closure of a connect or a weld; none of one within a link."""
-        if equality.kind in ("joint", "tendon"):
-            return
         if equality.kind not in ("connect", "weld"):
-            raise MechanismError(
-                f"{equality.where}: {equality.kind} constraints are not kinematics of links; take it out, or make it inactive"
-            )
-        bodies = [self._body_of(equality, end) for end in (0, 1)]
+            return
+        bodies = [body_of(self.compiled, equality, end) for end in (0, 1)]
         links = (self._link(bodies[0]), self._link(bodies[1]))
-        first, second = self._frames(equality, bodies)
-        rigid = equality.kind == "weld" and float(self.model.eq_data[equality.number][10]) != 0.0
-        kind: ClosureType = "weld" if rigid else "S"
-        name = self.closure_names[equality.number]
+        first, second = (
+            self._frame(body) @ frame for body, frame in zip(bodies, frames_on_bodies(self.compiled, equality), strict=True)
+        )
+        rigid = is_rigid(self.compiled, equality)
         if links[0] != links[1]:
-            yield Closure(name, kind, links, first, second, equality.where)
+            name = self.closure_names[equality.number]
+            yield Closure(name, "weld" if rigid else "S", links, first, second, equality.where)
             return
         gap = first.inverse() @ second
         open_by = float(np.linalg.norm(gap.position)) + (float(np.linalg.norm(gap.quaternion[1:])) if rigid else 0.0)
@@ -313,103 +258,3 @@ class Reader:
                 f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and {open_by:.3g} apart; nothing closes it"
             )
         self.notes.append(f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and it is left out")
-
-    def _frames(self, equality: _Equality, bodies: list[int]) -> tuple[Pose, Pose]:
-        """The frames of a connect or weld on its two bodies, as `mj_instantiateEqual` takes them."""
-        numbers = self.model.eq_data[equality.number]
-        if int(self.model.eq_objtype[equality.number]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
-            return self._site_frame(equality.objects[0]), self._site_frame(equality.objects[1])
-        first, second = (self._frame(body) for body in bodies)
-        if equality.kind == "connect":
-            return tuple(
-                f @ Pose(numbers[3 * k : 3 * k + 3].copy(), np.array([1.0, 0, 0, 0])) for k, f in enumerate((first, second))
-            )  # type: ignore[return-value]
-        turn = numbers[6:10] / np.linalg.norm(numbers[6:10])
-        return first @ Pose(numbers[3:6].copy(), turn), second @ Pose(numbers[0:3].copy(), np.array([1.0, 0, 0, 0]))
-
-    def _site_frame(self, site: int) -> Pose:
-        model = self.model
-        return self._frame(int(model.site_bodyid[site])) @ Pose(model.site_pos[site].copy(), model.site_quat[site].copy())
-
-    # --- couplings -------------------------------------------------------------------------------------------------------
-
-    def _couplings(self) -> CouplingSet:
-        found = CouplingSet()
-        for equality in self.equalities:
-            if equality.kind == "joint" and equality.objects[1] >= 0:
-                first, second = ([(joint, 1.0)] for joint in equality.objects)
-            elif equality.kind == "tendon":
-                first, second = (self._tendon_of(equality, end) for end in (0, 1))
-            else:
-                continue
-            self._couple(found, equality, first, second)
-        return found
-
-    def _couple(
-        self, found: CouplingSet, equality: _Equality, first: list[tuple[int, float]], second: list[tuple[int, float]]
-    ) -> None:
-        """first - first0 = c0 + c1 d + c2 d^2 + ..., d = second - second0, both from qpos0."""
-        coefficients = [float(c) for c in self.model.eq_data[equality.number][:5]]
-        while len(coefficients) > 2 and coefficients[-1] == 0.0:
-            coefficients.pop()
-        start, other = (sum(f * self._at_qpos0(j) for j, f in terms) for terms in (first, second))
-        moving = [(j, f) for j, f in (*first, *second) if j not in self.held]
-        if len(coefficients) <= 2:
-            slope = coefficients[1] if second else 0.0
-            terms = {self.joint_names[j]: 0.0 for j, _ in moving}
-            constant = coefficients[0] + start - slope * other
-            for j, factor in [*first, *((j, -slope * f) for j, f in second)]:
-                if j in self.held:
-                    constant -= factor * self.held[j]
-                else:
-                    terms[self.joint_names[j]] += factor
-            if any(terms.values()):
-                found.add_linear(LinearEquation(terms, constant, equality.where))
-        elif len(first) == len(second) == 1 and len(moving) == 2:
-            (joint, own), (of, factor) = first[0], second[0]
-            inner = np.polynomial.Polynomial([-other, factor])
-            polynomial = (np.polynomial.Polynomial(coefficients)(inner) + start) / own
-            found.add_polynomial(
-                self.joint_names[joint], self.joint_names[of], [float(c) for c in polynomial.coef], equality.where
-            )
-        else:
-            raise MechanismError(
-                f"{equality.where}: a polynomial of more than one joint, or of a held one, is not read; write it linearly"
-            )
-
-    def _at_qpos0(self, joint: int) -> float:
-        return float(self.model.qpos0[self.model.jnt_qposadr[joint]])
-
-    def _tendon_of(self, equality: _Equality, end: int) -> list[tuple[int, float]]:
-        """Joints and factors of one of the two tendons; none where there is no second."""
-        number = equality.objects[end]
-        if number < 0:
-            return []
-        found = self._tendon(number)
-        if found is None:
-            raise MechanismError(
-                f"{equality.where}: its tendon {self.model.tendon(number).name!r} is a spatial one; only fixed tendons are read"
-            )
-        return found
-
-    def _tendon(self, number: int) -> list[tuple[int, float]] | None:
-        """Joints and factors of a fixed tendon; None of a spatial one."""
-        model = self.model
-        first, count = int(model.tendon_adr[number]), int(model.tendon_num[number])
-        if any(int(model.wrap_type[k]) != int(self.mujoco.mjtWrap.mjWRAP_JOINT) for k in range(first, first + count)):
-            return None
-        return [(int(model.wrap_objid[k]), float(model.wrap_prm[k])) for k in range(first, first + count)]
-
-    def _no_kinematics(self) -> Iterator[str]:
-        """What of the file has no meaning here."""
-        model = self.model
-        spatial = sum(self._tendon(k) is None for k in range(model.ntendon))
-        counts = {"spatial tendon": spatial, "contact pair": model.npair, "flex": model.nflex, "sensor": model.nsensor}
-        named = [f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items() if count]
-        if named:
-            yield f"left out, since it moves no link by itself: {', '.join(named)}"
-        idle = [model.actuator(k).name or f"number {k + 1}" for k in range(model.nu) if not self._driven_by(k)]
-        if idle:
-            yield f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: {first_of(idle)}"
-        if not model.nu:
-            yield "the file has no actuator: no joint is actuated, and values are given by name"

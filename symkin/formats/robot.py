@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.spatial.pose import Pose
 
@@ -38,11 +39,22 @@ class Closure:
 
 
 @dataclass(frozen=True)
+class Mesh:
+    """A mesh by its file (the path where it is found, else as it is written), its pose in the frame of the link or merged body that
+    it shows, and the scale of its own numbers."""
+
+    file: str
+    pose: Pose
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
 class Robot:
     """Links by name with their frames at the file's configuration, the tree's `joints` (each from the link that is nearer to the root
     to the other; their `zero` is the value at the file's configuration, in radians and metres), closures, couplings of joints, and what
     was left out of the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on no joint, only on
-    closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame."""
+    closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame. `meshes` show
+    links and merged bodies, by name. `parts` tells which joints are parts of one."""
 
     name: str
     links: Mapping[str, Pose]
@@ -51,6 +63,7 @@ class Robot:
     couplings: tuple[Coupling, ...] = ()
     notes: tuple[str, ...] = ()
     source: str = ""
-    meshes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
     floating: tuple[str, ...] = ()
     merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)
+    parts: Parts = field(default_factory=Parts)

@@ -8,12 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from symkin.formats.couplings import ToldCoupling, couplings_told
+from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
 from symkin.formats.naming import robot_name
-from symkin.formats.robot import Robot
+from symkin.formats.parts import JOINTS_TAG
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
+from symkin.formats.robot import Mesh, Robot
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
-from symkin.formats.sdf_joint import TYPES, is_range, sdf_axis, sdf_limits, sdf_pitch, sdf_type
-from symkin.formats.urdf_parts import names_any, unit
+from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.sdf_world import robot_model
+from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.spatial.pose import Pose
@@ -21,27 +26,29 @@ from symkin.text import first_of
 
 _PARALLEL = 1e-6
 """Sine of the angle between axes that are taken for one direction."""
+_APART = 1e-6
+"""Metres beyond which a joint and the frame that is its parent are two places."""
 
 
-def read_sdf(path: Path) -> Robot:
+def read_sdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that the one model of an SDF file describes, at the poses of the file.
 
     Raises InputError and MechanismError with file, line and element for what is not right.
     """
     path = Path(path)
     root = read_xml(path, "sdf")
-    return robot_of(_Reader(root, path).graph())
+    return robot_of(_Reader(root, path, read).graph())
 
 
-class _Reader:
+class _Reader(GraphReader):
     """The parts of an SDF file."""
 
-    def __init__(self, root: Element, path: Path) -> None:
-        self.path = path
-        self.notes: list[str] = []
+    def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
+        super().__init__(path, read)
         self.unlimited: list[str] = []
-        self.model = self._model(root)
-        self.frames = SdfFrames()
+        self.model = robot_model(root, read.model, self.notes)
+        self.parts = parts_within(self.model)
+        self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
         self.poses = {link: self.frames.pose(link) for link in self.frames.links}
@@ -49,7 +56,7 @@ class _Reader:
 
     def graph(self) -> JointGraph:
         joints = [self._joint(*entry) for entry in self.frames.joints if entry[0].attributes.get("type") != "gearbox"]
-        couplings = [*self._mimics(joints), *self._gears(joints)]
+        couplings = couplings_told([*self._mimics(joints), *self._gears(joints)])
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
         if not links:
@@ -63,35 +70,21 @@ class _Reader:
             couplings=couplings,
             source=str(self.path),
             meshes=self._meshes(),
+            parts=self.parts,
         )
         graph = self._with_motors(graph)
         if self.unlimited:
             self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
-        return replace(graph, notes=(*self.notes, *self._left_out()))
-
-    def _model(self, root: Element) -> Element:
-        """The one model of the file, or of its world: of several that which has joints."""
-        worlds = root.all("world")
-        models = [*root.all("model"), *(model for world in worlds for model in world.all("model"))]
-        for world in worlds:
-            for include in world.all("include", "joint"):
-                self.notes.append(f"line {include.line}: <{include.tag}> of the world is left out; the model is read alone")
-        moving = [model for model in models if any(e.tag == "joint" for e in model.walk())] or models
-        if len(moving) != 1:
-            names = first_of([str(model.attributes.get("name")) for model in moving])
-            raise root.error(
-                f"{len(moving)} models are found{f': {names}' if names else ''}; one is needed, in a file of its own"
-            )
-        static = moving[0].one("static")
-        if static is not None and static.text.strip().lower() in ("1", "true"):
-            raise static.error("the model is static: no joint of it moves")
-        return moving[0]
+        left_out = self._left_out()
+        return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
     def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
         """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
-        if any(canonical in joint.links for joint in joints) or not joints:
+        if any(canonical in joint.links for joint in joints):
             return canonical
+        if not joints:
+            return canonical if canonical in links else links[0]
         graph = JointGraph("", links, canonical, joints)
         tree = spanning_tree(graph)
         return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
@@ -106,26 +99,32 @@ class _Reader:
         if parent == child:
             raise element.error(f"joins the link {_plain(parent)!r} to itself; two links are needed")
         at = self._joint_pose(element, scope)
+        self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(name, "weld", (parent, child), frames, where=element.where)
+        made = GraphJoint(name, "weld", (parent, child), frames, closing=name in self.parts.welds, where=element.where)
         if element.attributes.get("type") in ("revolute2", "universal"):
             return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
         kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
         if kind in ("weld", "S"):
             return replace(made, type=kind)
         pitch = sdf_pitch(element) if kind == "H" else 0.0
-        limits = None if element.attributes.get("type") == "continuous" else self._limits(element)
+        limits = (
+            None if element.attributes.get("type") == "continuous" else self.range_of(sdf_limits(element), element, element.line)
+        )
         return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
 
-    def _limits(self, element: Element) -> tuple[float, float] | None:
-        limits = sdf_limits(element)
-        if limits is None or is_range(*limits):
-            return limits
-        low, high = limits
-        self.notes.append(
-            f"line {element.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
-        )
-        return None
+    def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:
+        """Say where the parent is a frame away from the joint: it only names the link, and the poses of the file hold."""
+        name = element.needed("parent").text.strip()
+        full = WORLD if name == WORLD else self.frames.find(name, scope, element)
+        if full == WORLD or full in self.frames.links:
+            return
+        away = float(np.linalg.norm(np.asarray((self.frames.pose(full).inverse() @ at).position)))
+        if away > _APART:
+            self.notes.append(
+                f"line {element.line}: the parent frame {name!r} of {element.label} is {away:.3g} m from the joint, which stands at its child; "
+                "the frame names a link, and the poses of the file hold"
+            )
 
     def _body(self, element: Element, tag: str, scope: Scope) -> str:
         """The link that a joint's parent or child is, or carries the frame that it names."""
@@ -150,11 +149,10 @@ class _Reader:
         if scope.version < FIRST_WITH_FRAMES:
             return sdf_axis(element, tag, model.inverse() @ at, scope.version)
         axis = element.needed(tag)
-        if axis.one("use_parent_model_frame") is not None:
-            raise axis.error('use_parent_model_frame is of versions before 1.7; write <xyz expressed_in="__model__">')
         xyz = axis.needed("xyz")
         vector, name = xyz.text_numbers(3), xyz.attributes.get("expressed_in", "").strip()
         if not name:
+            refuse_model_frame(axis, vector, model.inverse() @ at)
             return unit(xyz, vector)
         told_in = self.frames.pose(self.frames.find(name, scope, xyz))
         turned = np.asarray((at.inverse() @ told_in).turn(np.asarray(vector)))
@@ -170,7 +168,7 @@ class _Reader:
 
     # --- couplings -------------------------------------------------------------------------------------------------
 
-    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """follower = multiplier x (leader - reference) + offset."""
         made = {joint.name: joint for joint in joints}
         for element, scope in self.frames.joints:
@@ -187,14 +185,14 @@ class _Reader:
                 factor, offset, reference = (
                     _value(mimic, word, default) for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
-                yield Coupling(follower, {leader: factor}, offset - factor * reference)
+                yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic
 
     def _coordinate(self, made: dict[str, GraphJoint], name: str, axis: int, element: Element) -> str:
         if name not in made or made[name].type not in ("R", "P", "H", "U"):
             raise element.error(f"the joint {_plain(name)!r} is {'unknown' if name not in made else 'without an axis'}")
         return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
 
-    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[Coupling]:
+    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body, about axis and axis2."""
         for element, scope in self.frames.joints:
             if element.attributes.get("type") != "gearbox":
@@ -212,7 +210,7 @@ class _Reader:
                 raise element.error("the gearbox couples no two joints")
             name = free[-1]
             own = factors.pop(name)
-            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()})
+            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()}), element
 
     def _turns(self, element: Element, joints: Sequence[GraphJoint], start: str, end: str, about: np.ndarray) -> dict[str, float]:
         """The revolute joints from one link to another about a direction, with the sense in which each turns the second link."""
@@ -242,6 +240,8 @@ class _Reader:
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
+        if self.read.actuated or self.parts.actuated is not None:
+            return graph
         named = {e.text.strip() for p in self.model.walk() if p.tag == "plugin" for e in p.walk() if e.tag == "joint_name"}
         able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
         driven = {joint.name for joint in able if joint.name in named}
@@ -253,32 +253,51 @@ class _Reader:
                 self.notes.append("no motors are told: all movable joints of the tree of one coordinate are actuated")
         return replace(graph, joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints])
 
-    def _meshes(self) -> dict[str, tuple[str, ...]]:
-        found: dict[str, tuple[str, ...]] = {}
-        for link in self.frames.links:
-            element = self.frames.frames[link].element
-            files = [e.needed("uri").text.strip() for v in element.all("visual") for e in v.walk() if e.tag == "mesh"]
-            if files:
-                found[_plain(link)] = tuple(files)
+    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
+        found: dict[str, tuple[Mesh, ...]] = {}
+        for link, (element, scope) in self.frames.links.items():
+            meshes = [self._mesh(link, v, mesh, scope) for v in element.all("visual") for mesh in v.walk() if mesh.tag == "mesh"]
+            if meshes:
+                found[_plain(link)] = tuple(meshes)
         return found
 
+    def _mesh(self, link: str, visual: Element, mesh: Element, scope: Scope) -> Mesh:
+        """A mesh of a visual, which is told in the link's frame unless it says otherwise."""
+        pose, told_in = self.frames.relative(visual, scope, link)
+        scale = mesh.one("scale")
+        numbers = (1.0, 1.0, 1.0) if scale is None else scale.text_numbers(3)
+        at = self.poses[link].inverse() @ self.frames.pose(told_in) @ pose
+        return self.mesh(mesh, mesh.needed("uri").text.strip(), at, numbers)
+
     def _left_out(self) -> list[str]:
-        """Notes on elements of models that have no meaning here. Raises MechanismError for an unknown one that names links or joints."""
+        """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
-        found: dict[str, None] = {}
-        for element in (child for scope in self.frames.scopes for child in scope.element.children):
-            if element.tag in _KNOWN:
-                continue
-            if element.tag not in ("plugin", "gripper") and names_any(element, names):
-                raise element.error(
-                    f"<{element.tag}> is unknown in a model, and it names links or joints; remove it if it is no constraint"
-                )
-            found[f"<{element.tag}>"] = None
-        return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
+        others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
+        run_time = [e for e in others if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")]
+        for plugin in run_time:
+            ends = [e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)]
+            self.notes.append(
+                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation runs; write a joint to have the loop"
+            )
+        return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 
+_OF_NO_MEANING = {"plugin": "<plugin>", "gripper": "<gripper>"}
+"""Elements that name links and joints, and are no constraints."""
 _KNOWN = frozenset(
-    ["allow_auto_disable", "enable_wind", "frame", "include", "joint", "link", "model", "pose", "self_collide", "static"]
+    [
+        JOINTS_TAG,
+        "allow_auto_disable",
+        "enable_wind",
+        "frame",
+        "include",
+        "joint",
+        "link",
+        "model",
+        "pose",
+        "self_collide",
+        "static",
+    ]
 )
 
 

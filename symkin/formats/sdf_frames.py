@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 
 from symkin.errors import InputError
+from symkin.formats.naming import nearest
+from symkin.formats.packages import Packages
 from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
 
@@ -51,13 +52,15 @@ class _Frame:
 
 @dataclass
 class SdfFrames:
-    """All frames of a file by their full names; links in order, joints with the model in which they stand."""
+    """All frames of a file by their full names; links and joints in order with the model in which they stand."""
 
+    packages: Packages
     frames: dict[str, _Frame] = field(default_factory=dict)
-    links: dict[str, Element] = field(default_factory=dict)
+    links: dict[str, tuple[Element, Scope]] = field(default_factory=dict)
     joints: list[tuple[Element, Scope]] = field(default_factory=list)
     scopes: list[Scope] = field(default_factory=list)
     known: dict[str, Pose] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
     def add_model(self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None) -> None:
         """A model and all within it; `placed` is the include that places it in another way."""
@@ -66,16 +69,20 @@ class SdfFrames:
         nested = element.all("model")
         pose, name = sdf_pose(placed if placed is not None and placed.one("pose") is not None else element, scope.version)
         base = told_in if name is None else name
-        canonical = element.attributes.get("canonical_link") or next((e.attribute("name") for e in (*links, *nested)), _MODEL)
+        canonical = element.attributes.get("canonical_link") or next(
+            (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
+        )
         placement = (placed.one("placement_frame") if placed is not None else None) or None
         word = placement.text.strip() if placement is not None else element.attributes.get("placement_frame")
         attached = scope.prefix + canonical if canonical != _MODEL else WORLD
         frame = _Frame(pose, base, attached, element, None if word is None else scope.prefix + word)
         self.frames[scope.model] = frame
         for link in links:
+            if self._is_the_world(link, scope):
+                continue
             key = self._new(scope.prefix + link.attribute("name"), link)
             self.frames[key] = self._placed(link, scope, scope.model, key)
-            self.links[key] = link
+            self.links[key] = link, scope
         for frame_element in element.all("frame"):
             self._add_frame(frame_element, scope)
         for child in nested:
@@ -118,8 +125,7 @@ class SdfFrames:
         known = self._full(scope.prefix + name)
         if known not in self.frames:
             own = [key[len(scope.prefix) :] for key in self.frames if key.startswith(scope.prefix)]
-            near = get_close_matches(name, own, 1)
-            raise element.error(f"the frame {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+            raise element.error(f"the frame {name!r} is unknown{nearest(name, own)}")
         return known
 
     def relative(self, element: Element, scope: Scope, default: str) -> tuple[Pose, str]:
@@ -133,6 +139,16 @@ class SdfFrames:
         pose, name = sdf_pose(element, scope.version)
         told_in = default if name is None else self._written(name, scope)
         return _Frame(pose, told_in, attached, element)
+
+    def _is_the_world(self, link: Element, scope: Scope) -> bool:
+        """Whether a link is what the model stands in, which only files before 1.7 write. Raises MechanismError for later ones."""
+        if link.attribute("name") != WORLD or scope.prefix:
+            return False
+        pose, _ = sdf_pose(link, scope.version)
+        if scope.version >= FIRST_WITH_FRAMES or pose.position.any() or pose.quaternion[1:].any():
+            raise link.error(f"the name {WORLD!r} is reserved for what the model stands in; give the link another name")
+        self.notes.append(f"line {link.line}: the link {WORLD!r} is what the model stands in, and is held")
+        return True
 
     def _written(self, name: str, scope: Scope) -> str:
         """The full name of a frame that may stand further down in the file."""
@@ -163,7 +179,7 @@ class SdfFrames:
 
     def _include(self, element: Element, scope: Scope) -> None:
         """The model of another file, under its own name or that of the include, or merged into this model."""
-        path = _included(element, scope.files)
+        path = _included(element, scope.files, self.packages)
         root = read_xml(path, "sdf")
         model = root.needed("model")
         given = element.one("name")
@@ -250,17 +266,19 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
 
 
-def _included(element: Element, files: Sequence[Path]) -> Path:
-    """The file that an include names: beside this file or above it, a folder with model.sdf or a file."""
+def _included(element: Element, files: Sequence[Path], packages: Packages) -> Path:
+    """The file that an include names: in a folder of packages, beside this file or above it, a folder with model.sdf or a file."""
     uri = element.needed("uri").text.strip()
-    name = uri.removeprefix("model://").removeprefix("file://")
+    name = uri.removeprefix("model://").removeprefix("package://").removeprefix("file://")
     here = files[-1].parent
-    folders = [here, *list(here.parents)[:2]]
+    own = [folder.parent for folder in packages.folders if folder.resolve().name == Path(name).parts[0]] if name else []
+    folders = [*packages.folders, *own, here, *list(here.parents)[:2]]
     tries = [folder / name for folder in folders] + [folder / name / "model.sdf" for folder in folders]
     found = next((path.resolve() for path in tries if path.is_file()), None)
     if found is None:
         raise InputError(
-            f"{element.where}: the included model {uri!r} is not found beside the file or in the two folders above it"
+            f"{element.where}: the included model {uri!r} is not found beside the file, in the two folders above it or in a folder of "
+            "packages (--packages)"
         )
     if found in [file.resolve() for file in files]:
         raise element.error(f"{uri!r} includes itself")

@@ -23,6 +23,8 @@ TYPES: dict[str, JointType] = {
     "fixed": "weld",
 }
 """Joints of SDF that are one joint here; a revolute2 is two, a gearbox a coupling."""
+_ONE_AXIS = 1e-6
+"""Radians between directions that are one."""
 UNLIMITED = 1e15
 """Bounds beyond this are none: SDF writes 1e16, infinity and the largest number of doubles."""
 
@@ -43,10 +45,23 @@ def sdf_axis(element: Element, tag: str, joint_pose: Pose, version: tuple[int, i
     axis = element.needed(tag)
     xyz = axis.needed("xyz")
     vector = xyz.text_numbers(3)
-    flag = axis.one("use_parent_model_frame")
-    in_model = version < (1, 5) or (flag is not None and flag.text.strip().lower() in ("1", "true"))
+    in_model = version < (1, 5) or _model_frame(axis) is not None
     turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector))) if in_model else np.asarray(vector)
     return unit(xyz, tuple(float(c) for c in turned))
+
+
+def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pose) -> None:
+    """Raise MechanismError where an axis of version 1.7 or later would be another one by use_parent_model_frame of versions before."""
+    flag = _model_frame(axis)
+    turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
+    if flag is not None and np.linalg.norm(turned - np.asarray(vector)) > _ONE_AXIS * np.linalg.norm(vector):
+        raise flag.error('is of versions before 1.7, and would turn the axis; write <xyz expressed_in="__model__">')
+
+
+def _model_frame(axis: Element) -> Element | None:
+    """The element use_parent_model_frame where it is true."""
+    flag = axis.one("use_parent_model_frame")
+    return flag if flag is not None and flag.text.strip().lower() in ("1", "true") else None
 
 
 def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | None:
@@ -60,6 +75,11 @@ def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | Non
         math.inf * side if end is None else end.text_number(infinite=True) for end, side in zip(ends, (-1, 1), strict=True)
     )
     return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
+
+
+def is_bounded(low: float, high: float) -> bool:
+    """Whether bounds exclude anything."""
+    return low > -UNLIMITED or high < UNLIMITED
 
 
 def is_range(low: float, high: float) -> bool:

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 
 from symkin.errors import MechanismError
+from symkin.formats.couplings import couplings_told
 from symkin.formats.gepetto_yaml import loops_beside
+from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
-from symkin.formats.naming import robot_name
-from symkin.formats.robot import Robot
-from symkin.formats.sdf_joint import UNLIMITED, is_range
+from symkin.formats.naming import nearest, robot_name
+from symkin.formats.packages import Packages
+from symkin.formats.parts import JOINTS_TAG
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
+from symkin.formats.robot import Mesh, Robot
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
 from symkin.formats.urdf_motors import mimics, with_motors
-from symkin.formats.urdf_parts import direction, names_any, origin, plain_tag
+from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
+from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.joint import JointType
 from symkin.spatial.pose import Pose
@@ -31,6 +35,8 @@ _TYPES: dict[str, JointType] = {
     "screw": "H",
 }
 """Joints of URDF, and those that Drake adds; floating and planar ones are chains of these."""
+_WORLD = "world"
+"""The link that Drake and MuJoCo know without a <link>."""
 _X, _Y, _W = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _OF_NO_MEANING = {
     "material": "materials",
@@ -56,23 +62,34 @@ _OF_NO_MEANING = {
 }
 
 
-def read_urdf(path: Path) -> Robot:
-    """The robot that a URDF file describes, at the configuration where all joints are 0.
+def read_urdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
+    """The robot that a URDF file describes, at the configuration where all joints are 0; macros of xacro are expanded.
 
     Raises InputError and MechanismError with file, line and element for what is not right.
     """
     path = Path(path)
+    return robot_of(_Reader(_root(path, read), path, read).graph())
+
+
+def _root(path: Path, read: ReadOptions) -> Element:
+    """The root element, of a file in xacro the expanded one."""
     root = read_xml(path, "robot")
-    return robot_of(_Reader(root, path).graph())
+    if not is_xacro(root):
+        read.refuse_but(("loop", "actuated", "packages"), str(path), "the file has no macros of xacro")
+        return root
+    root = expanded(path, read.arguments, Packages(path, read.folders))
+    left = next(macros(root), None)
+    if left is not None:
+        raise left.error('is xacro that is left as it is; the root element needs xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    return root
 
 
-class _Reader:
+class _Reader(GraphReader):
     """The parts of a URDF file."""
 
-    def __init__(self, root: Element, path: Path) -> None:
-        self.root, self.path = root, path
-        self.notes: list[str] = []
-        self._refuse_macros()
+    def __init__(self, root: Element, path: Path, read: ReadOptions) -> None:
+        super().__init__(path, read)
+        self.root, self.parts = root, parts_within(root)
         self.links = self._links()
         self.elements = root.all("joint", "drake:joint")
         self.beside = loops_beside(path)
@@ -81,9 +98,11 @@ class _Reader:
         joints = self._joints()
         root = self._root_link(joints)
         joints = self._hold_the_root(joints, root)
-        loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames)
-        joints, of_motors = with_motors(self.root, self.beside, [*joints, *self._beside(), *loops.joints])
-        couplings = [*mimics(self.elements, joints), *loops.couplings(joints)]
+        loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop)
+        joints = [*joints, *self._beside(), *loops.joints]
+        told = self.read.actuated or self.parts.actuated is not None
+        joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
+        couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
         links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
         self._refuse_lost(links, root, joints)
         return JointGraph(
@@ -95,15 +114,10 @@ class _Reader:
             notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
             source=str(self.path),
             meshes=self._meshes(),
+            parts=self.parts,
         )
 
     # --- links -----------------------------------------------------------------------------------------------------
-
-    def _refuse_macros(self) -> None:
-        for element in self.root.walk():
-            told = [element.attributes.get(key, "") for key in ("name", "link", "xyz", "rpy", "value")]
-            if element.tag.startswith("xacro:") or any("${" in value or "$(" in value for value in told):
-                raise element.error("is xacro, which is not expanded here; run `xacro FILE -o OUT.urdf` and read its result")
 
     def _links(self) -> dict[str, Element]:
         links: dict[str, Element] = {}
@@ -114,12 +128,15 @@ class _Reader:
             links[name] = element
         if not links:
             raise self.root.error("no <link> is found; a robot has links and joints")
+        parents = {parent.attribute("link") for joint in self.root.all("joint", "drake:joint") for parent in joint.all("parent")}
+        if _WORLD in parents and _WORLD not in links:
+            self.notes.append(f"the link {_WORLD!r}, which no <link> writes, is what the robot stands on")
+            return {_WORLD: self.root, **links}
         return links
 
     def _known_link(self, name: str, element: Element) -> str:
         if name not in self.links:
-            near = get_close_matches(name, self.links, 1)
-            raise element.error(f"the link {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+            raise element.error(f"the link {name!r} is unknown{nearest(name, self.links)}")
         return name
 
     def _root_link(self, joints: Sequence[GraphJoint]) -> str:
@@ -153,12 +170,17 @@ class _Reader:
         graph = JointGraph("", tuple(links), root, joints)
         return {link: pose for link, (pose, _) in place(graph, joints).items()}
 
-    def _meshes(self) -> dict[str, tuple[str, ...]]:
+    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
         found = {}
         for name, element in self.links.items():
-            files = [e.attributes["filename"] for v in element.all("visual") for e in v.walk() if "filename" in e.attributes]
-            if files:
-                found[name] = tuple(files)
+            meshes = [
+                self.mesh(mesh, mesh.attribute("filename"), origin(visual), mesh.numbers("scale", 3, (1.0, 1.0, 1.0)))
+                for visual in element.all("visual")
+                for mesh in visual.walk()
+                if mesh.tag == "mesh"
+            ]
+            if meshes:
+                found[name] = tuple(meshes)
         return found
 
     # --- joints ----------------------------------------------------------------------------------------------------
@@ -211,13 +233,7 @@ class _Reader:
         if limit is None or not {"lower", "upper"} & set(limit.attributes):
             return None
         low, high = (limit.number(key, 0.0, infinite=True) for key in ("lower", "upper"))
-        if is_range(low, high):
-            return (low, high)
-        if low > -UNLIMITED or high < UNLIMITED:
-            self.notes.append(
-                f"line {limit.line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends"
-            )
-        return None
+        return self.range_of((low, high), element, limit.line)
 
     def _hold_the_root(self, joints: Sequence[GraphJoint], root: str) -> list[GraphJoint]:
         """Without the floating joint under the root, where the root carries nothing else: the base is held."""
@@ -239,36 +255,31 @@ class _Reader:
 
     def _beside(self) -> list[GraphJoint]:
         """The closures of the YAML file beside the URDF."""
-        made = []
-        for k, (kind, first, second) in enumerate(self.beside.closures, start=1):
-            for link in (first, second):
-                if link not in self.links:
-                    near = get_close_matches(link, self.links, 1)
-                    raise MechanismError(
-                        f"{self.beside.file}: closed_loop[{k - 1}] names the frame {link!r}, which is no link of {self.path.name}"
-                        + (f"; {near[0]}?" if near else "")
-                    )
-            frames = (Pose.identity(), Pose.identity())
+        made, frames = [], (Pose.identity(), Pose.identity())
+        for k, (kind, *names) in enumerate(self.beside.closures, start=1):
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
+            first, second = (self._frame_beside(name, where) for name in names)
             made.append(GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where))
         return made
+
+    def _frame_beside(self, name: str, where: str) -> str:
+        """The link whose frame is meant: one by its name, or the child of the joint of that name."""
+        children = {e.attribute("name"): e.needed("child").attribute("link") for e in self.elements}
+        if name not in self.links and name not in children:
+            raise MechanismError(
+                f"{where} names the frame {name!r}, which is no link or joint of {self.path.name}"
+                + nearest(name, [*self.links, *children])
+            )
+        return name if name in self.links else children[name]
 
     # --- what is left out -------------------------------------------------------------------------------------------
 
     def _left_out(self) -> list[str]:
-        """Notes on elements of no meaning here. Raises MechanismError for an unknown one that names links or joints."""
-        known = {"link", "joint", "drake:joint", *LOOP_TAGS}
+        """Notes on elements of no meaning here."""
+        known = {"link", "joint", "drake:joint", JOINTS_TAG, *LOOP_TAGS}
         names = {*self.links, *(e.attribute("name") for e in self.elements)}
-        found: dict[str, None] = {}
-        for element in self.root.children:
-            if element.tag in known or plain_tag(element.tag) in LOOP_TAGS:
-                continue
-            if element.tag not in _OF_NO_MEANING and names_any(element, names):
-                raise element.error(
-                    f"<{element.tag}> is unknown, and it names links or joints of the robot; remove it if it is no constraint"
-                )
-            found[_OF_NO_MEANING.get(element.tag, f"<{element.tag}>")] = None
-        return [f"left out, of no meaning here: {', '.join(found)}"] if found else []
+        others = [e for e in self.root.children if e.tag not in known and plain_tag(e.tag) not in LOOP_TAGS]
+        return self.left_out(others, _OF_NO_MEANING, names)
 
 
 def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:

@@ -6,9 +6,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
+from symkin.formats.couplings import ToldCoupling
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
+from symkin.formats.naming import nearest
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import direction, origin, pose_of
 from symkin.formats.xml_text import Element
@@ -52,24 +53,26 @@ class Loops:
     gears: tuple[GearPair, ...]
     notes: tuple[str, ...]
 
-    def couplings(self, joints: Sequence[GraphJoint]) -> list[Coupling]:
+    def couplings(self, joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
         """The couplings of joints that the pairs of links mean."""
-        found: list[Coupling] = []
+        found: list[ToldCoupling] = []
         for gear in self.gears:
-            found.append(_coupling(gear, joints, {coupling.joint for coupling in found}))
+            found.append((_coupling(gear, joints, {coupling.joint for coupling, _ in found}), gear.element))
         return found
 
 
-def loops_within(root: Element, zero: Mapping[str, Pose], taken: Collection[str]) -> Loops:
+def loops_within(root: Element, zero: Mapping[str, Pose], taken: Collection[str], told: Collection[str] = ()) -> Loops:
     """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that joints place), `taken` links whose
-    frames are told beside the file."""
+    frames are told beside the file, `told` names of closures whose kind is."""
     reader = _Reader(root, zero)
     pairs = reader.closing_pairs(taken)
     joints = [*pairs, *(reader.joint(element) for element in reader.elements)]
+    points = [joint.name for joint in pairs if joint.name not in told]
     notes = [
-        f"the kind of the mates is not written in the file: {', '.join(joint.name for joint in pairs)} hold a point, as ball joints"
-    ]
-    return Loops(tuple(joints), tuple(reader.gears()), tuple(notes) if pairs else ())
+        f"the kind of the mates is not written in the file: {', '.join(points)} hold a point, as ball joints; `loop` (--loop "
+        f"{points[0]}=R) tells another"
+    ] if points else []  # fmt: skip
+    return Loops(tuple(joints), tuple(reader.gears()), tuple(notes))
 
 
 class _Reader:
@@ -219,8 +222,7 @@ class _Reader:
 
     def _known(self, name: str, element: Element) -> str:
         if name not in self.links:
-            near = get_close_matches(name, self.links, 1)
-            raise element.error(f"the link {name!r} is unknown{f'; {near[0]}?' if near else ''}")
+            raise element.error(f"the link {name!r} is unknown{nearest(name, self.links)}")
         return name
 
 

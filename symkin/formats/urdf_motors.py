@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 
+from symkin.formats.couplings import ToldCoupling
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.joint_graph import GraphJoint
+from symkin.formats.naming import nearest
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.text import first_of
@@ -32,10 +33,10 @@ def with_motors(root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]
     return [replace(joint, actuated=True) if joint.name in driven else joint for joint in joints], notes
 
 
-def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[Coupling]:
+def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
     """joint = multiplier x other + offset, for every <mimic> of a joint that moves."""
     made = {joint.name: joint for joint in joints}
-    found: dict[str, tuple[Coupling, Element]] = {}
+    found: list[ToldCoupling] = []
     for element in elements:
         mimic = element.one("mimic")
         if mimic is None:
@@ -44,41 +45,30 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[Co
         if other == name:
             raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
         if other not in made:
-            near = get_close_matches(other, made, 1)
-            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{f'; {near[0]}?' if near else ''}")
+            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{nearest(other, made)}")
         if name in made and made[name].type == "weld":
             continue
         wrong = next((n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None)
         if wrong is not None:
             raise mimic.error(f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or prismatic")
-        found[name] = Coupling(name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)), mimic
-    _refuse_circles(found)
-    return [coupling for coupling, _ in found.values()]
+        found.append((Coupling(name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)), mimic))
+    return found
+
+
+def _is_passive(joint: Element) -> bool:
+    """Whether a transmission's joint has an interface that only reads it."""
+    interfaces = [e.text for e in joint.all("hardwareInterface")]
+    return bool(interfaces) and all("PassiveJoint" in text or "JointStateInterface" in text for text in interfaces)
 
 
 def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     """The driven joints that are told, and where."""
     if beside.motors:
         return frozenset(beside.motors), str(beside.file)
-    driven = [joint for t in root.all("transmission") for joint in t.all("joint")]
+    driven = [joint for t in root.all("transmission") for joint in t.all("joint") if not _is_passive(joint)]
     controlled = [j for c in root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
     named = frozenset(e.attributes.get("name", e.text).strip() for e in (driven or controlled)) - {""}
     if named:
         return named, "transmissions" if driven else "controllers"
     elements = root.all("joint", "drake:joint")
-    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent") == "true"), "joints"
-
-
-def _refuse_circles(found: dict[str, tuple[Coupling, Element]]) -> None:
-    followed = {name: coupling.names[0] for name, (coupling, _) in found.items()}
-    passed: set[str] = set()
-    for name in followed:
-        path: dict[str, None] = {}
-        at = name
-        while at in followed and at not in path and at not in passed:
-            path[at] = None
-            at = followed[at]
-        if at in path:
-            circle = list(path)[list(path).index(at) :]
-            raise found[at][1].error(f"the joints mimic each other in a circle: {', '.join(sorted(circle))}")
-        passed |= set(path)
+    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent", "").lower() == "true"), "joints"

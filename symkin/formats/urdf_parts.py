@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from symkin.formats.joint_graph import Direction
+from symkin.formats.parts import JOINTS_TAG, Parts, parts_from
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
 
@@ -47,6 +48,12 @@ def unit(element: Element, vector: tuple[float, ...]) -> Direction:
 def plain_tag(tag: str) -> str:
     """A tag without its prefix: drake:ball_constraint is ball_constraint."""
     return tag.rpartition(":")[2]
+
+
+def parts_within(element: Element) -> Parts:
+    """What an element tells of joints in parts."""
+    text = element.one(JOINTS_TAG)
+    return Parts() if text is None else parts_from(text.text, text.where)
 
 
 def names_any(element: Element, names: set[str]) -> bool:

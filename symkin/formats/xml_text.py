@@ -127,20 +127,20 @@ def read_xml(path: Path, *roots: str) -> Element:
     Raises InputError for a file that cannot be read, MechanismError for one that is no XML, is too large, too deep, declares a
     document type (entities) or has another root.
     """
-    return parse_xml(_bytes(path), str(path), *roots)
+    return parse_xml(read_text(path), str(path), *roots)
 
 
 def parse_xml(content: bytes, file: str, *roots: str) -> Element:
-    """The root element of an XML text; `file` names it in messages."""
+    """The root element of an XML text, of any tag where `roots` are none; `file` names it in messages."""
     if len(content) > LARGEST_FILE:
         raise MechanismError(
             f"{file}: the file has more than {LARGEST_FILE / 1e6:g} MB, which are allowed for the description of a robot; leave "
             "meshes and other data out of it"
         )
     if not content.strip():
-        raise MechanismError(f"{file}: the file is empty; the element {_choice(roots)} is needed")
+        raise MechanismError(f"{file}: the file is empty; the element {_choice(roots or ['robot'])} is needed")
     root = _Builder(file).root(content)
-    if root.tag not in roots:
+    if roots and root.tag not in roots:
         known = _FORMATS.get(root.tag)
         remedy = "" if known is None else f"; the file is {known[0]}, and its name should end in {known[1]}"
         raise root.error(f"the file's first element is <{root.tag}>; {_choice(roots)} is needed{remedy}")
@@ -197,8 +197,8 @@ class _Builder:
         )
 
 
-def _bytes(path: Path) -> bytes:
-    """A file's content, at most one byte more than is allowed."""
+def read_text(path: Path) -> bytes:
+    """A file's content, at most one byte more than is allowed. Raises InputError for one that cannot be read."""
     try:
         with path.open("rb") as file:
             return file.read(LARGEST_FILE + 1)

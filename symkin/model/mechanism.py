@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Literal
 
@@ -19,6 +19,7 @@ from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
 from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
 from symkin.model.limb import Limb, RodLimb, coincide
+from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
@@ -59,7 +60,8 @@ class Mechanism:
     rods (`link_rods`) and limbs between any two links, and `couplings` of joints. Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
     `platform_quaternion` (w, x, y, z) of the base frame. `motion` ("spatial", "schoenflies", "planar", "translation",
     "spherical") restricts the platform's pose to a group of the base frame's axes from there. `platform_link` names the link that
-    carries the platform frame, None where a graph has no such link; `link_points` are named points of links. Angles in joints are radians;
+    carries the platform frame, None where a graph has no such link; `link_points` are named points of links,
+    `link_meshes` files that show them, which a robot's file names and a mechanism file does not. Angles in joints are radians;
     `angle_unit` is what users read and write at the border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q,
     passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
 
@@ -87,9 +89,10 @@ class Mechanism:
     couplings: Sequence[Coupling] = ()
     link_points: Sequence[LinkPoint] = ()
     platform_link: str | None = PLATFORM
+    link_meshes: Sequence[LinkMesh] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points"):
+        for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points", "link_meshes"):
             object.__setattr__(self, key, tuple(getattr(self, key)))
         object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{self.frame_name}.position"))
         object.__setattr__(

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
+from symkin.plots.graph_labels import Names, draw_labels
 from symkin.plots.graph_lines import GraphLines, reference_graph_lines, view_axes
 from symkin.plots.graph_painter import GraphPainter
 from symkin.plots.joint_symbols import NAMES, draw_symbol
-from symkin.plots.label_placement import Box, Label, Page
-from symkin.plots.sheet import direction, make_sheet, symbol_size, text_extent
+from symkin.plots.label_placement import Page
+from symkin.plots.sheet import make_sheet, symbol_size, text_extent
 from symkin.plots.style import COLOURS, drawing
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class GraphPanel:
     lines: GraphLines
 
 
-def sketch_of_graph(mechanism: Mechanism) -> Figure:
+def sketch_of_graph(mechanism: Mechanism, names: Names = "all") -> Figure:
     """The graph at the reference configuration with the names of joints, rods and points; a planar one is seen along its axes."""
     lines = reference_graph_lines(mechanism)
     axes, planar = view_axes(lines)
@@ -75,8 +75,9 @@ def sketch_of_graph(mechanism: Mechanism) -> Figure:
             origin=shows_origin([lines], axes),
         )
         painter.draw()
-        _labels(figure, painter)
-        facts = [f"graph at the reference configuration; lengths in {mechanism.length_unit}"]
+        unnamed = draw_labels(figure, painter, Page(_WIDTH, _HEIGHT - _TOP), names)
+        more = f"; {unnamed} names find no room" if unnamed else ""
+        facts = [f"graph at the reference configuration; lengths in {mechanism.length_unit}{more}"]
         _heading(ax, mechanism, facts, _WIDTH, _HEIGHT)
         _legend(figure, ax, [lines], planar, _WIDTH)
     return figure
@@ -150,73 +151,6 @@ def _symbol_size(lines: GraphLines, axes: np.ndarray, scale: float, most: float,
 # --- texts ---------------------------------------------------------------------------------------------------------
 
 
-def _labels(figure: Any, painter: GraphPainter) -> None:
-    """Names of joints, those at one place together, of rods, points and links, where they do not meet."""
-    page = Page(_WIDTH, _HEIGHT - _TOP)
-    for start, end in painter.strokes:
-        page.add_line(start.tolist(), end.tolist())
-    page.symbols += [Box(x, y, reach, reach) for x, y, reach in painter.symbols]
-    lines = painter.lines
-    middle = np.mean(painter.at(lines.all_points), axis=0)
-    labels: list[tuple[Label, dict[str, Any]]] = []
-
-    def add(text: str, anchor: np.ndarray, reach: float, font: float, **look: Any) -> None:
-        width, height = text_extent(figure, painter.ax, text, font, **look)
-        wish = direction(anchor - middle)
-        labels.append((Label(text, (anchor[0], anchor[1]), reach, width, height, (wish[0], wish[1])), {"fontsize": font, **look}))
-
-    for text, place in _joined_names(painter):
-        add(text, place, 0.6 * painter.symbol, 9.5, color=COLOURS["text"])
-    for name, point in lines.points.items():
-        add(name, painter.at(point), 6.0, 9.0, color=COLOURS["text"], fontstyle="italic")
-    for rod in lines.rods:
-        add(
-            rod.name,
-            painter.at(0.5 * (rod.start + rod.end)),
-            0.4 * painter.symbol if rod.actuated else 4.0,
-            9.0,
-            color=COLOURS["link"],
-        )
-    for link, points in lines.links.items():
-        if link != BASE and len(lines.links) <= _MOST_LINK_NAMES:
-            colour = COLOURS["platform edge"] if link == lines.mechanism.platform_link else COLOURS["quiet"]
-            add(link, painter.at(np.mean(points, axis=0)), 2.0, 8.5, color=colour, fontstyle="italic")
-    if painter.origin and lines.pose is not None and np.linalg.norm(lines.pose.position) > 1e-6 * painter.size:
-        add("O", painter.at(np.zeros(3)), 4.0, 10.0, color=COLOURS["text"], fontweight="bold")
-    if lines.pose is not None:
-        add("P", painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, color=COLOURS["platform edge"], fontweight="bold")
-    for label, look in labels:
-        _place(painter.ax, page, label, look)
-
-
-_MOST_LINK_NAMES = 16
-"""Links whose names are written; beyond, they hide what they name."""
-
-
-def _joined_names(painter: GraphPainter) -> list[tuple[str, np.ndarray]]:
-    """Names of joints with their places in the picture, those of one place in one text."""
-    found: list[tuple[list[str], np.ndarray]] = []
-    for joint in painter.lines.joints:
-        place = painter.at(joint.centre)
-        names = next((names for names, other in found if np.linalg.norm(place - other) < 3.0), None)
-        if names is None:
-            found.append(([joint.name], place))
-        else:
-            names.append(joint.name)
-    return [(textwrap.fill(", ".join(names), 40), place) for names, place in found]
-
-
-def _place(ax: Any, page: Page, label: Label, look: dict[str, Any]) -> None:
-    box = page.place(label)
-    anchor = np.array(label.anchor)
-    edge = np.clip(anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high))
-    if np.linalg.norm(edge - anchor) > label.reach + 16.0:
-        start = anchor + direction(edge - anchor) * label.reach
-        ax.plot([start[0], edge[0]], [start[1], edge[1]], color=COLOURS["axis"], linewidth=0.6, zorder=19.0, gid="leader")
-        page.add_line(start.tolist(), edge.tolist())
-    ax.text(box.x, box.y, label.text, ha="center", va="center", zorder=30.0, parse_math=False, gid="label", **look)
-
-
 def _heading(ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, height: float, part: str = "") -> None:
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
     room = int(width / 17)
@@ -238,6 +172,8 @@ def _legend(figure: Any, ax: Any, bodies: Sequence[GraphLines], planar: bool, wi
         ("rod", any(not rod.actuated for rod in lines.rods), {"color": COLOURS["link"], "linewidth": 1.7, "marker": "o", "markersize": 4.5,
          "markerfacecolor": "white"}),
         ("link of the platform frame", lines.pose is not None, {"color": COLOURS["platform edge"], "linewidth": 3.4}),
+        ("closes a loop, in the file's order", bool(lines.closing), {"color": COLOURS["loop"], "marker": "o", "markersize": 11.0,
+         "markerfacecolor": "none", "markeredgewidth": 1.3, "linewidth": 0.0}),
         ("coupling", bool(lines.couplings), {"color": COLOURS["accent"], "linewidth": 1.2, "linestyle": (0, (1.5, 2.0))}),
         ("point", bool(lines.points), {"color": COLOURS["text"], "marker": "D", "markersize": 4.5, "linewidth": 0.0}),
     )  # fmt: skip

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 _SAME = 1e-6
 """Distance over the size below which two points are one, and sine below which two directions are."""
-_HAND = 0.16
-"""Length over the size of the hand that shows how a link of one joint is turned."""
+_HAND, _MANY = 0.16, 12
+"""Length over the size of the hand that shows how a link of one joint is turned, and how many links a graph has whose hands are shorter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class RodLine:
 @dataclass(eq=False)
 class GraphLines:
     """Points (k, 3) of each link by name, joints, rods, rails (a line between the two links of a slide), named points, places of
-    coupled joints, and the platform's pose, None where there is none."""
+    coupled joints, joints that close loops, and the platform's pose, None where there is none."""
 
     mechanism: Mechanism
     links: dict[str, list[np.ndarray]] = field(default_factory=dict)
@@ -50,6 +50,7 @@ class GraphLines:
     rails: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     points: dict[str, np.ndarray] = field(default_factory=dict)
     couplings: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    closing: frozenset[str] = frozenset()
     pose: Pose | None = None
 
     @property
@@ -73,8 +74,8 @@ def reference_graph_lines(mechanism: Mechanism) -> GraphLines:
 
 def graph_lines(mechanism: Mechanism, poses: Mapping[str, Pose]) -> GraphLines:
     """The lines of a configuration from the displacements of its links."""
-    lines = GraphLines(mechanism)
     edges = list(edges_of(mechanism))
+    lines = GraphLines(mechanism, closing=_closing(edges))
     slides = [edge for edge in edges if _has_no_place(edge)]
     for edge in edges:
         if isinstance(edge.elements[0].part, Bar):
@@ -96,6 +97,24 @@ def graph_lines(mechanism: Mechanism, poses: Mapping[str, Pose]) -> GraphLines:
         first, *others = (_joint_of(name, places) for name in (coupling.joint, *coupling.names))
         lines.couplings += [(places[first], places[other]) for other in others]
     return lines
+
+
+def _closing(edges: Sequence[Branch]) -> frozenset[str]:
+    """Joints between links that joints and rods before them in the file join already."""
+    heads: dict[str, str] = {}
+
+    def head(link: str) -> str:
+        while heads.setdefault(link, link) != link:
+            link = heads[link]
+        return link
+
+    found = set()
+    for edge in edges:
+        first, second = (head(link) for link in edge.ends)
+        if first == second and isinstance(edge.elements[0].part, Joint):
+            found.add(edge.elements[0].part.name)
+        heads[first] = second
+    return frozenset(found)
 
 
 def _joint_of(coordinate: str, places: Mapping[str, np.ndarray]) -> str:
@@ -165,6 +184,7 @@ def _mark(lines: GraphLines, joint: Joint, centre: np.ndarray, before: Pose, aft
 def _add_hands(lines: GraphLines, edges: Sequence[Branch], poses: Mapping[str, Pose]) -> None:
     """A link with one point gets a second one, which turns with it."""
     size, taken = lines.mechanism.characteristic_length, list[np.ndarray]()
+    hand = _HAND * size * min(1.0, np.sqrt(_MANY / len(lines.links)))
     for edge in edges:
         part = edge.elements[0].part
         axis = np.array(getattr(part, "axis", None) or (0.0, 0.0, 1.0))
@@ -176,7 +196,7 @@ def _add_hands(lines: GraphLines, edges: Sequence[Branch], poses: Mapping[str, P
                 # hands at one place are of different lengths
                 longer = sum(float(np.linalg.norm(points[0] - other)) < _SAME * size for other in taken)
                 taken.append(points[0])
-                points.append(points[0] + (1.0 + 0.5 * longer) * _HAND * size * np.asarray(poses[link].turn(across)))
+                points.append(points[0] + (1.0 + 0.5 * longer) * hand * np.asarray(poses[link].turn(across)))
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
@@ -204,9 +224,11 @@ _BALL: JointType = "S"
 
 
 def _plane_normal(lines: GraphLines) -> np.ndarray | None:
-    """The axis about which everything turns and across which everything slides; None where there is none."""
+    """The axis about which everything turns and across which everything slides; None where there is none. A ball that closes a loop turns
+    about it too, as the links that it joins do."""
     turning = [joint.axes[0] for joint in lines.joints if joint.type == "R"]
-    if not turning or lines.rods or any(joint.type not in ("R", "P", "weld") for joint in lines.joints):
+    others = [joint for joint in lines.joints if joint.type not in ("R", "P", "weld")]
+    if not turning or lines.rods or any(joint.type != "S" or joint.name not in lines.closing for joint in others):
         return None
     normal = turning[0] * np.sign(turning[0][int(np.argmax(np.abs(turning[0])))])
     parallel = all(np.linalg.norm(np.cross(axis, normal)) < _SAME for axis in turning)

@@ -18,6 +18,8 @@ from symkin.plots.style import COLOURS
 
 LINK_COLOURS = ("#5b7a99", "#8a6d3b", "#6b8e4e", "#8e5572", "#4f8a8b", "#7a6fa8", "#a0614a", "#5f6b7a")
 """Of links other than the base and the platform's, in turn."""
+RING = 0.72
+"""Radius over the symbol's length of the ring around a joint that closes a loop."""
 _SAME = 1e-6
 _NEAR = 0.2
 """Share of a symbol within which two places are drawn as one."""
@@ -95,6 +97,8 @@ class GraphPainter:
         if len(corners) >= 3 and not self.planar:
             self._plate(corners, COLOURS["base"], COLOURS["base edge"], BASE, 1.0, hatch="////")
             points = np.array([p for p in points if np.min(np.linalg.norm(corners - self.at(p), axis=1)) > _NEAR * self.symbol])
+        elif len(corners) == 2 and not self.planar:
+            self._flat(corners[0], corners[1], 1.2, COLOURS["base edge"], BASE, 1.0, (0, (4.0, 2.0)))
         for point in np.unique(np.round(points, 9), axis=0) if len(points) else ():
             self._ground(point)
 
@@ -171,7 +175,25 @@ class GraphPainter:
         place = self.at(centre)
         order = 6.0 + self.depth(centre) + (0.5 if drives else 0.0)
         draw_symbol(self.ax, kind, place, axes, self.symbol, actuated=drives, label=f"joint {kind} {name}", order=order)
-        self.symbols.append(np.array([*place, 0.48 * self.symbol]))
+        closes = name in self.lines.closing
+        self.symbols.append(np.array([*place, (RING if closes else 0.48) * self.symbol]))
+        if closes:
+            self._ring(place, f"closes a loop: {name}")
+
+    def _ring(self, place: np.ndarray, gid: str) -> None:
+        from matplotlib.patches import Circle
+
+        self.ax.add_patch(
+            Circle(
+                tuple(place),
+                RING * self.symbol,
+                facecolor="none",
+                edgecolor=COLOURS["loop"],
+                linewidth=1.3 * self.width,
+                zorder=9.0,
+                gid=gid,
+            )
+        )
 
     def _frames(self) -> None:
         if self.origin:

@@ -67,17 +67,24 @@ class Page:
 
     def place(self, label: Label) -> Box:
         """The best box for a label, kept for those that follow. Where all is full, the nearest that meets no other label."""
-        best, least = None, np.inf
+        best = self.find(label)
+        if best is None:
+            best = self._anywhere(label)
+            self.placed.append(best)
+        return best
+
+    def find(self, label: Label, farthest: float = np.inf, most: float = np.inf) -> Box | None:
+        """The best box within a distance of the anchor and below a cost, kept for those that follow; None where there is none."""
+        best, least = None, most
         for ring in _RINGS:
-            if best is not None and _FAR * ring >= least:
+            if ring > farthest or _FAR * ring >= least:
                 break
             for box, turned in self._around(label, ring):
                 cost = self._cost(box, ring, turned)
                 if cost < least:
                     best, least = box, cost
-        if best is None:
-            best = self._anywhere(label)
-        self.placed.append(best)
+        if best is not None:
+            self.placed.append(best)
         return best
 
     def _around(self, label: Label, ring: float) -> list[tuple[Box, float]]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast, get_args
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.graph_figures import sketch_of_graph
+from symkin.plots.graph_labels import Names
 from symkin.plots.joint_symbols import NAMES, draw_symbol, reach_of
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.mechanism_lines import LimbLines, outline
@@ -51,10 +52,15 @@ _LINK, _ROD = 2.8, 1.8
 """Widths of links and rods in points."""
 
 
-def draw_sketch(mechanism: Mechanism, path: Path | str) -> None:
-    """Write the sketch to a file whose suffix is its format. Raises InputError for one that cannot be written."""
+def draw_sketch(mechanism: Mechanism, path: Path | str, names: str | None = None) -> None:
+    """Write the sketch to a file whose suffix is its format; `names` of a graph: all, those of joints that close loops, or none. Raises
+    InputError for a file that cannot be written, and for names of limbs."""
     target = check_picture_path(path)
-    write_picture(figure_of_sketch(mechanism), target)
+    if names is not None and names not in get_args(Names):
+        raise InputError(f"--names: {names!r} is unknown; allowed: {', '.join(get_args(Names))}")
+    if names is not None and not mechanism.is_graph:
+        raise InputError(f"--names: {mechanism.name} has limbs; the names of a sketch are chosen for graphs of links")
+    write_picture(figure_of_sketch(mechanism, cast(Names, names or "all")), target)
 
 
 def figure_of_mobility(found: Mobility) -> Figure:
@@ -69,10 +75,10 @@ def figure_of_closed(found: ClosedConfiguration) -> Figure:
     return figure_of_sketch(found.reference)
 
 
-def figure_of_sketch(mechanism: Mechanism) -> Figure:
+def figure_of_sketch(mechanism: Mechanism, names: Names = "all") -> Figure:
     """The sketch at the reference configuration; a planar mechanism is seen along its axes."""
     if mechanism.is_graph:
-        return sketch_of_graph(mechanism)
+        return sketch_of_graph(mechanism, names)
     with drawing():
         figure, ax = make_sheet(_WIDTH, _HEIGHT)
         sheet = _Sheet.of(figure, ax, make_layout(mechanism))

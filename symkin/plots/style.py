@@ -18,6 +18,7 @@ COLOURS = {
     "platform edge": "#1b5a91",
     "link": "#3e4c59",
     "accent": "#e8743b",
+    "loop": "#7a2ea0",
     "grid": "#dde3ea",
     "pane": "#fafbfc",
     "axis": "#9aa5b1",

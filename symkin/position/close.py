@@ -20,6 +20,7 @@ from symkin.formats.closing import (
     row_count,
 )
 from symkin.formats.load import is_robot, load, read_robot
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -32,10 +33,10 @@ from symkin.position.readings import left_out, readings_at
 from symkin.text import first_of
 
 
-def close(name_or_path: str | Path | Mechanism, *, seed: int = 0) -> ClosedConfiguration:
+def close(name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0) -> ClosedConfiguration:
     """Find the closed configuration nearest to the one that a file describes, and count its freedoms.
 
-    Takes what `load` takes, or a Mechanism. Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF)
+    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism. Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF)
     are those of their closures and couplings on the freedoms of their tree, idle spins of rods included, as other tools count them.
     `seed` is that of the steps to configurations at which the generic rank is taken. Raises as `load` does; where nothing closes
     the loops, the result says so (`closed`), with what comes nearest.
@@ -48,8 +49,8 @@ def close(name_or_path: str | Path | Mechanism, *, seed: int = 0) -> ClosedConfi
     if isinstance(name_or_path, Mechanism):
         return _of_mechanism(name_or_path, seed)
     if is_robot(Path(name_or_path)):
-        return close_robot(read_robot(Path(name_or_path)), seed=seed)
-    return _of_mechanism(load(name_or_path), seed)
+        return close_robot(read_robot(Path(name_or_path), read), seed=seed)
+    return _of_mechanism(load(name_or_path, read), seed)
 
 
 def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
@@ -93,17 +94,23 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
 def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> list[str]:
     if not found.to_digits:
         return [open_sentence(found)]
-    notes = []
+    notes, freedom = [], found.tree.freedom
     if not found.closed:
         notes.append(f"the loops close only to the digits of the file: the nearest configuration leaves {found.residual:.1e} m")
     if generic is None:
         notes.append(
             "the rank at closed configurations beside this one is not clear: freedoms here may be lost away from it, or not"
         )
+    elif rank > generic.value:
+        notes.append(
+            f"the digits of the file make constraints of what is redundant: the rank is {rank} here, and {generic.value} at configurations "
+            "beside this one, which close to those digits"
+        )
     elif rank != generic.value:
         digits = ", which close to the digits of the file" if generic.to_digits else ""
         notes.append(
-            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}"
+            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}: "
+            f"the mobility is {freedom - rank} here, and {freedom - generic.value} there"
         )
     return notes
 
@@ -146,7 +153,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         freedoms=account.freedoms,
         rows=account.rows,
         rank=rank,
-        generic_rank=account.rank.value,
+        generic_rank=account.generic_rank,
         actuated=tuple(c.name for c in mechanism.actuated),
         loops=(),
         open_by=open_by,

@@ -45,8 +45,9 @@ def coordinates_text(closure: Closure) -> list[str]:
 
 def ranks_text(found: Mobility, rows: str) -> list[str]:
     """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the closure's rows are called."""
+    where = "the reference" if found.generic_rank != found.rank.value else "generic closed configurations"
     return [
-        f"  {rows} {found.rows}, rank at generic closed configurations {found.rank.value}, freedoms of the coordinates {found.freedoms}",
+        f"  {rows} {found.rows}, rank at {where} {found.rank.value}, freedoms of the coordinates {found.freedoms}",
         f"  mobility = {found.freedoms} - {found.rank.value} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
         f"{found.gruebler})",
         f"  redundant constraints: {found.redundant}",

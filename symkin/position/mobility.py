@@ -16,6 +16,8 @@ from symkin.position.limb_screws import limb_screws, per_freedom, platform_screw
 from symkin.position.loops import loops_at
 from symkin.position.mobility_result import FILE_DIGITS, Misfit, Mobility, ToDigits
 
+_CLEAR_DROP = 2e-2
+"""Of the smallest singular value that counts: what the next one has at most where a rank to the digits of a file is clear."""
 _BLUR = 30.0
 """Singular values that are zero but for a misfit, over it (a share of the size): what loops are larger than their shortest links."""
 
@@ -97,7 +99,7 @@ def open_loops_note(mechanism: Mechanism) -> str | None:
 
 def _to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
     """What holds at ends that close the loops only to the digits of a file, where more moves there than exactly (`rank`), or where
-    nothing closes exactly."""
+    nothing closes exactly, or nothing but a singular reference, at which more moves than beside it."""
     size, misfits = system.characteristic_length, ends.misfits
     near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size))
     if not near.size:
@@ -105,8 +107,21 @@ def _to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDi
     _, jacobians = system.linearise(ends.points[near], np.zeros(0))
     values = np.linalg.svd(jacobians, compute_uv=False)
     zero = np.maximum(FILE_DIGITS, _BLUR * misfits[near] / size)[:, None] * values[:, :1]
-    found = int(np.median(np.sum(values > zero, axis=1)))
-    return ToDigits(float(misfits[near].max()), found) if rank is None or found < rank else None
+    counts = np.sum(values > zero, axis=1)
+    found, misfit = int(np.median(counts)), float(misfits[near].max())
+    if rank is None or found < rank:
+        return ToDigits(misfit, found)
+    clear = [] if ends.closed.any() else _clear(values, counts)
+    found = max(set(clear), key=clear.count, default=rank)
+    return ToDigits(misfit, found, beside_alone=True) if found > rank else None
+
+
+def _clear(values: np.ndarray, counts: np.ndarray) -> list[int]:
+    """The ranks of those configurations at which the singular values that count are far from those that do not."""
+    padded = np.hstack([values, np.zeros((len(values), 1))])
+    rows = np.arange(len(values))
+    dropped, kept = padded[rows, counts], padded[rows, np.maximum(counts - 1, 0)]
+    return [int(count) for count in counts[dropped <= _CLEAR_DROP * kept]]
 
 
 def _misfit(closure: Closure, system: System, ends: LeastSquaresEnds) -> Misfit:

@@ -24,10 +24,11 @@ largest singular value below which others are zero to these digits. Files are wr
 @dataclass(frozen=True)
 class ToDigits:
     """What holds to the digits of a file: the largest closure error (length unit) of least-squares configurations, and the rank
-    there."""
+    there; `beside_alone`: nothing but the reference closes exactly, and it is singular."""
 
     misfit: float
     rank: int
+    beside_alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,11 @@ class Mobility(Result):
         return self.freedoms - self.rank.value
 
     @property
+    def generic_rank(self) -> int:
+        """The rank at closed configurations beside the reference; to the digits of the file where nothing else closes exactly."""
+        return self.digits.rank if self.digits is not None and self.digits.beside_alone else self.rank.value
+
+    @property
     def redundant(self) -> int:
         """Rows of the closure that the others imply."""
         return self.rows - self.rank.value
@@ -123,6 +129,8 @@ class Mobility(Result):
             return ()
         rank = self.digits.rank
         where, exactly = ("away from the reference ", f"; exactly, it is {self.mobility}") if self.closed else ("", "")
+        if self.digits.beside_alone:
+            exactly = f"; at the reference, which is singular, it is {self.mobility}"
         return (
             f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
             f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.rows - rank} redundant constraints{exactly}",
@@ -161,7 +169,10 @@ class Mobility(Result):
             "rank": None if reference is None else reference.value,
             "mobility": None if reference is None else self.freedoms - reference.value,
             "redundant": None if reference is None else self.rows - reference.value,
-            "generic": {"rank": self.rank.value, "mobility": self.mobility, "redundant": self.redundant, "closed": self.closed},
+            "generic": {
+                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank, "redundant": self.rows - self.generic_rank,
+                "closed": self.closed,
+            },
             "gruebler": self.gruebler,
             "actuated": [c.name for c in mechanism.actuated],
             "limbs": [

@@ -16,6 +16,8 @@ from symkin.spatial.rotation import quaternion_from_axis_angle
 from symkin.spatial.screw import exponential, prismatic_screw, revolute_screw
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
+ROBOTS = sorted(path for ending in ("xml", "urdf", "sdf") for path in MODELS.glob(f"*/*.{ending}"))
+"""The real models."""
 
 
 def facts(model: str) -> dict[str, Any]:

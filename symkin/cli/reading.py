@@ -1,0 +1,101 @@
+"""The options that tell, beside a robot's file, how it is read: the same for every command that takes MECH."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
+from symkin.text import shown
+
+LoopOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=KIND,...",
+        help="Robot files: the kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x names another axis.",
+    ),
+]
+ActuatedOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME,...", help="Robot files: the joints that motors drive, in place of what the file tells."),
+]
+ArgumentsOption = Annotated[
+    list[str] | None, typer.Option(metavar="NAME=VALUE,...", help="Robot files: arguments of a file in xacro.")
+]
+PackagesOption = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="FOLDER", help="Robot files: a package, or a folder of packages; may be given several times."),
+]
+ModelOption = Annotated[str | None, typer.Option(metavar="NAME", help="Robot files: which model of an SDF file.")]
+_OPTIONS: dict[str, Any] = {
+    "loop": LoopOption,
+    "actuated": ActuatedOption,
+    "arguments": ArgumentsOption,
+    "packages": PackagesOption,
+    "model": ModelOption,
+}
+
+
+def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options of how a robot's file is read; they reach it as `read`, a `ReadOptions`."""
+
+    def with_options(*values: Any, **named: Any) -> Any:
+        told = {key: named.pop(key) for key in _OPTIONS}
+        return command(*values, read=_read_options(**told), **named)
+
+    own = inspect.signature(command).parameters
+    if "read" not in own:
+        raise TypeError(f"{command.__name__} has no parameter `read`")
+    hints = get_type_hints(command, include_extras=True)
+    kept = [p.replace(annotation=hints[p.name]) for p in own.values() if p.name != "read"]
+    added = [
+        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind) for key, kind in _OPTIONS.items()
+    ]
+    with_options.__name__, with_options.__doc__ = command.__name__, command.__doc__
+    with_options.__annotations__ = {p.name: p.annotation for p in (*kept, *added)}
+    with_options.__signature__ = inspect.Signature([*kept, *added])  # type: ignore[attr-defined]
+    return with_options
+
+
+def _read_options(
+    loop: list[str] | None,
+    actuated: list[str] | None,
+    arguments: list[str] | None,
+    packages: list[Path] | None,
+    model: str | None,
+) -> ReadOptions:
+    if model is not None and not model.strip():
+        raise InputError("--model is empty; the name of a model is needed")
+    return ReadOptions(
+        loop=_pairs(loop, "loop"),
+        actuated=_words(actuated, "actuated"),
+        arguments=_pairs(arguments, "arguments"),
+        packages=packages or (),
+        model=model,
+    )
+
+
+def _words(texts: list[str] | None, option: str) -> list[str]:
+    """The names of a list, which may be given several times."""
+    words = [word.strip() for text in texts or () for word in text.split(",")]
+    if "" in words:
+        raise InputError(f"--{option} {shown(','.join(texts or ()))}: a name is empty; names separated by commas are needed")
+    return words
+
+
+def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
+    """Values by name."""
+    found: dict[str, str] = {}
+    for word in _words(texts, option):
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not name or not equals:
+            raise InputError(f"--{option}: {shown(word)} is no NAME=VALUE")
+        if name in found:
+            raise InputError(f"--{option}: {shown(name)} is given twice")
+        found[name] = value
+    return found

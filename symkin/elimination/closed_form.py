@@ -1,0 +1,292 @@
+"""Find the closed form of a block of rows: formulas of its unknowns, with a sign for each choice between two values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from symkin.computed_once import cached_property
+from symkin.elimination.eliminating import combine_lengths, cut_by_line, defer_defined, subtract_quadratics, turn_angle
+from symkin.elimination.polynomial import Ring
+from symkin.elimination.rows import NotPolynomialError, polynomial_rows
+from symkin.elimination.solving import solve_deferred, solve_single
+from symkin.elimination.workspace import Workspace
+from symkin.numeric.mapped import Mapped
+from symkin.numeric.system import System
+
+_SAMPLES = 3
+_NEAR = 0.05
+"""How far samples lie from the given values: in radians, and in sizes."""
+_DOUBLE = 1e-9
+"""Share of a discriminant's usual size below which two solutions may be one."""
+_VANISHING = 1e-7
+"""Share of a divisor's usual size below which a formula may lose a solution, or has lost its digits."""
+_CLOSED = 1e-9
+"""Closure error, in sizes, of a solution by formulas: rounding, with some digits lost."""
+_MOST_STEPS = 100
+_MOST_SUMMED = 4
+"""Angles of a block of which sums are looked for: each more doubles the terms that are compared."""
+
+
+class Solutions(NamedTuple):
+    """Values (n, count, width) of the unknowns, which of them are `real` (n, count), and for which known values (n,) that is `clear`: no
+    discriminant is nearly zero, and no divisor."""
+
+    values: np.ndarray
+    real: np.ndarray
+    clear: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """Formulas of all unknowns of a system, with choices between two values.
+
+    unknowns = `values`(known; signs, roots): of each choice a sign, +1 or -1, and a root, the square root of one of the
+    `discriminants`(known; signs and roots of those before), which are at least 0 where a solution is real; `told` are expressions of
+    (known, unknowns; signs and roots of those before) that equal sign times root, by which a configuration says which of the values
+    it is. Formulas divide by `divisors`.
+    `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the choices decide. `samples` are the known values at which coefficients
+    were compared.
+    """
+
+    system: System
+    signs: ca.SX
+    roots: ca.SX
+    first: ca.SX
+    second: ca.SX
+    discriminants: ca.SX
+    divisors: ca.SX
+    told: ca.SX
+    steps: tuple[str, ...]
+    names: tuple[str, ...]
+    samples: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """How many solutions the formulas have, over the complex numbers."""
+        return int(2 ** int(self.signs.shape[0]))
+
+    @property
+    def values(self) -> ca.SX:
+        """The unknowns, angles within half a turn of 0."""
+        return self.values_about(np.zeros(self.system.width))
+
+    def values_about(self, near: np.ndarray) -> ca.SX:
+        """The unknowns, each angle within half a turn of the multiple of a quarter turn that is next to its value in `near` (width,)."""
+        found = []
+        for k, coordinate in enumerate(self.system.unknowns):
+            if not coordinate.is_angular:
+                found.append(self.first[k])
+                continue
+            quarters = round(float(near[k]) / (0.5 * np.pi))
+            cosine, sine = self.first[k], self.second[k]
+            for _ in range(quarters % 4):
+                cosine, sine = sine, -cosine
+            angle = ca.atan2(sine, cosine)
+            found.append(angle + 0.5 * np.pi * quarters if quarters else angle)
+        return ca.vertcat(*found)
+
+    @cached_property
+    def choices(self) -> np.ndarray:
+        """All signs (count, choices)."""
+        return np.array(list(product((1.0, -1.0), repeat=int(self.signs.shape[0])))).reshape(self.count, -1)
+
+    @cached_property
+    def _mapped(self) -> Mapped:
+        whole = ca.vertcat(self.values, self.discriminants, self.divisors)
+        for k in reversed(range(int(self.roots.shape[0]))):
+            whole = ca.substitute(whole, self.roots[k], ca.sqrt(ca.fmax(self.discriminants[k], 0.0)))
+        width, choices = self.system.width, int(self.signs.shape[0])
+        parts = [whole[:width], whole[width : width + choices], whole[width + choices :]]
+        return Mapped.of([self.signs, self.system.known], parts)
+
+    @cached_property
+    def _signs(self) -> ca.Function:
+        told = self.told
+        for k in range(int(self.signs.shape[0])):
+            told = ca.substitute(told, self.signs[k], ca.if_else(told[k] < 0, -1, 1))
+            told = ca.substitute(told, self.roots[k], ca.fabs(told[k]))
+        return ca.Function("signs", [self.system.unknown, self.system.known], [told])
+
+    def sides(self, signs: np.ndarray) -> ca.SX:
+        """Expressions (choices,) of (known, unknowns) that are at least 0 where a configuration has these signs."""
+        told = ca.substitute(self.told, self.signs, ca.SX(ca.DM(signs)))
+        found: list[ca.SX] = []
+        for k, sign in enumerate(signs):
+            part = told[k]
+            for before, root in enumerate(found):
+                part = ca.substitute(part, self.roots[before], root)
+            found.append(sign * part)
+        return ca.vertcat(ca.SX(0, 1), *found)
+
+    def signs_at(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """The signs (choices,) of a configuration."""
+        return np.where(np.asarray(self._signs(unknown, known)).ravel() < 0.0, -1.0, 1.0)
+
+    def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
+        """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(len(known), -1)
+
+    def solutions(self, known: np.ndarray) -> Solutions:
+        """All solutions for known values (n, known)."""
+        values, discriminants, divisors = self._evaluated(known)
+        typical_discriminants, typical_divisors = self._typical
+        clear = (
+            np.isfinite(values).all(axis=(1, 2))
+            & (np.abs(discriminants) > _DOUBLE * typical_discriminants).all(axis=(1, 2))
+            & (np.abs(divisors) > _VANISHING * typical_divisors).all(axis=(1, 2))
+        )
+        return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
+
+    def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
+        """Values (n, count, width), discriminants and divisors."""
+        signs = np.tile(self.choices, (len(known), 1))
+        parts = self._mapped(signs, np.repeat(known, self.count, axis=0))
+        return [np.asarray(part).reshape(len(known), self.count, -1) for part in parts]
+
+    @cached_property
+    def _typical(self) -> tuple[np.ndarray, np.ndarray]:
+        """How large discriminants and divisors are at the samples."""
+        _, discriminants, divisors = self._evaluated(self.samples)
+        return np.nanmax(np.abs(discriminants), axis=(0, 1)), np.nanmax(np.abs(divisors), axis=(0, 1))
+
+    def holds(self) -> bool:
+        """Whether all real solutions at the samples, of which there are some, satisfy the system; where it has more rows than unknowns,
+        known values need not have any, and nothing is said."""
+        if self.system.rows.shape[0] > self.system.freedom:
+            return True
+        found = self.solutions(self.samples)
+        owner, which = np.nonzero(found.real)
+        residuals = self.system.residuals(found.values[owner, which], self.samples[owner])
+        return bool(owner.size and np.all(residuals <= _CLOSED * self.system.characteristic_length))
+
+
+def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
+    """The closed form of a system, None where the steps known here find none.
+
+    Coefficients are compared at the known values `samples` (n, known): the formulas hold where relations among known values that hold
+    at all samples do (`samples_about`: none).
+    """
+    if not system.unknowns:
+        return None
+    for rows in (system.rows, system.errors):
+        try:
+            work, before = _begun(system, rows, samples)
+        except NotPolynomialError:
+            continue
+        found = _made(system, work, before, samples) if _run(work) else None
+        return found if found is not None and found.holds() else None
+    return None
+
+
+def samples_about(system: System, near: np.ndarray, seed: int = 0) -> np.ndarray:
+    """Random known values (samples, known) about those of a configuration, for formulas that hold whatever is given."""
+    rng = np.random.default_rng(seed)
+    scale = np.clip(np.abs(near), 1.0, system.characteristic_length) if len(near) else near
+    return np.asarray(near + _NEAR * rng.uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale)
+
+
+def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace, dict[int, int]]:
+    """All rows, and before which angle of its sum each angle stands: the sums are those that leave the fewest terms."""
+    ring, chosen = Ring(system.unknowns), None
+    for before in _sums(system):
+        polynomials = polynomial_rows(ring, system, rows, before)
+        work = Workspace(ring, polynomials, set(range(len(system.unknowns))), [system.known], samples)
+        work.rows = [work.tidied(row) for row in polynomials]
+        terms = sum(len(row.terms) for row in work.rows)
+        if chosen is None or terms < chosen[0]:
+            chosen = terms, work, before
+    assert chosen is not None  # noqa: S101 - the first choice has no sums
+    return chosen[1], chosen[2]
+
+
+def _sums(system: System) -> list[dict[int, int]]:
+    """Ways in which angles that follow each other may be summed: none, and runs of two and more."""
+    angles = [k for k, c in enumerate(system.unknowns) if c.is_angular]
+    runs = [angles[i:j] for i in range(len(angles)) for j in range(i + 2, len(angles) + 1)]
+    return [{}, *({after: before for before, after in pairwise(run)} for run in runs if len(angles) <= _MOST_SUMMED)]
+
+
+def _run(work: Workspace) -> bool:
+    """Take steps, the plainest first, until all is solved; False where no step is left."""
+    steps = (solve_deferred, solve_single, defer_defined, combine_lengths, turn_angle, subtract_quadratics, cut_by_line)
+    for _ in range(_MOST_STEPS):
+        work.without_repeats()
+        if not work.active and not work.deferred:
+            return True
+        if not any(step(work) for step in steps):
+            return False
+    return False
+
+
+def _made(system: System, work: Workspace, before: dict[int, int], samples: np.ndarray) -> ClosedForm:
+    ring = work.ring
+    found, own, whole = [], [], [ca.SX(0)] * system.width
+    for k, coordinate in enumerate(ring.unknowns):
+        parts = [work.values[place] for place in ring.places[k]]
+        z = system.unknown[k]
+        if not coordinate.is_angular:
+            found.append((parts[0], ca.SX(0)))
+            own.append((ring.places[k][0], z))
+            continue
+        if k in before:
+            # the sum of angles up to this one, less that up to the one before
+            c, s = (work.values[place] for place in ring.places[before[k]])
+            cosine, sine = parts
+            parts = [cosine * c + sine * s, sine * c - cosine * s]
+            whole[k] = whole[before[k]] + z
+        else:
+            whole[k] = z
+        found.append((parts[0], parts[1]))
+        own += [(ring.places[k][0], ca.cos(whole[k])), (ring.places[k][1], ca.sin(whole[k]))]
+    signs = ca.vertcat(ca.SX(0, 1), *(c.sign for c in work.choices))
+    outputs = [
+        *(ca.vertcat(*column) for column in zip(*found, strict=True)),
+        ca.vertcat(ca.SX(0, 1), *(c.discriminant for c in work.choices)),
+        ca.vertcat(ca.SX(0, 1), *work.divisors),
+    ]
+    symbols = [symbol for symbol, _ in work.definitions]
+    first, second, discriminants, divisors = _inlined(symbols, [expression for _, expression in work.definitions], outputs)
+    roots = ca.vertcat(ca.SX(0, 1), *(c.root for c in work.choices))
+    return ClosedForm(
+        system,
+        signs,
+        roots,
+        first,
+        second,
+        discriminants,
+        divisors,
+        _told(work, dict(own)),
+        tuple(work.steps),
+        tuple(c.name for c in work.choices),
+        samples,
+    )
+
+
+def _told(work: Workspace, own: dict[int, ca.SX]) -> ca.SX:
+    """What has the signs of a configuration, whose generators are `own`: the formulas, with what is solved read from it."""
+    places, parts = [ca.vertcat(*(part[k] for k in own)) for part in (work.own, own)]
+    solved = {_key(work.values[place]): expression for place, expression in own.items()}
+    symbols = [symbol for symbol, _ in work.definitions]
+    read = [solved.get(_key(symbol), expression) for symbol, expression in work.definitions]
+    told = ca.substitute(ca.vertcat(ca.SX(0, 1), *(c.tells for c in work.choices)), places, parts)
+    (told,) = _inlined(symbols, read, [told])
+    return told
+
+
+def _key(symbol: ca.SX) -> int:
+    """What tells a symbol from others."""
+    return int(symbol.element_hash()) if symbol.is_symbolic() else -1
+
+
+def _inlined(symbols: list[ca.SX], definitions: list[ca.SX], outputs: list[ca.SX]) -> list[ca.SX]:
+    """Outputs with definitions put in, which may read earlier ones."""
+    sizes = np.cumsum([0, *(int(o.shape[0]) for o in outputs)]).tolist()
+    whole = ca.vertcat(*outputs)
+    for symbol, definition in zip(reversed(symbols), reversed(definitions), strict=True):
+        whole = ca.substitute(whole, symbol, definition)
+    return [whole[a:b] for a, b in pairwise(sizes)]

@@ -1,0 +1,88 @@
+"""The verb `convert`: write a mechanism as a file of another format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from symkin.errors import InputError
+from symkin.files.outputs import check_output, write_output
+from symkin.formats.gepetto_yaml import YAML_ENDINGS
+from symkin.formats.load import load
+from symkin.formats.read_options import AS_IT_IS, ReadOptions
+from symkin.formats.written_tree import LOOPS, Loops, require_closed_reference
+from symkin.model.mechanism import Mechanism
+from symkin.text import shown
+
+
+def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptions = AS_IT_IS, *, loops: Loops = "loop") -> Path:
+    """Write a mechanism as a mechanism file (.toml), MJCF (.xml), URDF (.urdf) or SDF (.sdf), by the path's suffix; returns the path.
+
+    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism. The reference of the file is a
+    closed configuration. The other formats hold links, joints, loops and couplings in metres and radians, masses are plain; `load`
+    reads the same mechanism back, its limbs as joints and rods between links. `loops` of a URDF stand in it ("loop", those of URDF+)
+    or in a file of the same name beside it ("yaml"). Raises InputError for another suffix, a folder that is missing and an output
+    that would replace what is read, MechanismError for what the format cannot hold.
+
+    >>> import symkin, tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     output = symkin.convert("ankle", pathlib.Path(folder) / "ankle.xml")
+    ...     "<connect" in output.read_text()
+    True
+    """
+    output, source = Path(path), "" if isinstance(mechanism, Mechanism) else mechanism
+    check_output(output, tuple(_WRITERS), "convert", source)
+    _check_loops(output, loops)
+    found = mechanism if isinstance(mechanism, Mechanism) else load(mechanism, read)
+    if loops == "yaml":
+        from symkin.formats.urdf_text import urdf_and_yaml
+
+        text, beside = urdf_and_yaml(found)
+        write_output(output.with_suffix(".yaml"), beside)
+    else:
+        text = _WRITERS[output.suffix](found)
+    write_output(output, text)
+    return output
+
+
+def _check_loops(output: Path, loops: str) -> None:
+    """Refuse an unknown form of loops, one that the format has not, and loops beside a file that has its own."""
+    if loops not in LOOPS:
+        raise InputError(f"loops = {shown(loops)} is unknown; allowed: {', '.join(LOOPS)}")
+    if output.suffix != ".urdf":
+        if loops != LOOPS[0]:
+            raise InputError(f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out")
+        return
+    beside = [file for ending in YAML_ENDINGS if (file := output.with_suffix(ending)).is_file()]
+    other = [file for file in beside if loops != "yaml" or file.suffix != ".yaml"]
+    if other:
+        raise InputError(
+            f"{other[0]} stands beside the output, and would tell loops of a URDF of this name; move it, or give another name"
+            + ("" if loops == "yaml" else ", or --loops yaml, which replaces it")
+        )
+
+
+def _toml(mechanism: Mechanism) -> str:
+    require_closed_reference(mechanism, "the file")
+    return mechanism.to_toml()
+
+
+def _mjcf(mechanism: Mechanism) -> str:
+    from symkin.formats.mjcf_text import mjcf_text
+
+    return mjcf_text(mechanism)
+
+
+def _urdf(mechanism: Mechanism) -> str:
+    from symkin.formats.urdf_text import urdf_text
+
+    return urdf_text(mechanism)
+
+
+def _sdf(mechanism: Mechanism) -> str:
+    from symkin.formats.sdf_text import sdf_text
+
+    return sdf_text(mechanism)
+
+
+_WRITERS: dict[str, Callable[[Mechanism], str]] = {".toml": _toml, ".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}

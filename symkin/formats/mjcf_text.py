@@ -1,0 +1,186 @@
+"""Write a mechanism as MJCF, the XML of MuJoCo: bodies whose frames are parallel to the base's at the reference, equality constraints,
+and a keyframe there.
+
+Joint values are the mechanism's own in metres and radians (`ref`). Loops are closed by `connect` and `weld`, couplings are `joint`
+equalities, or fixed tendons where a joint follows several. Masses are plain: they have no meaning for the kinematics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symkin.errors import MechanismError
+from symkin.formats.parts import KEY, parts_text
+from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
+from symkin.formats.xml_written import Element, document, element, inside, is_zero, number
+from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.graph_checks import links_of
+from symkin.model.joint import BASE, Joint
+from symkin.model.mechanism import Mechanism
+
+FORM = Form("MJCF", carry=frozenset({"R", "P", "S"}), close=frozenset({"S", "weld"}))
+_TYPES = {"R": "hinge", "P": "slide", "S": "ball"}
+_WORLD = "world"
+_MASS, _INERTIA = 0.1, 1e-3
+"""Kilograms and kilogram square metres of every body: any that are not zero do."""
+
+_BAR = {"type": "capsule", "contype": "0", "conaffinity": "0", "mass": "0"}
+"""Bars are seen and touch nothing."""
+_THICKNESS, _SHORTEST = 0.01, 1e-3
+"""Of the size: radius of bars, and length of those that are left out."""
+
+
+def mjcf_text(mechanism: Mechanism) -> str:
+    """The MJCF file of a mechanism. Raises MechanismError for what MJCF cannot hold."""
+    return _Text(written_tree(mechanism, FORM)).document()
+
+
+class _Text:
+    """The elements of the file."""
+
+    def __init__(self, tree: WrittenTree) -> None:
+        self.tree = tree
+        if _WORLD in (*links_of(tree.graph), *(entry.link for entry in tree.carried)):
+            raise MechanismError(f"{tree.graph.name}: a link is named {_WORLD!r}, which is the base of MJCF; rename it")
+        self.places: dict[str, np.ndarray] = {BASE: np.zeros(3)}
+        self.bodies: dict[str, Element] = {}
+        self.values = {joint.name: joint.zero for joint in tree.joints}
+
+    def document(self) -> str:
+        graph = self.tree.graph
+        root = element("mujoco", model=graph.name)
+        inside(root, "compiler", angle="radian", autolimits=True)
+        bars = inside(inside(root, "default"), "geom")
+        for key, value in _BAR.items():
+            bars.set(key, value)
+        bars.set("size", number(_THICKNESS * graph.characteristic_length))
+        custom = inside(root, "custom")
+        inside(custom, "text", name=KEY, data=parts_text(self.tree.parts))
+        self.bodies[BASE] = inside(root, "worldbody")
+        for entry in self.tree.carried:
+            self._body(entry)
+        self._bars()
+        self._sites()
+        self._equality(root)
+        self._actuator(root)
+        frame = inside(root, "keyframe")
+        positions = [value for joint in self._joints_in_order() for value in _position(joint)]
+        inside(frame, "key", name="reference", qpos=positions)
+        return document(root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning")
+
+    # --- bodies --------------------------------------------------------------------------------------------------------
+
+    def _body(self, entry: Carried) -> None:
+        """A body with its joints, at the first of them."""
+        place = np.array(entry.joints[0].point)
+        self.places[entry.link] = place
+        body = inside(self.bodies[entry.carrier], "body", name=entry.link, pos=place - self.places[entry.carrier])
+        self.bodies[entry.link] = body
+        inside(body, "inertial", pos=[0, 0, 0], mass=_MASS, diaginertia=[_INERTIA] * 3)
+        for joint in entry.joints:
+            away = np.array(joint.point) - place
+            inside(
+                body,
+                "joint",
+                name=joint.name,
+                type_=_TYPES[joint.type],
+                pos=None if is_zero(away.tolist()) else away,
+                axis=joint.axis,
+                ref=joint.zero or None,
+                range_=joint.limits,
+            )
+
+    def _bars(self) -> None:
+        """What viewers show of a body: bars from its origin to the joints that it carries."""
+        ends = {
+            link: [self.places[e.link] for e in self.tree.carried if e.carrier == link] for link in self.bodies if link != BASE
+        }
+        for entry in self.tree.closures:
+            for link in set(entry.links) - {BASE}:
+                ends[link].append(np.array(entry.joint.point))
+        size = self.tree.graph.characteristic_length
+        for link, points in ends.items():
+            for away in (point - self.places[link] for point in points):
+                if float(np.linalg.norm(away)) > _SHORTEST * size:
+                    inside(self.bodies[link], "geom", fromto=[0.0, 0.0, 0.0, *away])
+
+    def _sites(self) -> None:
+        """The platform frame and points of links, which others may measure at."""
+        graph, taken = self.tree.graph, set()
+        for point in graph.link_points:
+            taken.add(point.name)
+            away = np.array(point.point) - self.places[point.link]
+            inside(self.bodies[point.link], "site", name=point.name, pos=away)
+        link = graph.platform_link
+        if link is not None:
+            name = next(n for n in ("platform", "platform_frame", "platform frame", "platform frame 2") if n not in taken)
+            away = np.array(graph.platform_position) - self.places[link]
+            inside(self.bodies[link], "site", name=name, pos=away, quat=graph.platform_quaternion)
+
+    def _joints_in_order(self) -> Sequence[Joint]:
+        """The joints as the compiler counts them: those of a body, then those of the bodies within it."""
+        joints = {joint.name: joint for joint in self.tree.joints}
+        return [joints[e.attrib["name"]] for e in self.bodies[BASE].iter("joint")]
+
+    # --- the rest ------------------------------------------------------------------------------------------------------
+
+    def _equality(self, root: Element) -> None:
+        closures, couplings = self.tree.closures, self.tree.couplings
+        if not closures and not couplings:
+            return
+        tendon = element("tendon")
+        section = element("equality")
+        for entry in closures:
+            self._closure(section, entry)
+        taken = {entry.joint.name for entry in closures}
+        for coupling in couplings:
+            name = f"coupling of {coupling.joint}"
+            while name in taken:
+                name += "_"
+            self._coupling(section, tendon, coupling, name)
+        if len(tendon):
+            root.append(tendon)
+        root.append(section)
+
+    def _closure(self, section: Element, entry: LinkJoint) -> None:
+        """A point or a frame that two bodies have in common."""
+        joint = entry.joint
+        first, second = (_WORLD if link == BASE else link for link in entry.links)
+        anchor = np.array(joint.point) - self.places[entry.links[0]]
+        if joint.type == "S":
+            inside(section, "connect", name=joint.name, body1=first, body2=second, anchor=anchor)
+        else:
+            # of a weld the anchor is on the second body
+            anchor = np.array(joint.point) - self.places[entry.links[1]]
+            inside(section, "weld", name=joint.name, body1=first, body2=second, anchor=anchor)
+
+    def _coupling(self, section: Element, tendon: Element, coupling: Coupling, name: str) -> None:
+        """y - y0 = c0 + c1 (x - x0) + ...; of several joints the length of a tendon, y - sum f x, is held."""
+        own = self.values[coupling.joint]
+        if coupling.polynomial is not None or len(coupling.terms) == 1:
+            (other,) = coupling.names
+            inner = np.polynomial.Polynomial([self.values[other], 1.0])
+            told = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
+            powers = [float(c) for c in (np.polynomial.Polynomial(told)(inner) - own).coef]
+            inside(
+                section, "joint", name=name, joint1=coupling.joint, joint2=other, polycoef=[*powers, *[0.0] * (5 - len(powers))]
+            )
+            return
+        fixed = inside(tendon, "fixed", name=name)
+        for joint, factor in ((coupling.joint, 1.0), *((n, -f) for n, f in coupling.terms)):
+            inside(fixed, "joint", joint=joint, coef=factor)
+        open_by = coupling.offset - own + sum(f * self.values[n] for n, f in coupling.terms)
+        inside(section, "tendon", name=name, tendon1=name, polycoef=[open_by, 0, 0, 0, 0])
+
+    def _actuator(self, root: Element) -> None:
+        driven = [joint for joint in self._joints_in_order() if joint.actuated]
+        if driven:
+            section = inside(root, "actuator")
+            for joint in driven:
+                inside(section, "motor", name=joint.name, joint=joint.name)
+
+
+def _position(joint: Joint) -> list[float]:
+    return [1.0, 0.0, 0.0, 0.0] if joint.type == "S" else [joint.zero]

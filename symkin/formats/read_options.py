@@ -1,0 +1,134 @@
+"""What is told of a robot beside its file: kinds of closures, actuated joints, arguments of xacro, where packages are, which model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import get_args
+
+from symkin.errors import InputError
+from symkin.formats.joint_graph import frame_along
+from symkin.formats.naming import nearest
+from symkin.formats.robot import Closure, ClosureType, Robot
+from symkin.model.graph import LinkJoint
+from symkin.text import first_of, shown
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_KINDS = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
+"""Kinds of closures that a word tells: a screw takes its pitch as well, which the file must tell."""
+_DRIVEN = ("R", "P", "H", "C", "U")
+"""Joints that may be actuated."""
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What is told of a robot in a format of others, beside its file, to `load`, `close` and `convert`.
+
+    `loop`: the kind of closures by name, R, S, C, P, U or weld, about or along the z axis of their frames; "R:x" names another of
+    its axes (x, y, z). `actuated`: names of the joints that motors drive, in place of what the file tells. `arguments`: those of a
+    file in xacro. `packages`: folders that are packages or hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`.
+    `model`: which model of an SDF file. Raises InputError, when the file is read, for what does not fit it.
+
+    >>> import symkin
+    >>> symkin.ReadOptions(loop={"closing_knee": "R:x"}, actuated=["hip"]).actuated
+    ('hip',)
+    """
+
+    loop: Mapping[str, str] = field(default_factory=dict)
+    actuated: Sequence[str] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    packages: Sequence[Path | str] = ()
+    model: str | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("loop", "arguments"):
+            object.__setattr__(self, key, dict(getattr(self, key)))
+        for key in ("actuated", "packages"):
+            value = getattr(self, key)
+            if isinstance(value, str):
+                raise InputError(f"{key} = {shown(value)} is one text; a list is needed")
+            object.__setattr__(self, key, tuple(value))
+        for name, kind in self.loop.items():
+            _closure_kind(name, kind)
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders of packages. Raises InputError for one that is none."""
+        found = tuple(Path(folder) for folder in self.packages)
+        missing = next((folder for folder in found if not folder.is_dir()), None)
+        if missing is not None:
+            raise InputError(f"packages: {shown(str(missing))} is no folder; name a package, or a folder that holds packages")
+        return found
+
+    def refuse_but(self, allowed: Sequence[str], what: str, because: str) -> None:
+        """Raise InputError for options that are given and mean nothing for a file; `because` says why."""
+        given = [key for key in ("loop", "actuated", "arguments", "packages", "model") if getattr(self, key)]
+        wrong = next((key for key in given if key not in allowed), None)
+        if wrong is not None:
+            raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")
+
+    def told(self, robot: Robot) -> Robot:
+        """The robot with the closures' kinds and the actuated joints that are told. Raises InputError for unknown names."""
+        if self.loop:
+            robot = _with_kinds(robot, self.loop)
+        return _with_motors(robot, self.actuated) if self.actuated else robot
+
+
+AS_IT_IS = ReadOptions()
+"""Nothing is told beside the file."""
+
+
+def _closure_kind(name: str, told: str) -> tuple[ClosureType, str]:
+    """Kind and axis of a text such as R or R:x."""
+    word, colon, axis = told.strip().partition(":")
+    kind = _KINDS.get(word.strip().lower())
+    if kind is None or (colon and axis.strip().lower() not in _AXES):
+        raise InputError(
+            f"loop: {name} = {shown(told)} is no kind of closure; allowed: {', '.join(_KINDS.values())}, and behind them :x, :y or :z "
+            "for the axis in its frames"
+        )
+    if colon and kind in ("S", "weld"):
+        raise InputError(f"loop: {name} = {shown(told)} names an axis, and {kind} has none; write {kind}")
+    return kind, axis.strip().lower() or "z"
+
+
+def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
+    names = [closure.name for closure in robot.closures]
+    for name in told:
+        if name in names:
+            continue
+        if any(entry.joint.name == name for entry in robot.joints):
+            raise InputError(f"loop: {name!r} is a joint of the tree and closes no loop; closures: {first_of(names) or 'none'}")
+        raise InputError(
+            f"loop: no closure is named {shown(name)}{nearest(name, names)}; closures: {first_of(names, 20) or 'none'}"
+        )
+    closures = [_of_kind(c, *_closure_kind(c.name, told[c.name])) if c.name in told else c for c in robot.closures]
+    notes = [f"the closure {c.name!r} is of type {c.type}, as told" for c in closures if c.name in told]
+    return replace(robot, closures=tuple(closures), notes=(*robot.notes, *notes))
+
+
+def _of_kind(closure: Closure, kind: ClosureType, axis: str) -> Closure:
+    """The closure as one of another kind, about or along an axis of its frames; ranges and motors were those of the other kind."""
+    turn = frame_along(_AXES[axis])
+    turned = replace(closure, first=closure.first @ turn, second=closure.second @ turn)
+    return turned if kind == closure.type else replace(turned, type=kind, pitch=0.0, limits=None, actuated=False)
+
+
+def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
+    kinds = {entry.joint.name: entry.joint.type for entry in robot.joints} | {c.name: c.type for c in robot.closures}
+    able = [name for name, kind in kinds.items() if kind in _DRIVEN]
+    for name in names:
+        if name not in kinds:
+            raise InputError(
+                f"actuated: no joint is named {shown(name)}{nearest(name, able)}; joints that may be: {first_of(able, 20)}"
+            )
+        if name not in able:
+            raise InputError(
+                f"actuated: {name!r} is of type {kinds[name]}, which no one motor drives; joints that may be: {first_of(able, 20)}"
+            )
+        if names.count(name) > 1:
+            raise InputError(f"actuated: {name!r} is given twice")
+    joints = [LinkJoint(replace(e.joint, actuated=e.joint.name in names), e.links) for e in robot.joints]
+    closures = [replace(closure, actuated=closure.name in names) for closure in robot.closures]
+    return replace(robot, joints=tuple(joints), closures=tuple(closures), parts=replace(robot.parts, actuated=None))

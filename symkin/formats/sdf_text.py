@@ -1,0 +1,166 @@
+"""Write a mechanism as SDF: links at the reference, and its joints as the graph that they are.
+
+Joints of SDF are 0 where the file has the links: what is added to their values is told in the text <symkin:joints>, with which joints are
+parts of one. The base is the world. Couplings are `mimic`. Masses are plain: they have no meaning for the kinematics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+
+import numpy as np
+
+from symkin.errors import MechanismError
+from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Whole, parts_text, turned
+from symkin.formats.sdf_frames import NEWEST, WORLD
+from symkin.formats.written_tree import Form, WrittenTree, written_tree
+from symkin.formats.xml_written import Element, document, element, inside, numbers
+from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joint import BASE, FREEDOMS, Joint
+from symkin.model.mechanism import Mechanism
+
+_TYPES = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
+FORM = Form(
+    "SDF", carry=frozenset({"R", "P", "H", "U", "S"}), close=frozenset({"R", "P", "H", "U", "S", "weld"}), free_only=False
+)
+_MASS, _INERTIA = 0.1, 1e-3
+"""Kilograms and kilogram square metres of every link: any that are not zero do."""
+_MOTOR = ("gz-sim-joint-position-controller-system", "gz::sim::systems::JointPositionController")
+
+
+def sdf_text(mechanism: Mechanism) -> str:
+    """The SDF file of a mechanism. Raises MechanismError for what SDF cannot hold."""
+    return _Text(written_tree(mechanism, FORM)).document()
+
+
+class _Text:
+    """The elements of the file."""
+
+    def __init__(self, tree: WrittenTree) -> None:
+        self.tree, self.name = tree, tree.graph.name
+        self.places: dict[str, np.ndarray] = {BASE: np.zeros(3)}
+        self.joints: list[LinkJoint] = []
+        for entry in tree.one_by_one():
+            (joint,) = entry.joints
+            self.places[entry.link] = np.array(joint.point)
+            self.joints.append(LinkJoint(joint, (entry.carrier, entry.link)))
+        self.joints += [_towards_links(entry) for entry in tree.closures]
+        self._refuse_names()
+        self.names = self._joint_names()
+        self.zeros = {e.joint.name: e.joint.zero for e in self.joints if FREEDOMS[e.joint.type] == 1 and e.joint.zero}
+        self.couplings = {coupling.joint: coupling for coupling in tree.couplings}
+        coordinates = ((c.name, e.joint, tag) for e in self.joints for c, tag in zip(e.joint.coordinates, _TAGS, strict=False))
+        self.axes = {name: (joint, tag) for name, joint, tag in coordinates}
+
+    def document(self) -> str:
+        root = element("sdf", version=".".join(str(part) for part in NEWEST))
+        root.set("xmlns:symkin", NAMESPACE)
+        model = inside(root, "model", name=self.name)
+        for link, place in self.places.items():
+            if link != BASE:
+                self._link(model, link, place)
+        # coupled joints stand in the tree of whoever reads
+        coupled = {name for c in self.couplings.values() for name in (c.joint, *c.names)}
+        for entry in sorted(self.joints, key=lambda e: not {c.name for c in e.joint.coordinates} & coupled):
+            self._joint(model, entry)
+        for entry in self.joints:
+            if entry.joint.actuated:
+                plugin = inside(model, "plugin", filename=_MOTOR[0], name=_MOTOR[1])
+                inside(plugin, "joint_name", self.names[entry.joint.name])
+        inside(model, JOINTS_TAG, self._parts())
+        return document(root, f"{self.name}, written by symkin: metres and radians; masses have no meaning")
+
+    def _refuse_names(self) -> None:
+        for what, names in (("link", self.places), ("joint", [e.joint.name for e in self.joints])):
+            wrong = next((n for n in names if n == WORLD or (n.startswith("__") and n.endswith("__"))), None)
+            if wrong is not None:
+                raise MechanismError(f"{self.name}: a {what} is named {wrong!r}, which SDF keeps for itself; rename it")
+
+    def _joint_names(self) -> dict[str, str]:
+        """Names of joints in the file, where links and joints have none in common."""
+        taken = {*self.places, *(e.joint.name for e in self.joints)}
+        found = {}
+        for entry in self.joints:
+            name = entry.joint.name
+            if name in self.places:
+                name = next(n for n in _numbered(f"{name}.joint") if n not in taken)
+                taken.add(name)
+            found[entry.joint.name] = name
+        return found
+
+    def _parts(self) -> str:
+        """The text, in the file's names of joints."""
+        parts = self.tree.parts
+        kinds = {e.joint.name: e.joint for e in self.joints}
+        for old, new in self.names.items():
+            if old != new and any(old in whole.parts for whole in parts.wholes):
+                parts = parts.renamed(old, new)
+            elif old != new:
+                parts = parts.with_whole(Whole(old, kinds[old].type, (new,), kinds[old].pitch))
+        welds = tuple(self.names[name] for name in parts.welds)
+        return parts_text(parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds))
+
+    # --- links and joints ----------------------------------------------------------------------------------------------
+
+    def _link(self, model: Element, name: str, place: np.ndarray) -> None:
+        link = inside(model, "link", name=name)
+        inside(link, "pose", numbers([*place, 0, 0, 0]))
+        inertial = inside(link, "inertial")
+        inside(inertial, "mass", _MASS)
+        inertia = inside(inertial, "inertia")
+        for word in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+            inside(inertia, word, _INERTIA if word[1] == word[2] else 0)
+
+    def _joint(self, model: Element, entry: LinkJoint) -> None:
+        joint, (parent, child) = entry.joint, entry.links
+        made = inside(model, "joint", name=self.names[joint.name], type_=_TYPES[joint.type])
+        inside(made, "pose", numbers([*(np.array(joint.point) - self.places[child]), 0, 0, 0]))
+        inside(made, "parent", WORLD if parent == BASE else parent)
+        inside(made, "child", child)
+        if joint.type == "H":
+            inside(made, "screw_thread_pitch", joint.pitch)
+        for tag, vector, coordinate in zip(_TAGS, (joint.axis, joint.axis2), joint.coordinates, strict=False):
+            if vector is not None:
+                axis = inside(made, tag)
+                inside(axis, "xyz", vector)
+                self._limit(axis, joint)
+                if coordinate.name in self.couplings:
+                    self._mimic(axis, self.couplings[coordinate.name])
+
+    def _limit(self, axis: Element, joint: Joint) -> None:
+        if joint.limits is not None:
+            limit = inside(axis, "limit")
+            for word, end in zip(("lower", "upper"), joint.limits, strict=True):
+                inside(limit, word, end - joint.zero)
+
+    def _mimic(self, axis: Element, coupling: Coupling) -> None:
+        """y' = f x' + b' of the values in the file, y' = y - y0."""
+        if (coupling.polynomial is not None and len(coupling.polynomial) > 2) or len(coupling.names) != 1:
+            raise MechanismError(
+                f"{self.name}: the coupling of {coupling.joint!r} is no line of one other joint, which is what SDF holds as mimic; "
+                "MJCF (.xml) holds it"
+            )
+        offset, factor = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
+        leader, tag = self.axes[coupling.names[0]]
+        mimic = inside(axis, "mimic", joint=self.names[leader.name], axis=tag)
+        inside(mimic, "multiplier", factor)
+        inside(mimic, "offset", offset - self._zero(coupling.joint) + factor * self._zero(coupling.names[0]))
+        inside(mimic, "reference", 0)
+
+    def _zero(self, name: str) -> float:
+        return self.zeros.get(name, 0.0)
+
+
+_TAGS = ("axis", "axis2")
+
+
+def _towards_links(entry: LinkJoint) -> LinkJoint:
+    """A joint whose child is no base."""
+    first, second = entry.links
+    return LinkJoint(turned(entry.joint), (second, first)) if second == BASE else entry
+
+
+def _numbered(name: str) -> Iterator[str]:
+    yield name
+    yield from (f"{name}_{k}" for k in count(2))

@@ -1,0 +1,96 @@
+"""Choose what of an SDF file is the robot: its one model, that which is named, or the models of a world that joints join."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from symkin.errors import InputError
+from symkin.formats.naming import nearest
+from symkin.formats.xml_text import Element
+from symkin.text import first_of, shown
+
+
+def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
+    """The model to read; `named` is the one that is asked for, `notes` tell what of a world is left out.
+
+    A world whose models are joined by its own joints is one model, its models being nested ones. Raises MechanismError where it is
+    open which model is meant, InputError for a name that none has.
+    """
+    worlds = root.all("world")
+    candidates = [e for part in (root, *worlds) for e in part.all("model", "include")]
+    if named is not None:
+        chosen = next((e for e in candidates if _name(e) == named), None)
+        if chosen is None:
+            names = [_name(e) for e in candidates]
+            raise InputError(
+                f"model: {root.file} has no model {shown(named)}{nearest(named, names)}; its models: {first_of(names, 20) or 'none'}"
+            )
+        return _alone(chosen, worlds, notes)
+    joined = next((world for world in worlds if world.all("joint")), None)
+    if joined is not None:
+        return _whole(joined)
+    models = [e for e in candidates if e.tag == "model"]
+    moving = [e for e in models if any(part.tag in ("joint", "include") for part in e.walk())] or models or candidates
+    if len(moving) != 1:
+        names = [_name(e) for e in moving]
+        remedy = f": {first_of(names)}; name one of them by model (--model {names[0]})" if names else "; one is needed"
+        raise root.error(f"{len(moving)} models are found{remedy}")
+    return _alone(moving[0], worlds, notes)
+
+
+def _alone(model: Element, worlds: Sequence[Element], notes: list[str]) -> Element:
+    """One model, without what stands beside it in a world."""
+    static = model.one("static")
+    if static is not None and _is_true(static):
+        raise static.error("the model is static: no joint of it moves")
+    for world in worlds:
+        for other in world.all("include", "joint"):
+            if other is not model:
+                notes.append(f"line {other.line}: <{other.tag}> of the world is left out; the model is read alone")
+    return model if model.tag == "model" else _wrapped(_name(model), model, [model])
+
+
+def _whole(world: Element) -> Element:
+    """All models of a world as one; static ones are fixed to it."""
+    parts = world.all("model", "include", "joint", "frame")
+    fixed = [
+        joint for model in world.all("model") if (s := model.one("static")) is not None and _is_true(s) for joint in _held(model)
+    ]
+    return _wrapped(world.attributes.get("name", "world"), world, [*parts, *fixed])
+
+
+def _held(model: Element) -> list[Element]:
+    """A fixed joint from the world to every link of a static model."""
+    found = []
+    for link in model.all("link"):
+        name = f"{_name(model)}::{link.attribute('name')}"
+        joint = _made("joint", link, {"name": f"static {name}", "type": "fixed"})
+        joint.children += [_made("parent", link, {}, "world"), _made("child", link, {}, name)]
+        found.append(joint)
+    return found
+
+
+def _wrapped(name: str, place: Element, children: list[Element]) -> Element:
+    model = _made("model", place, {"name": name})
+    model.children += children
+    return model
+
+
+def _made(tag: str, place: Element, attributes: dict[str, str], text: str = "") -> Element:
+    """An element that the file does not write, at the place of one that it does."""
+    return Element(tag, attributes, place.file, place.line, text=text)
+
+
+def _name(element: Element) -> str:
+    """A model's name, and that of an include: its own or the last part of its address."""
+    if element.tag == "model":
+        return element.attributes.get("name", "")
+    own = element.one("name")
+    if own is not None:
+        return own.text.strip()
+    uri = element.one("uri")
+    return "" if uri is None else uri.text.strip().rstrip("/").rpartition("/")[2]
+
+
+def _is_true(element: Element) -> bool:
+    return element.text.strip().lower() in ("1", "true")

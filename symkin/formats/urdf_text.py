@@ -1,0 +1,168 @@
+"""Write a mechanism as URDF: a tree at the configuration where all joints are 0, and its loops as <loop> of URDF+ or in YAML beside it.
+
+Frames of links are parallel to the base's where all joints are 0. Couplings are `mimic`. The text <symkin:joints> tells at which values the
+loops are closed, and which joints are parts of one. Masses are plain: they have no meaning for the kinematics.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from symkin.errors import MechanismError
+from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
+from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
+from symkin.formats.xml_written import Element, document, element, inside
+from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
+from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joint import BASE, Joint, JointType
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+
+_CARRY: frozenset[JointType] = frozenset({"R", "P"})
+_FORMS = {
+    "loop": Form("URDF", carry=_CARRY, close=frozenset({"S", "R", "P", "C", "weld"})),
+    "yaml": Form("URDF", carry=_CARRY, close=frozenset({"S", "weld"})),
+}
+_CLOSURES = {"S": "ball", "R": "revolute", "P": "prismatic", "C": "cylindrical", "weld": "fixed"}
+_YAML_CLOSURES = {"S": "3d", "weld": "6d"}
+_UNBOUNDED = (-1e16, 1e16)
+"""What a prismatic joint without a range has, for the format wants one."""
+_MASS, _INERTIA = 0.1, 1e-3
+"""Kilograms and kilogram square metres of every link: any that are not zero do."""
+
+
+def urdf_text(mechanism: Mechanism) -> str:
+    """The URDF file of a mechanism, with its loops. Raises MechanismError for what URDF cannot hold."""
+    return _Text(written_tree(mechanism, _FORMS["loop"])).document()
+
+
+def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
+    """The URDF file of a mechanism, and the YAML file with its loops. Raises MechanismError for what they cannot hold."""
+    text = _Text(written_tree(mechanism, _FORMS["yaml"]), beside=True)
+    return text.document(), text.yaml()
+
+
+class _Text:
+    """The elements of the file."""
+
+    def __init__(self, tree: WrittenTree, *, beside: bool = False) -> None:
+        self.tree, self.beside = tree, beside
+        self.carried = tree.one_by_one()
+        moved = zero_displacements(self.carried)
+        places = {BASE: np.zeros(3)}
+        for entry in self.carried:
+            (joint,) = entry.joints
+            places[entry.link] = np.asarray(moved[entry.carrier].apply(np.array(joint.point)))
+        self.zero = {link: Pose(place, Pose.identity().quaternion) for link, place in places.items()}
+        self.moved = moved
+        self.reference = {link: moved[link].inverse() @ frame for link, frame in self.zero.items()}
+        self.closing: list[tuple[str, str, str]] = []
+
+    def document(self) -> str:
+        graph, parts = self.tree.graph, self.tree.parts
+        root = element("robot", name=graph.name)
+        root.set("xmlns:symkin", NAMESPACE)
+        for link in self.zero:
+            self._link(root, link)
+        couplings = {c.joint: c for c in self.tree.couplings}
+        for entry in self.carried:
+            (joint,) = entry.joints
+            self._joint(root, entry, joint, couplings.get(joint.name))
+        for closure in self.tree.closures:
+            if self.beside:
+                parts = self._frames(root, closure, parts)
+            else:
+                self._loop(root, closure)
+        for joint in self.tree.joints:
+            if joint.actuated:
+                self._transmission(root, joint)
+        reference = {joint.name: joint.zero for joint in self.tree.joints if joint.zero}
+        inside(root, JOINTS_TAG, parts_text(parts.at(reference)))
+        return document(root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning")
+
+    def yaml(self) -> str:
+        """The loops, once the document is made."""
+        motors = [joint.name for joint in self.tree.joints if joint.actuated]
+        lines = {
+            "closed_loop": [[first, second] for _, first, second in self.closing],
+            "type": [kind for kind, _, _ in self.closing],
+            "name_mot": motors,
+        }
+        return "".join(f"{key}: {json.dumps(value, ensure_ascii=False)}\n" for key, value in lines.items())
+
+    # --- the tree ------------------------------------------------------------------------------------------------------
+
+    def _link(self, root: Element, name: str) -> None:
+        link = inside(root, "link", name=name)
+        if name != BASE:
+            inertial = inside(link, "inertial")
+            inside(inertial, "mass", value=_MASS)
+            inside(inertial, "inertia", ixx=_INERTIA, ixy=0, ixz=0, iyy=_INERTIA, iyz=0, izz=_INERTIA)
+
+    def _joint(self, root: Element, entry: Carried, joint: Joint, coupling: Coupling | None) -> None:
+        kind = "prismatic" if joint.type == "P" else "continuous" if joint.limits is None else "revolute"
+        made = inside(root, "joint", name=joint.name, type_=kind)
+        inside(made, "parent", link=entry.carrier)
+        inside(made, "child", link=entry.link)
+        at = self.zero[entry.carrier].inverse() @ self.zero[entry.link]
+        inside(made, "origin", xyz=at.position, rpy=[0, 0, 0])
+        inside(made, "axis", xyz=self.moved[entry.carrier].turn(np.array(joint.axis)))
+        if kind != "continuous":
+            low, high = joint.limits or _UNBOUNDED
+            inside(made, "limit", lower=low, upper=high, effort=1, velocity=1)
+        if coupling is not None:
+            self._mimic(made, coupling)
+
+    def _mimic(self, made: Element, coupling: Coupling) -> None:
+        if (coupling.polynomial is not None and len(coupling.polynomial) > 2) or len(coupling.names) != 1:
+            raise MechanismError(
+                f"{self.tree.graph.name}: the coupling of {coupling.joint!r} is no line of one other joint, which is what URDF holds as mimic; "
+                "MJCF (.xml) holds it"
+            )
+        offset, factor = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
+        inside(made, "mimic", joint=coupling.names[0], multiplier=factor, offset=offset)
+
+    def _transmission(self, root: Element, joint: Joint) -> None:
+        made = inside(root, "transmission", name=f"{joint.name}.transmission")
+        inside(made, "type", "transmission_interface/SimpleTransmission")
+        inside(inside(made, "joint", name=joint.name), "hardwareInterface", "hardware_interface/PositionJointInterface")
+        inside(made, "actuator", name=f"{joint.name}.motor")
+
+    # --- loops ---------------------------------------------------------------------------------------------------------
+
+    def _frames_on_links(self, closure: LinkJoint) -> list[Pose]:
+        frames = closing_frames(closure.joint)
+        found = [self.reference[link].inverse() @ frame for link, frame in zip(closure.links, frames, strict=True)]
+        # a ball joint has no direction
+        return [Pose(f.position, Pose.identity().quaternion) for f in found] if closure.joint.type == "S" else found
+
+    def _loop(self, root: Element, closure: LinkJoint) -> None:
+        """A closing joint of URDF+, about or along the z axis of both frames."""
+        joint = closure.joint
+        made = inside(root, "loop", name=joint.name, type_=_CLOSURES[joint.type])
+        for tag, link, frame in zip(("predecessor", "successor"), closure.links, self._frames_on_links(closure), strict=True):
+            inside(inside(made, tag, link=link), "origin", **xyz_rpy(frame))
+        if joint.axis is not None:
+            inside(made, "axis", xyz=[0, 0, 1])
+
+    def _frames(self, root: Element, closure: LinkJoint, parts: Parts) -> Parts:
+        """Links on fixed joints, which the YAML file names; the reader numbers the closures."""
+        joint, names = closure.joint, []
+        for k, (link, frame) in enumerate(zip(closure.links, self._frames_on_links(closure), strict=True), start=1):
+            name = f"{joint.name}.{k}.frame"
+            self._link(root, name)
+            made = inside(root, "joint", name=f"{name}.fixed", type_="fixed")
+            inside(made, "parent", link=link)
+            inside(made, "child", link=name)
+            inside(made, "origin", **xyz_rpy(frame))
+            names.append(name)
+        self.closing.append((_YAML_CLOSURES[joint.type], names[0], names[1]))
+        used = {j.name for j in self.tree.joints}
+        number, own = 2, f"loop{len(self.closing)}"
+        while own in used:
+            own, number = f"loop{len(self.closing)}_{number}", number + 1
+        if any(joint.name in whole.parts for whole in parts.wholes):
+            return parts.renamed(joint.name, own)
+        return parts.with_whole(Whole(joint.name, joint.type, (own,)))

@@ -1,0 +1,161 @@
+"""Closed forms of serial arms: all modes, the same as by paths, or handed over to paths.
+
+Oracles: the direct problem, which no formula of the inverse one enters, and continuation.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import symkin
+from helpers.arms import along, direction, free, random_values, serial, short_structures, structures, through
+from symkin import InputError
+from symkin.closed.plan import plan_of
+
+ARMS, SHORT = structures(np.random.default_rng(7)), short_structures(np.random.default_rng(7))
+ALL = ARMS | SHORT
+ON_LINE = 1e-7
+"""What a plan of an ideal arm may be off by before it is polished: rounding times the conditions of random configurations."""
+
+
+def pose_of(arm: symkin.Mechanism, values) -> symkin.Pose:
+    return symkin.solve(arm, joints=list(values)).solution.pose
+
+
+def turned(a: np.ndarray, b: np.ndarray, arm: symkin.Mechanism) -> np.ndarray:
+    """Largest differences of joint values, whole turns left aside."""
+    angular = np.array([c.is_angular for c in arm.actuated])
+    gap = np.asarray(a) - np.asarray(b)
+    return np.max(np.abs(np.where(angular, np.angle(np.exp(1j * gap)), gap)), axis=-1)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_structure_has_a_plan_that_says_how_it_goes(name: str) -> None:
+    """One step a joint or more joints, each with its reason; every choice has a name of its own."""
+    plan = plan_of(ALL[name])
+    assert plan is not None
+    assert sorted(joint for step in plan.steps for joint in step.joints) == list(range(len(ALL[name].actuated)))
+    assert len(set(plan.branches)) == len(plan.branches)
+    assert all(any(c.name in line for c in ALL[name].actuated) for line in plan.derivation())
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_real_branches_reach_the_pose_and_one_of_them_is_the_arm(name: str) -> None:
+    """Inverse of direct is among the branches, in the branch that its slopes name; every real branch has the pose."""
+    arm, rng = ARMS[name], np.random.default_rng(3)
+    plan = plan_of(arm)
+    x, q = ca.SX.sym("x", 7), ca.SX.sym("q", len(arm.actuated))
+    branches = [plan.branch(x, signs) for signs in plan.signs.tolist()]
+    formulas = ca.Function(
+        "f", [x], [ca.horzcat(*(b.joints for b in branches)), ca.horzcat(*(b.discriminants for b in branches))]
+    )
+    flags = ca.Function("s", [x, q], [plan.slopes(x, q)])
+    for _ in range(10):
+        values = random_values(arm, rng)
+        pose = pose_of(arm, values)
+        given = [*pose.position, *pose.quaternion]
+        joints, discriminants = (np.array(part).T for part in formulas(given))
+        real = discriminants.min(axis=1) > 0.0
+        gaps = turned(joints, values, arm)
+        assert gaps[real].min() < ON_LINE
+        signs = np.sign(np.array(flags(given, values)).ravel())
+        assert gaps[np.flatnonzero((plan.signs == signs).all(axis=1))[0]] < ON_LINE
+        for found in joints[real]:
+            again = pose_of(arm, found)
+            assert np.abs(again.position - pose.position).max() < ON_LINE * arm.characteristic_length
+            assert 1.0 - abs(again.quaternion @ pose.quaternion) < ON_LINE
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_modes_hold_the_arm_and_close(name: str) -> None:
+    """Of random joint values' poses: the closed form answers, the joint values are among the modes, each closes to 1e-9."""
+    arm, rng = ALL[name], np.random.default_rng(4)
+    inputs = [random_values(arm, rng) for _ in range(20)]
+    found = symkin.modes(arm, pose=[pose_of(arm, values) for values in inputs])
+    answered = [(values, modes) for values, modes in zip(inputs, found, strict=True) if modes.method == "closed"]
+    assert len(answered) >= 19
+    for values, modes in answered:
+        assert modes.completeness == "probability one"
+        assert max(mode.residual for mode in modes) < 1e-9 * arm.characteristic_length
+        assert min(turned(list(mode.actuated), values, arm) for mode in modes) < ON_LINE
+        assert len(modes) <= plan_of(arm).count
+
+
+@pytest.mark.parametrize("name", ["parallel_inner", "gantry"])
+def test_modes_are_those_of_continuation(name: str) -> None:
+    same_as_continuation(ARMS[name], 6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALL)
+def test_all_structures_have_the_modes_of_continuation(name: str) -> None:
+    same_as_continuation(ALL[name], 30)
+
+
+def same_as_continuation(arm: symkin.Mechanism, count: int) -> None:
+    """The same joint values, mode by mode, and as many complex solutions where both are counted."""
+    rng = np.random.default_rng(5)
+    poses = [pose_of(arm, random_values(arm, rng)) for _ in range(count)]
+    closed, tracked = symkin.modes(arm, pose=poses), symkin.modes(arm, pose=poses, method="continuation")
+    for a, b in zip(closed, tracked, strict=True):
+        assert b.method == "continuation"
+        assert len(a) == len(b)
+        ours, theirs = np.array([m.actuated for m in a]), np.array([m.actuated for m in b])
+        assert max(turned(ours, one, arm).min() for one in theirs) < ON_LINE
+        if a.complex_count is not None and b.complex_count is not None:
+            assert a.complex_count == b.complex_count
+        assert all(ours.certified or not theirs.certified for ours, theirs in zip(a, b, strict=True))
+
+
+def test_a_wrist_without_an_angle_is_left_to_paths() -> None:
+    """Where the axes of joints 4 and 6 fall together the wrist's solutions are a continuum: no formula tells them."""
+    y, z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    spec = [("R", (0, 0, 0), z), ("R", (0, 0, 80), y), ("R", (0, 0, 180), y), *(("R", (90, 0, 180), k) for k in (z, y, z))]
+    joints = [symkin.Joint(f"q{i}", t, p, k, actuated=True) for i, (t, p, k) in enumerate(spec, start=1)]
+    arm = symkin.Mechanism("wrist", [symkin.Limb("arm", joints)], platform_position=(90.0, 0.0, 220.0), serial=True)
+    straight = symkin.modes(arm, pose=pose_of(arm, [0.3, 0.4, 0.5, 0.6, 0.0, 0.8]))
+    assert (straight.method, straight.positive_dimensional) == ("continuation", True)
+    nearly = symkin.modes(arm, pose=pose_of(arm, [0.3, 0.4, 0.5, 0.6, 1e-5, 0.8]))
+    assert nearly.method == "continuation"
+    bent = symkin.modes(arm, pose=pose_of(arm, [0.3, 0.4, 0.5, 0.6, 0.1, 0.8]))
+    assert (bent.method, bent.engine, len(bent)) == ("closed", "closed form", 8)
+
+
+def test_a_stretched_elbow_is_left_to_paths() -> None:
+    """Two solutions in one: the discriminant is zero."""
+    arm = symkin.load("gluon_6l3")
+    assert symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 0.0, 40.0, 50.0, 60.0])).method == "continuation"
+    assert symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 5.0, 40.0, 50.0, 60.0])).method == "closed"
+
+
+def test_other_arms_have_no_plan() -> None:
+    """A general arm, one with a joint too many, and one whose axes are off by a thousandth of a millimetre in a metre."""
+    rng = np.random.default_rng(0)
+    general = serial("general", [free(rng) for _ in range(6)], rng)
+    seven = serial("seven", [free(rng), *along(rng, direction(rng), 3), *through(rng, rng.normal(size=3), 3)], rng)
+    k = direction(rng)
+    axes = [free(rng), *along(rng, k, 3), *through(rng, rng.normal(size=3), 2)]
+    exact = serial("exact", axes, np.random.default_rng(1))
+    off = serial("off", [*axes[:3], ("R", axes[3][1], k + 1e-6 * direction(rng)), *axes[4:]], np.random.default_rng(1))
+    assert plan_of(exact) is not None
+    assert [plan_of(arm) for arm in (general, seven, off, symkin.load("zhao2000"))] == [None] * 4
+    assert plan_of(off, tolerance=1e-4) is not None
+
+
+def test_what_a_closed_form_has_no_use_for_is_refused() -> None:
+    arm = symkin.load("gluon_6l3")
+    with pytest.raises(InputError, match="starts"):
+        symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 30.0, 40.0, 50.0, 60.0]), starts=10)
+    with pytest.raises(InputError, match="'closed' is unknown"):
+        symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 30.0, 40.0, 50.0, 60.0]), method="closed")
+
+
+def test_a_short_arm_has_no_mode_at_a_pose_beside_its_own() -> None:
+    """A pose turned away from those that the arm can take has no mode, whatever single equations say."""
+    arm = SHORT["five_parallel"]
+    pose = pose_of(arm, [0.1, 0.2, 0.3, 0.4, 0.5])
+    assert len(symkin.modes(arm, pose=pose)) >= 1
+    q = pose.quaternion + np.array([0.0, 0.05, -0.03, 0.02])
+    assert not len(symkin.modes(arm, pose=symkin.Pose(pose.position, q / np.linalg.norm(q)), method=None))

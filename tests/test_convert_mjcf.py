@@ -1,0 +1,53 @@
+"""MJCF that is written: read again it is the same mechanism, and MuJoCo has its links where symkin has them, its loops closed there and
+its freedoms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import symkin
+from helpers.mujoco_account import MujocoAccount
+from helpers.random_graphs import random_graph
+from helpers.robot_files import ROBOTS
+from helpers.same_mechanism import assert_same
+from symkin.formats.graph_form import as_graph
+from symkin.formats.mjcf_text import mjcf_text
+
+pytest.importorskip("mujoco")
+
+
+def in_file(folder: Path, mechanism: symkin.Mechanism, name: str = "written.xml") -> Path:
+    path = folder / name
+    path.write_text(mjcf_text(mechanism), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_shipped_mechanisms_come_back(name: str, tmp_path: Path) -> None:
+    mechanism = symkin.load(name)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path, mechanism)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
+    mechanism = symkin.load(path)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path, mechanism)))
+
+
+@settings(max_examples=80)
+@given(seed=st.integers(0, 10_000))
+def test_random_graphs_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
+    mechanism = random_graph(seed)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path_factory.getbasetemp(), mechanism, "random.xml")))
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
+    """At closed configurations: poses of all links, closed equalities, freedoms that the rank leaves (idle spins of rods included)."""
+    mechanism = symkin.load(name)
+    MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
