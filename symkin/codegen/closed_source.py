@@ -26,8 +26,6 @@ _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
-_REACH = 4e3
-"""Positions beyond so many lengths of the arm are out of reach: slides without limits go to a thousand sizes."""
 _SINE = (0.9999966155528762, -0.16664828239792243, 0.008306323850167805, -0.00018363616794956467)
 """sin(x) / x in x^2 up to a quarter turn, error of the sine 6e-7: least squares reweighted to the least largest error."""
 _ARCTANGENT = (
@@ -205,7 +203,6 @@ class ClosedCode:
             "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
             "half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi),
             "sine": self._polynomial(_SINE), "arctangent": self._polynomial(_ARCTANGENT),
-            "reach": literal(_REACH * self._farthest),
             "named": indent(named, 2),
         }  # fmt: skip
 
@@ -216,12 +213,6 @@ class ClosedCode:
         for c in reversed(rest):
             text = f"{c} + square * {text if text == last else f'({text})'}"
         return text
-
-    @property
-    def _farthest(self) -> float:
-        """A length of the arm's order: its size, or how far from the base's origin its parts are at the reference."""
-        points = [screw.point for screw in self.plan.arm.screws] + [tuple(np.asarray(self.plan.arm.tool.position))]
-        return max(self.plan.arm.size, *(float(np.linalg.norm(point)) for point in points))
 
     @property
     def text(self) -> str:
