@@ -28,7 +28,8 @@ static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real value
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
 {
     const ren2008_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_r
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     ren2008_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
+    if ((squared >= 0.98f) && (squared <= 1.0201f)
+        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 1690.0f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = ren2008_check_finite(q, 4, REN2008_OUT_OF_RANGE);
+        status = ren2008_check_finite(q, 4, ren2008_check_finite(x, 3, REN2008_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -67,18 +69,13 @@ static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int cou
 static REN2008_SHARED ren2008_status ren2008_check_limits(const ren2008_real joints[6])
 {
     ren2008_status status = REN2008_OK;
-    if (!((joints[0] >= -1.6118682e-06f)
-        && (joints[0] <= 0.5500016f)
-        && (joints[1] >= -1.6118682e-06f)
-        && (joints[1] <= 0.5500016f)
-        && (joints[2] >= -1.6118682e-06f)
-        && (joints[2] <= 0.5500016f)
-        && (joints[3] >= -1.6118682e-06f)
-        && (joints[3] <= 0.5500016f)
-        && (joints[4] >= -1.6118682e-06f)
-        && (joints[4] <= 0.5500016f)
-        && (joints[5] >= -1.6118682e-06f)
-        && (joints[5] <= 0.5500016f))) {
+    bool inside = true;
+    for (int i = 0; i < 6; ++i) {
+        if (!((joints[i] >= -1.6118682e-06f) && (joints[i] <= 0.5500016f))) {
+            inside = false;
+        }
+    }
+    if (!(inside)) {
         status = ren2008_check_finite(joints, 6, REN2008_OUT_OF_RANGE);
     }
     return status;
@@ -658,11 +655,11 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6], const ren2008_config *config, ren2008_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -672,18 +669,17 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     ren2008_real done = 0.0f;
     ren2008_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     ren2008_real size = 0.0f;
     ren2008_real kappa2 = 0.221841f;
     ren2008_real limit;
-    ren2008_real most = 0.0f;
-    ren2008_real contraction2 = 0.0625f;
     ren2008_real residual = HUGE_VALF;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -710,7 +706,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             if (turn == 0) {
                 turn = ren2008_direct_pivoted(w);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = REN2008_SINGULAR;
                 break;
@@ -721,24 +717,24 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         ren2008_direct_solve(w);
         const ren2008_real before = size;
         size = ren2008_direct_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625f * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625f * before;
+            limit = 0.140625f * before;
         }
-        if ((size <= limit) || (judging && (size <= 4.1569907e-11f))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1569907e-11f));
+        if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_real error2;
                 ren2008_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -746,20 +742,21 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 4.1569907e-11f);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1569907e-11f);
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1569907e-11f))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const ren2008_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0f <= before) ? (part + part) : part;
+                aim += (quick ? (part + part) : part);
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
@@ -767,19 +764,15 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                     w->x0[i] = w->x[i];
                 }
                 ren2008_direct_retarget(w, to, aim, done);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             ren2008_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
-            contraction2 = 0.015625f;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -790,15 +783,15 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     ren2008_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w, const ren2008_real joints[6], const ren2008_pose *guess)
 {
-    ren2008_status status = ren2008_check_limits(joints);
-    if (status == REN2008_OK) {
-        w->guess = guess;
-        status = ren2008_normalise_pose(guess, w->x);
-    }
-    return status;
+    const ren2008_status limits = ren2008_check_limits(joints);
+    ren2008_status status;
+    w->guess = guess;
+    status = ren2008_normalise_pose(guess, w->x);
+    /* NaN or infinity anywhere comes first */
+    return ((status == REN2008_OK) || (limits == REN2008_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -813,12 +806,6 @@ static REN2008_SHARED void ren2008_write_pose(const ren2008_direct_work *w, ren2
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static REN2008_COLD ren2008_status ren2008_failure_status(const ren2008_real joints[6], const ren2008_pose *guess, ren2008_status status)
-{
-    return ren2008_check_finite(guess->position, 3, ren2008_check_finite(joints, 6, status));
-}
-
 ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[6], const ren2008_pose *guess, ren2008_pose *pose, ren2008_info *info)
 {
     static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
@@ -828,8 +815,6 @@ ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real j
         status = ren2008_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_OK) {
             ren2008_write_pose(&w, pose);
-        } else {
-            status = ren2008_failure_status(joints, guess, status);
         }
     } else {
         ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -847,7 +832,7 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
         ren2008_direct_rows(&w);
         if ((ren2008_direct_factor(&w) == 0) && (ren2008_direct_pivoted(&w) == 0)) {
             ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-            status = ren2008_failure_status(joints, pose, REN2008_SINGULAR);
+            status = REN2008_SINGULAR;
         } else {
             ren2008_direct_solve(&w);
             const ren2008_real size = ren2008_direct_apply_step(&w);
@@ -855,7 +840,7 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
             if (size <= 0.004959483f) {
                 ren2008_write_pose(&w, pose);
             } else {
-                status = ren2008_failure_status(joints, pose, REN2008_WRONG_BRANCH);
+                status = REN2008_WRONG_BRANCH;
             }
         }
     } else {
@@ -879,8 +864,6 @@ ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[6])
             joints[3] = w.k[3];
             joints[4] = w.k[4];
             joints[5] = w.k[5];
-        } else {
-            status = ren2008_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -993,154 +976,160 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
         const ren2008_real t98 = t51 - t97;
         const ren2008_real t99 = t98 * t98;
         const ren2008_real t100 = t96 + t99;
-        const ren2008_real t101 = t4 * t29;
-        const ren2008_real t102 = t101 * t55;
-        const ren2008_real t103 = t102 * t74;
-        const ren2008_real t104 = t103 * t87;
-        const ren2008_real t105 = t104 * t100;
-        const ren2008_real t106 = sqrtf(t4);
-        const ren2008_real t107 = 1.0f / t106;
-        const ren2008_real t108 = x[0] * t107;
-        const ren2008_real t109 = x[1] * t107;
-        const ren2008_real t110 = x[2] * t107;
-        const ren2008_real t111 = sqrtf(t29);
-        const ren2008_real t112 = 1.0f / t111;
-        const ren2008_real t113 = t13 * t112;
-        const ren2008_real t114 = t20 * t112;
-        const ren2008_real t115 = t27 * t112;
-        const ren2008_real t116 = t19 * t27;
-        const ren2008_real t117 = t26 * t20;
-        const ren2008_real t118 = t116 - t117;
-        const ren2008_real t119 = t118 * t112;
-        const ren2008_real t120 = t26 * t13;
-        const ren2008_real t121 = t11 * t27;
-        const ren2008_real t122 = t120 - t121;
-        const ren2008_real t123 = t122 * t112;
-        const ren2008_real t124 = t11 * t20;
-        const ren2008_real t125 = t19 * t13;
-        const ren2008_real t126 = t124 - t125;
-        const ren2008_real t127 = t126 * t112;
-        const ren2008_real t128 = sqrtf(t55);
-        const ren2008_real t129 = 1.0f / t128;
-        const ren2008_real t130 = t35 * t129;
-        const ren2008_real t131 = t44 * t129;
-        const ren2008_real t132 = t53 * t129;
-        const ren2008_real t133 = t42 + t40;
-        const ren2008_real t134 = t133 * t53;
-        const ren2008_real t135 = t52 + t50;
-        const ren2008_real t136 = t135 * t44;
-        const ren2008_real t137 = t134 - t136;
-        const ren2008_real t138 = t137 * t129;
-        const ren2008_real t139 = t135 * t35;
-        const ren2008_real t140 = t33 + t31;
-        const ren2008_real t141 = t140 * t53;
-        const ren2008_real t142 = t139 - t141;
-        const ren2008_real t143 = t142 * t129;
-        const ren2008_real t144 = t140 * t44;
-        const ren2008_real t145 = t133 * t35;
-        const ren2008_real t146 = t144 - t145;
-        const ren2008_real t147 = t146 * t129;
-        const ren2008_real t148 = sqrtf(t74);
-        const ren2008_real t149 = 1.0f / t148;
-        const ren2008_real t150 = t60 * t149;
-        const ren2008_real t151 = t66 * t149;
-        const ren2008_real t152 = t72 * t149;
-        const ren2008_real t153 = t64 + t62;
-        const ren2008_real t154 = t153 * t72;
-        const ren2008_real t155 = t71 + t69;
-        const ren2008_real t156 = t155 * t66;
-        const ren2008_real t157 = t154 - t156;
-        const ren2008_real t158 = t157 * t149;
-        const ren2008_real t159 = t155 * t60;
-        const ren2008_real t160 = t58 + t56;
-        const ren2008_real t161 = t160 * t72;
-        const ren2008_real t162 = t159 - t161;
-        const ren2008_real t163 = t162 * t149;
-        const ren2008_real t164 = t160 * t66;
-        const ren2008_real t165 = t153 * t60;
-        const ren2008_real t166 = t164 - t165;
-        const ren2008_real t167 = t166 * t149;
-        const ren2008_real t168 = sqrtf(t87);
-        const ren2008_real t169 = 1.0f / t168;
-        const ren2008_real t170 = t77 * t169;
-        const ren2008_real t171 = t81 * t169;
-        const ren2008_real t172 = t85 * t169;
-        const ren2008_real t173 = t79 + t62;
-        const ren2008_real t174 = t173 * t85;
-        const ren2008_real t175 = t84 + t69;
-        const ren2008_real t176 = t175 * t81;
-        const ren2008_real t177 = t174 - t176;
-        const ren2008_real t178 = t177 * t169;
-        const ren2008_real t179 = t175 * t77;
-        const ren2008_real t180 = t75 + t56;
-        const ren2008_real t181 = t180 * t85;
-        const ren2008_real t182 = t179 - t181;
-        const ren2008_real t183 = t182 * t169;
-        const ren2008_real t184 = t180 * t81;
-        const ren2008_real t185 = t173 * t77;
-        const ren2008_real t186 = t184 - t185;
-        const ren2008_real t187 = t186 * t169;
-        const ren2008_real t188 = sqrtf(t100);
-        const ren2008_real t189 = 1.0f / t188;
-        const ren2008_real t190 = t90 * t189;
-        const ren2008_real t191 = t94 * t189;
-        const ren2008_real t192 = t98 * t189;
-        const ren2008_real t193 = t40 - t92;
-        const ren2008_real t194 = t193 * t98;
-        const ren2008_real t195 = t50 - t97;
-        const ren2008_real t196 = t195 * t94;
-        const ren2008_real t197 = t194 - t196;
-        const ren2008_real t198 = t197 * t189;
-        const ren2008_real t199 = t195 * t90;
-        const ren2008_real t200 = t31 - t88;
-        const ren2008_real t201 = t200 * t98;
-        const ren2008_real t202 = t199 - t201;
-        const ren2008_real t203 = t202 * t189;
-        const ren2008_real t204 = t200 * t94;
-        const ren2008_real t205 = t193 * t90;
-        const ren2008_real t206 = t204 - t205;
-        const ren2008_real t207 = t206 * t189;
-        const ren2008_real shortest = t105;
+        const ren2008_real t101 = t4 * 0.35005888f;
+        const ren2008_real t102 = t29 * 0.35005888f;
+        const ren2008_real t103 = t101 * t102;
+        const ren2008_real t104 = t55 * 0.35005888f;
+        const ren2008_real t105 = t103 * t104;
+        const ren2008_real t106 = t74 * 0.35005888f;
+        const ren2008_real t107 = t105 * t106;
+        const ren2008_real t108 = t87 * 0.35005888f;
+        const ren2008_real t109 = t107 * t108;
+        const ren2008_real t110 = t100 * 0.35005888f;
+        const ren2008_real t111 = t109 * t110;
+        const ren2008_real t112 = sqrtf(t4);
+        const ren2008_real t113 = 1.0f / t112;
+        const ren2008_real t114 = x[0] * t113;
+        const ren2008_real t115 = x[1] * t113;
+        const ren2008_real t116 = x[2] * t113;
+        const ren2008_real t117 = sqrtf(t29);
+        const ren2008_real t118 = 1.0f / t117;
+        const ren2008_real t119 = t13 * t118;
+        const ren2008_real t120 = t20 * t118;
+        const ren2008_real t121 = t27 * t118;
+        const ren2008_real t122 = t19 * t27;
+        const ren2008_real t123 = t26 * t20;
+        const ren2008_real t124 = t122 - t123;
+        const ren2008_real t125 = t124 * t118;
+        const ren2008_real t126 = t26 * t13;
+        const ren2008_real t127 = t11 * t27;
+        const ren2008_real t128 = t126 - t127;
+        const ren2008_real t129 = t128 * t118;
+        const ren2008_real t130 = t11 * t20;
+        const ren2008_real t131 = t19 * t13;
+        const ren2008_real t132 = t130 - t131;
+        const ren2008_real t133 = t132 * t118;
+        const ren2008_real t134 = sqrtf(t55);
+        const ren2008_real t135 = 1.0f / t134;
+        const ren2008_real t136 = t35 * t135;
+        const ren2008_real t137 = t44 * t135;
+        const ren2008_real t138 = t53 * t135;
+        const ren2008_real t139 = t42 + t40;
+        const ren2008_real t140 = t139 * t53;
+        const ren2008_real t141 = t52 + t50;
+        const ren2008_real t142 = t141 * t44;
+        const ren2008_real t143 = t140 - t142;
+        const ren2008_real t144 = t143 * t135;
+        const ren2008_real t145 = t141 * t35;
+        const ren2008_real t146 = t33 + t31;
+        const ren2008_real t147 = t146 * t53;
+        const ren2008_real t148 = t145 - t147;
+        const ren2008_real t149 = t148 * t135;
+        const ren2008_real t150 = t146 * t44;
+        const ren2008_real t151 = t139 * t35;
+        const ren2008_real t152 = t150 - t151;
+        const ren2008_real t153 = t152 * t135;
+        const ren2008_real t154 = sqrtf(t74);
+        const ren2008_real t155 = 1.0f / t154;
+        const ren2008_real t156 = t60 * t155;
+        const ren2008_real t157 = t66 * t155;
+        const ren2008_real t158 = t72 * t155;
+        const ren2008_real t159 = t64 + t62;
+        const ren2008_real t160 = t159 * t72;
+        const ren2008_real t161 = t71 + t69;
+        const ren2008_real t162 = t161 * t66;
+        const ren2008_real t163 = t160 - t162;
+        const ren2008_real t164 = t163 * t155;
+        const ren2008_real t165 = t161 * t60;
+        const ren2008_real t166 = t58 + t56;
+        const ren2008_real t167 = t166 * t72;
+        const ren2008_real t168 = t165 - t167;
+        const ren2008_real t169 = t168 * t155;
+        const ren2008_real t170 = t166 * t66;
+        const ren2008_real t171 = t159 * t60;
+        const ren2008_real t172 = t170 - t171;
+        const ren2008_real t173 = t172 * t155;
+        const ren2008_real t174 = sqrtf(t87);
+        const ren2008_real t175 = 1.0f / t174;
+        const ren2008_real t176 = t77 * t175;
+        const ren2008_real t177 = t81 * t175;
+        const ren2008_real t178 = t85 * t175;
+        const ren2008_real t179 = t79 + t62;
+        const ren2008_real t180 = t179 * t85;
+        const ren2008_real t181 = t84 + t69;
+        const ren2008_real t182 = t181 * t81;
+        const ren2008_real t183 = t180 - t182;
+        const ren2008_real t184 = t183 * t175;
+        const ren2008_real t185 = t181 * t77;
+        const ren2008_real t186 = t75 + t56;
+        const ren2008_real t187 = t186 * t85;
+        const ren2008_real t188 = t185 - t187;
+        const ren2008_real t189 = t188 * t175;
+        const ren2008_real t190 = t186 * t81;
+        const ren2008_real t191 = t179 * t77;
+        const ren2008_real t192 = t190 - t191;
+        const ren2008_real t193 = t192 * t175;
+        const ren2008_real t194 = sqrtf(t100);
+        const ren2008_real t195 = 1.0f / t194;
+        const ren2008_real t196 = t90 * t195;
+        const ren2008_real t197 = t94 * t195;
+        const ren2008_real t198 = t98 * t195;
+        const ren2008_real t199 = t40 - t92;
+        const ren2008_real t200 = t199 * t98;
+        const ren2008_real t201 = t50 - t97;
+        const ren2008_real t202 = t201 * t94;
+        const ren2008_real t203 = t200 - t202;
+        const ren2008_real t204 = t203 * t195;
+        const ren2008_real t205 = t201 * t90;
+        const ren2008_real t206 = t31 - t88;
+        const ren2008_real t207 = t206 * t98;
+        const ren2008_real t208 = t205 - t207;
+        const ren2008_real t209 = t208 * t195;
+        const ren2008_real t210 = t206 * t94;
+        const ren2008_real t211 = t199 * t90;
+        const ren2008_real t212 = t210 - t211;
+        const ren2008_real t213 = t212 * t195;
+        const ren2008_real shortest = t111;
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0f)) {
-            status = ren2008_check_finite(x, 3, REN2008_SINGULAR);
+            status = REN2008_SINGULAR;
         } else {
-            jacobian[0] = t108;
-            jacobian[1] = t109;
-            jacobian[2] = t110;
+            jacobian[0] = t114;
+            jacobian[1] = t115;
+            jacobian[2] = t116;
             jacobian[3] = 0.0f;
             jacobian[4] = 0.0f;
             jacobian[5] = 0.0f;
-            jacobian[6] = t113;
-            jacobian[7] = t114;
-            jacobian[8] = t115;
-            jacobian[9] = t119;
-            jacobian[10] = t123;
-            jacobian[11] = t127;
-            jacobian[12] = t130;
-            jacobian[13] = t131;
-            jacobian[14] = t132;
-            jacobian[15] = t138;
-            jacobian[16] = t143;
-            jacobian[17] = t147;
-            jacobian[18] = t150;
-            jacobian[19] = t151;
-            jacobian[20] = t152;
-            jacobian[21] = t158;
-            jacobian[22] = t163;
-            jacobian[23] = t167;
-            jacobian[24] = t170;
-            jacobian[25] = t171;
-            jacobian[26] = t172;
-            jacobian[27] = t178;
-            jacobian[28] = t183;
-            jacobian[29] = t187;
-            jacobian[30] = t190;
-            jacobian[31] = t191;
-            jacobian[32] = t192;
-            jacobian[33] = t198;
-            jacobian[34] = t203;
-            jacobian[35] = t207;
+            jacobian[6] = t119;
+            jacobian[7] = t120;
+            jacobian[8] = t121;
+            jacobian[9] = t125;
+            jacobian[10] = t129;
+            jacobian[11] = t133;
+            jacobian[12] = t136;
+            jacobian[13] = t137;
+            jacobian[14] = t138;
+            jacobian[15] = t144;
+            jacobian[16] = t149;
+            jacobian[17] = t153;
+            jacobian[18] = t156;
+            jacobian[19] = t157;
+            jacobian[20] = t158;
+            jacobian[21] = t164;
+            jacobian[22] = t169;
+            jacobian[23] = t173;
+            jacobian[24] = t176;
+            jacobian[25] = t177;
+            jacobian[26] = t178;
+            jacobian[27] = t184;
+            jacobian[28] = t189;
+            jacobian[29] = t193;
+            jacobian[30] = t196;
+            jacobian[31] = t197;
+            jacobian[32] = t198;
+            jacobian[33] = t204;
+            jacobian[34] = t209;
+            jacobian[35] = t213;
         }
     }
     return status;

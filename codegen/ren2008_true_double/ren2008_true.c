@@ -28,7 +28,8 @@ static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_finite(const ren
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *pose, ren2008_true_real x[7])
 {
     const ren2008_true_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     ren2008_true_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)) {
+    if ((squared >= 0.98) && (squared <= 1.0201)
+        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 1700.0)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = ren2008_true_check_finite(q, 4, REN2008_TRUE_OUT_OF_RANGE);
+        status = ren2008_true_check_finite(q, 4, ren2008_true_check_finite(x, 3, REN2008_TRUE_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -67,18 +69,12 @@ static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, u
 static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joints[6])
 {
     ren2008_true_status status = REN2008_TRUE_OK;
-    if (!((joints[0] >= -1.6960401439824473e-09)
-        && (joints[0] <= 0.5500000016960402)
-        && (joints[1] >= -1.6960401439824473e-09)
-        && (joints[1] <= 0.5500000016960402)
-        && (joints[2] >= -1.6960401439824473e-09)
-        && (joints[2] <= 0.5500000016960402)
-        && (joints[3] >= -1.6960401439824473e-09)
-        && (joints[3] <= 0.5500000016960402)
-        && (joints[4] >= -1.6960401439824473e-09)
-        && (joints[4] <= 0.5500000016960402)
-        && (joints[5] >= -1.6960401439824473e-09)
-        && (joints[5] <= 0.5500000016960402))) {
+    if (!(((joints[0] >= -1.6960401439824473e-09) && (joints[0] <= 0.5500000016960402))
+        && ((joints[1] >= -1.6960401439824473e-09) && (joints[1] <= 0.5500000016960402))
+        && ((joints[2] >= -1.6960401439824473e-09) && (joints[2] <= 0.5500000016960402))
+        && ((joints[3] >= -1.6960401439824473e-09) && (joints[3] <= 0.5500000016960402))
+        && ((joints[4] >= -1.6960401439824473e-09) && (joints[4] <= 0.5500000016960402))
+        && ((joints[5] >= -1.6960401439824473e-09) && (joints[5] <= 0.5500000016960402)))) {
         status = ren2008_true_check_finite(joints, 6, REN2008_TRUE_OUT_OF_RANGE);
     }
     return status;
@@ -771,11 +767,11 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w, const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -785,18 +781,17 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     ren2008_true_real done = 0.0;
     ren2008_true_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     ren2008_true_real size = 0.0;
     ren2008_true_real kappa2 = 0.21902400000000002;
     ren2008_true_real limit;
-    ren2008_true_real most = 0.0;
-    ren2008_true_real contraction2 = 0.0625;
     ren2008_true_real residual = HUGE_VAL;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -823,7 +818,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             if (turn == 0) {
                 turn = ren2008_true_direct_pivoted(w);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = REN2008_TRUE_SINGULAR;
                 break;
@@ -834,24 +829,24 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
         size = ren2008_true_direct_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625 * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625 * before;
+            limit = 0.140625 * before;
         }
-        if ((size <= limit) || (judging && (size <= 1.452287711194666e-28))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.452287711194666e-28));
+        if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_true_real error2;
                 ren2008_true_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -859,20 +854,21 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 1.452287711194666e-28);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 1.452287711194666e-28);
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.452287711194666e-28))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const ren2008_true_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0 <= before) ? (part + part) : part;
+                aim += (quick ? (part + part) : part);
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
@@ -880,19 +876,15 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                     w->x0[i] = w->x[i];
                 }
                 ren2008_true_direct_retarget(w, to, aim, done);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             ren2008_true_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
-            contraction2 = 0.015625;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -903,15 +895,15 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     ren2008_true_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
-    ren2008_true_status status = ren2008_true_check_limits(joints);
-    if (status == REN2008_TRUE_OK) {
-        w->guess = guess;
-        status = ren2008_true_normalise_pose(guess, w->x);
-    }
-    return status;
+    const ren2008_true_status limits = ren2008_true_check_limits(joints);
+    ren2008_true_status status;
+    w->guess = guess;
+    status = ren2008_true_normalise_pose(guess, w->x);
+    /* NaN or infinity anywhere comes first */
+    return ((status == REN2008_TRUE_OK) || (limits == REN2008_TRUE_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -926,12 +918,6 @@ static REN2008_TRUE_SHARED void ren2008_true_write_pose(const ren2008_true_direc
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static REN2008_TRUE_COLD ren2008_true_status ren2008_true_failure_status(const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_status status)
-{
-    return ren2008_true_check_finite(guess->position, 3, ren2008_true_check_finite(joints, 6, status));
-}
-
 ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose, ren2008_true_info *info)
 {
     static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
@@ -941,8 +927,6 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
         status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_TRUE_OK) {
             ren2008_true_write_pose(&w, pose);
-        } else {
-            status = ren2008_true_failure_status(joints, guess, status);
         }
     } else {
         ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -960,7 +944,7 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
             ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = ren2008_true_failure_status(joints, pose, REN2008_TRUE_SINGULAR);
+            status = REN2008_TRUE_SINGULAR;
         } else {
             ren2008_true_direct_solve(&w);
             const ren2008_true_real size = ren2008_true_direct_apply_step(&w);
@@ -968,7 +952,7 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
             if (size <= 0.004994014184027777) {
                 ren2008_true_write_pose(&w, pose);
             } else {
-                status = ren2008_true_failure_status(joints, pose, REN2008_TRUE_WRONG_BRANCH);
+                status = REN2008_TRUE_WRONG_BRANCH;
             }
         }
     } else {
@@ -992,8 +976,6 @@ ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_
             joints[3] = w.k[3];
             joints[4] = w.k[4];
             joints[5] = w.k[5];
-        } else {
-            status = ren2008_true_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -1145,163 +1127,169 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
         const ren2008_true_real t137 = t136 - 0.004;
         const ren2008_true_real t138 = t137 * t137;
         const ren2008_true_real t139 = t132 + t138;
-        const ren2008_true_real t140 = t4 * t30;
-        const ren2008_true_real t141 = t140 * t67;
-        const ren2008_true_real t142 = t141 * t93;
-        const ren2008_true_real t143 = t142 * t119;
-        const ren2008_true_real t144 = t143 * t139;
-        const ren2008_true_real t145 = sqrt(t4);
-        const ren2008_true_real t146 = 1.0 / t145;
-        const ren2008_true_real t147 = x[0] * t146;
-        const ren2008_true_real t148 = x[1] * t146;
-        const ren2008_true_real t149 = x[2] * t146;
-        const ren2008_true_real t150 = sqrt(t30);
-        const ren2008_true_real t151 = 1.0 / t150;
-        const ren2008_true_real t152 = t13 * t151;
-        const ren2008_true_real t153 = t20 * t151;
-        const ren2008_true_real t154 = t28 * t151;
-        const ren2008_true_real t155 = t19 * t28;
-        const ren2008_true_real t156 = t26 * t20;
-        const ren2008_true_real t157 = t155 - t156;
-        const ren2008_true_real t158 = t157 * t151;
-        const ren2008_true_real t159 = t26 * t13;
-        const ren2008_true_real t160 = t11 * t28;
-        const ren2008_true_real t161 = t159 - t160;
-        const ren2008_true_real t162 = t161 * t151;
-        const ren2008_true_real t163 = t11 * t20;
-        const ren2008_true_real t164 = t19 * t13;
-        const ren2008_true_real t165 = t163 - t164;
-        const ren2008_true_real t166 = t165 * t151;
-        const ren2008_true_real t167 = sqrt(t67);
-        const ren2008_true_real t168 = 1.0 / t167;
-        const ren2008_true_real t169 = t39 * t168;
-        const ren2008_true_real t170 = t53 * t168;
-        const ren2008_true_real t171 = t65 * t168;
-        const ren2008_true_real t172 = t41 + t46;
-        const ren2008_true_real t173 = t172 + t51;
-        const ren2008_true_real t174 = t173 * t65;
-        const ren2008_true_real t175 = t56 + t59;
-        const ren2008_true_real t176 = t175 + t63;
-        const ren2008_true_real t177 = t176 * t53;
-        const ren2008_true_real t178 = t174 - t177;
-        const ren2008_true_real t179 = t178 * t168;
-        const ren2008_true_real t180 = t176 * t39;
-        const ren2008_true_real t181 = t31 + t34;
-        const ren2008_true_real t182 = t181 + t37;
-        const ren2008_true_real t183 = t182 * t65;
+        const ren2008_true_real t140 = t4 * 0.3476384021222184;
+        const ren2008_true_real t141 = t30 * 0.3476384021222184;
+        const ren2008_true_real t142 = t140 * t141;
+        const ren2008_true_real t143 = t67 * 0.3476384021222184;
+        const ren2008_true_real t144 = t142 * t143;
+        const ren2008_true_real t145 = t93 * 0.3476384021222184;
+        const ren2008_true_real t146 = t144 * t145;
+        const ren2008_true_real t147 = t119 * 0.3476384021222184;
+        const ren2008_true_real t148 = t146 * t147;
+        const ren2008_true_real t149 = t139 * 0.3476384021222184;
+        const ren2008_true_real t150 = t148 * t149;
+        const ren2008_true_real t151 = sqrt(t4);
+        const ren2008_true_real t152 = 1.0 / t151;
+        const ren2008_true_real t153 = x[0] * t152;
+        const ren2008_true_real t154 = x[1] * t152;
+        const ren2008_true_real t155 = x[2] * t152;
+        const ren2008_true_real t156 = sqrt(t30);
+        const ren2008_true_real t157 = 1.0 / t156;
+        const ren2008_true_real t158 = t13 * t157;
+        const ren2008_true_real t159 = t20 * t157;
+        const ren2008_true_real t160 = t28 * t157;
+        const ren2008_true_real t161 = t19 * t28;
+        const ren2008_true_real t162 = t26 * t20;
+        const ren2008_true_real t163 = t161 - t162;
+        const ren2008_true_real t164 = t163 * t157;
+        const ren2008_true_real t165 = t26 * t13;
+        const ren2008_true_real t166 = t11 * t28;
+        const ren2008_true_real t167 = t165 - t166;
+        const ren2008_true_real t168 = t167 * t157;
+        const ren2008_true_real t169 = t11 * t20;
+        const ren2008_true_real t170 = t19 * t13;
+        const ren2008_true_real t171 = t169 - t170;
+        const ren2008_true_real t172 = t171 * t157;
+        const ren2008_true_real t173 = sqrt(t67);
+        const ren2008_true_real t174 = 1.0 / t173;
+        const ren2008_true_real t175 = t39 * t174;
+        const ren2008_true_real t176 = t53 * t174;
+        const ren2008_true_real t177 = t65 * t174;
+        const ren2008_true_real t178 = t41 + t46;
+        const ren2008_true_real t179 = t178 + t51;
+        const ren2008_true_real t180 = t179 * t65;
+        const ren2008_true_real t181 = t56 + t59;
+        const ren2008_true_real t182 = t181 + t63;
+        const ren2008_true_real t183 = t182 * t53;
         const ren2008_true_real t184 = t180 - t183;
-        const ren2008_true_real t185 = t184 * t168;
-        const ren2008_true_real t186 = t182 * t53;
-        const ren2008_true_real t187 = t173 * t39;
-        const ren2008_true_real t188 = t186 - t187;
-        const ren2008_true_real t189 = t188 * t168;
-        const ren2008_true_real t190 = sqrt(t93);
-        const ren2008_true_real t191 = 1.0 / t190;
-        const ren2008_true_real t192 = t74 * t191;
-        const ren2008_true_real t193 = t82 * t191;
-        const ren2008_true_real t194 = t91 * t191;
-        const ren2008_true_real t195 = t76 + t78;
-        const ren2008_true_real t196 = t195 + t80;
-        const ren2008_true_real t197 = t196 * t91;
-        const ren2008_true_real t198 = t85 + t87;
-        const ren2008_true_real t199 = t198 + t89;
-        const ren2008_true_real t200 = t199 * t82;
-        const ren2008_true_real t201 = t197 - t200;
-        const ren2008_true_real t202 = t201 * t191;
-        const ren2008_true_real t203 = t199 * t74;
-        const ren2008_true_real t204 = t68 + t70;
-        const ren2008_true_real t205 = t204 + t72;
-        const ren2008_true_real t206 = t205 * t91;
+        const ren2008_true_real t185 = t184 * t174;
+        const ren2008_true_real t186 = t182 * t39;
+        const ren2008_true_real t187 = t31 + t34;
+        const ren2008_true_real t188 = t187 + t37;
+        const ren2008_true_real t189 = t188 * t65;
+        const ren2008_true_real t190 = t186 - t189;
+        const ren2008_true_real t191 = t190 * t174;
+        const ren2008_true_real t192 = t188 * t53;
+        const ren2008_true_real t193 = t179 * t39;
+        const ren2008_true_real t194 = t192 - t193;
+        const ren2008_true_real t195 = t194 * t174;
+        const ren2008_true_real t196 = sqrt(t93);
+        const ren2008_true_real t197 = 1.0 / t196;
+        const ren2008_true_real t198 = t74 * t197;
+        const ren2008_true_real t199 = t82 * t197;
+        const ren2008_true_real t200 = t91 * t197;
+        const ren2008_true_real t201 = t76 + t78;
+        const ren2008_true_real t202 = t201 + t80;
+        const ren2008_true_real t203 = t202 * t91;
+        const ren2008_true_real t204 = t85 + t87;
+        const ren2008_true_real t205 = t204 + t89;
+        const ren2008_true_real t206 = t205 * t82;
         const ren2008_true_real t207 = t203 - t206;
-        const ren2008_true_real t208 = t207 * t191;
-        const ren2008_true_real t209 = t205 * t82;
-        const ren2008_true_real t210 = t196 * t74;
-        const ren2008_true_real t211 = t209 - t210;
-        const ren2008_true_real t212 = t211 * t191;
-        const ren2008_true_real t213 = sqrt(t119);
-        const ren2008_true_real t214 = 1.0 / t213;
-        const ren2008_true_real t215 = t100 * t214;
-        const ren2008_true_real t216 = t108 * t214;
-        const ren2008_true_real t217 = t117 * t214;
-        const ren2008_true_real t218 = t102 + t104;
-        const ren2008_true_real t219 = t218 - t106;
-        const ren2008_true_real t220 = t219 * t117;
-        const ren2008_true_real t221 = t111 + t113;
-        const ren2008_true_real t222 = t221 - t115;
-        const ren2008_true_real t223 = t222 * t108;
-        const ren2008_true_real t224 = t220 - t223;
-        const ren2008_true_real t225 = t224 * t214;
-        const ren2008_true_real t226 = t222 * t100;
-        const ren2008_true_real t227 = t94 + t96;
-        const ren2008_true_real t228 = t227 - t98;
-        const ren2008_true_real t229 = t228 * t117;
+        const ren2008_true_real t208 = t207 * t197;
+        const ren2008_true_real t209 = t205 * t74;
+        const ren2008_true_real t210 = t68 + t70;
+        const ren2008_true_real t211 = t210 + t72;
+        const ren2008_true_real t212 = t211 * t91;
+        const ren2008_true_real t213 = t209 - t212;
+        const ren2008_true_real t214 = t213 * t197;
+        const ren2008_true_real t215 = t211 * t82;
+        const ren2008_true_real t216 = t202 * t74;
+        const ren2008_true_real t217 = t215 - t216;
+        const ren2008_true_real t218 = t217 * t197;
+        const ren2008_true_real t219 = sqrt(t119);
+        const ren2008_true_real t220 = 1.0 / t219;
+        const ren2008_true_real t221 = t100 * t220;
+        const ren2008_true_real t222 = t108 * t220;
+        const ren2008_true_real t223 = t117 * t220;
+        const ren2008_true_real t224 = t102 + t104;
+        const ren2008_true_real t225 = t224 - t106;
+        const ren2008_true_real t226 = t225 * t117;
+        const ren2008_true_real t227 = t111 + t113;
+        const ren2008_true_real t228 = t227 - t115;
+        const ren2008_true_real t229 = t228 * t108;
         const ren2008_true_real t230 = t226 - t229;
-        const ren2008_true_real t231 = t230 * t214;
-        const ren2008_true_real t232 = t228 * t108;
-        const ren2008_true_real t233 = t219 * t100;
-        const ren2008_true_real t234 = t232 - t233;
-        const ren2008_true_real t235 = t234 * t214;
-        const ren2008_true_real t236 = sqrt(t139);
-        const ren2008_true_real t237 = 1.0 / t236;
-        const ren2008_true_real t238 = t124 * t237;
-        const ren2008_true_real t239 = t130 * t237;
-        const ren2008_true_real t240 = t137 * t237;
-        const ren2008_true_real t241 = t128 - t126;
-        const ren2008_true_real t242 = t241 * t137;
-        const ren2008_true_real t243 = t135 - t133;
-        const ren2008_true_real t244 = t243 * t130;
-        const ren2008_true_real t245 = t242 - t244;
-        const ren2008_true_real t246 = t245 * t237;
-        const ren2008_true_real t247 = t243 * t124;
-        const ren2008_true_real t248 = t122 - t120;
-        const ren2008_true_real t249 = t248 * t137;
-        const ren2008_true_real t250 = t247 - t249;
-        const ren2008_true_real t251 = t250 * t237;
-        const ren2008_true_real t252 = t248 * t130;
-        const ren2008_true_real t253 = t241 * t124;
-        const ren2008_true_real t254 = t252 - t253;
-        const ren2008_true_real t255 = t254 * t237;
-        const ren2008_true_real shortest = t144;
+        const ren2008_true_real t231 = t230 * t220;
+        const ren2008_true_real t232 = t228 * t100;
+        const ren2008_true_real t233 = t94 + t96;
+        const ren2008_true_real t234 = t233 - t98;
+        const ren2008_true_real t235 = t234 * t117;
+        const ren2008_true_real t236 = t232 - t235;
+        const ren2008_true_real t237 = t236 * t220;
+        const ren2008_true_real t238 = t234 * t108;
+        const ren2008_true_real t239 = t225 * t100;
+        const ren2008_true_real t240 = t238 - t239;
+        const ren2008_true_real t241 = t240 * t220;
+        const ren2008_true_real t242 = sqrt(t139);
+        const ren2008_true_real t243 = 1.0 / t242;
+        const ren2008_true_real t244 = t124 * t243;
+        const ren2008_true_real t245 = t130 * t243;
+        const ren2008_true_real t246 = t137 * t243;
+        const ren2008_true_real t247 = t128 - t126;
+        const ren2008_true_real t248 = t247 * t137;
+        const ren2008_true_real t249 = t135 - t133;
+        const ren2008_true_real t250 = t249 * t130;
+        const ren2008_true_real t251 = t248 - t250;
+        const ren2008_true_real t252 = t251 * t243;
+        const ren2008_true_real t253 = t249 * t124;
+        const ren2008_true_real t254 = t122 - t120;
+        const ren2008_true_real t255 = t254 * t137;
+        const ren2008_true_real t256 = t253 - t255;
+        const ren2008_true_real t257 = t256 * t243;
+        const ren2008_true_real t258 = t254 * t130;
+        const ren2008_true_real t259 = t247 * t124;
+        const ren2008_true_real t260 = t258 - t259;
+        const ren2008_true_real t261 = t260 * t243;
+        const ren2008_true_real shortest = t150;
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {
-            status = ren2008_true_check_finite(x, 3, REN2008_TRUE_SINGULAR);
+            status = REN2008_TRUE_SINGULAR;
         } else {
-            jacobian[0] = t147;
-            jacobian[1] = t148;
-            jacobian[2] = t149;
+            jacobian[0] = t153;
+            jacobian[1] = t154;
+            jacobian[2] = t155;
             jacobian[3] = 0.0;
             jacobian[4] = 0.0;
             jacobian[5] = 0.0;
-            jacobian[6] = t152;
-            jacobian[7] = t153;
-            jacobian[8] = t154;
-            jacobian[9] = t158;
-            jacobian[10] = t162;
-            jacobian[11] = t166;
-            jacobian[12] = t169;
-            jacobian[13] = t170;
-            jacobian[14] = t171;
-            jacobian[15] = t179;
-            jacobian[16] = t185;
-            jacobian[17] = t189;
-            jacobian[18] = t192;
-            jacobian[19] = t193;
-            jacobian[20] = t194;
-            jacobian[21] = t202;
-            jacobian[22] = t208;
-            jacobian[23] = t212;
-            jacobian[24] = t215;
-            jacobian[25] = t216;
-            jacobian[26] = t217;
-            jacobian[27] = t225;
-            jacobian[28] = t231;
-            jacobian[29] = t235;
-            jacobian[30] = t238;
-            jacobian[31] = t239;
-            jacobian[32] = t240;
-            jacobian[33] = t246;
-            jacobian[34] = t251;
-            jacobian[35] = t255;
+            jacobian[6] = t158;
+            jacobian[7] = t159;
+            jacobian[8] = t160;
+            jacobian[9] = t164;
+            jacobian[10] = t168;
+            jacobian[11] = t172;
+            jacobian[12] = t175;
+            jacobian[13] = t176;
+            jacobian[14] = t177;
+            jacobian[15] = t185;
+            jacobian[16] = t191;
+            jacobian[17] = t195;
+            jacobian[18] = t198;
+            jacobian[19] = t199;
+            jacobian[20] = t200;
+            jacobian[21] = t208;
+            jacobian[22] = t214;
+            jacobian[23] = t218;
+            jacobian[24] = t221;
+            jacobian[25] = t222;
+            jacobian[26] = t223;
+            jacobian[27] = t231;
+            jacobian[28] = t237;
+            jacobian[29] = t241;
+            jacobian[30] = t244;
+            jacobian[31] = t245;
+            jacobian[32] = t246;
+            jacobian[33] = t252;
+            jacobian[34] = t257;
+            jacobian[35] = t261;
         }
     }
     return status;

@@ -28,7 +28,8 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_r
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     yao2020_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
+    if ((squared >= 0.98f) && (squared <= 1.0201f)
+        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 556000.0f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = yao2020_check_finite(q, 4, YAO2020_OUT_OF_RANGE);
+        status = yao2020_check_finite(q, 4, yao2020_check_finite(x, 3, YAO2020_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -1775,13 +1777,38 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
     w->f[5] = s5;
 }
 
+/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
+ * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
+ * points between them none. */
+static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real middle)
+{
+    yao2020_real end[6];
+    yao2020_real size[3];
+    for (int i = 0; i < 6; ++i) {
+        end[i] = w->x[i];
+    }
+    for (int i = 0; i < 6; ++i) {
+        w->x[i] = w->x0[i];
+    }
+    yao2020_inverse_set_target(w, to, middle);
+    for (int i = 0; i < 3; ++i) {
+        yao2020_inverse_rows(w);
+        yao2020_inverse_solve(w);
+        size[i] = yao2020_inverse_apply_step(w);
+    }
+    for (int i = 0; i < 6; ++i) {
+        w->x[i] = end[i];
+    }
+    return (size[2] <= 4.4827175e-06f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
+}
+
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7], const yao2020_config *config, yao2020_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -1791,22 +1818,28 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     yao2020_real done = 0.0f;
     yao2020_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     yao2020_real size = 0.0f;
     yao2020_real kappa2 = 1.05625e-05f;
     yao2020_real limit;
-    yao2020_real most = 0.0f;
-    yao2020_real contraction2 = 0.0625f;
     yao2020_real residual = HUGE_VALF;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
+    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
+    yao2020_real turn2 = 0.0f;
+    const yao2020_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
+    turn2 = 8.0f * (1.0f - fabsf(cosine));
+    if (turn2 > 1.0f) {
+        aim = 1.0f / sqrtf(turn2);
+    }
     yao2020_inverse_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
@@ -1831,17 +1864,17 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         ++count;
         if (fresh) {
             /* matrix and factors, and the sign of the determinant */
-            if (!judging) {
+            if (taken == 0U) {
                 yao2020_inverse_set_target(w, to, done);
             }
             int turn = yao2020_inverse_factor(w);
             if (turn == 0) {
                 turn = yao2020_inverse_pivoted(w);
             }
-            if (!judging) {
+            if (taken == 0U) {
                 yao2020_inverse_set_target(w, to, aim);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = YAO2020_SINGULAR;
                 break;
@@ -1852,24 +1885,28 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         yao2020_inverse_solve(w);
         const yao2020_real before = size;
         size = yao2020_inverse_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625f * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625f * before;
+            limit = 0.140625f * before;
         }
-        if ((size <= limit) || (judging && (size <= 4.4827175e-06f))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.4827175e-06f));
+        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
+            accepted = yao2020_inverse_reaches_middle(w, to, done + 0.5f * (aim - done));
+            yao2020_inverse_set_target(w, to, aim);
+        }
+        if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 yao2020_real error2;
                 yao2020_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -1877,20 +1914,21 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 4.4827175e-06f);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 4.4827175e-06f));
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.4827175e-06f))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const yao2020_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0f <= before) ? (part + part) : part;
+                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
@@ -1898,12 +1936,9 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                     w->x0[i] = w->x[i];
                 }
                 yao2020_inverse_set_target(w, to, aim);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
@@ -1912,8 +1947,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
             }
             yao2020_inverse_set_target(w, to, aim);
             fresh = settling || !kept;
-            contraction2 = 0.015625f;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -1950,9 +1984,11 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
     yao2020_inverse_work w;
     yao2020_real to[7];
-    yao2020_status status = yao2020_normalise_pose(pose, to);
-    if (status == YAO2020_OK) {
-        status = yao2020_check_finite(to, 7, yao2020_check_finite(guess, 6, YAO2020_OK));
+    yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
+    for (int i = 0; i < 6; ++i) {
+        if ((status == YAO2020_OK) && (fabsf(guess[i]) > 555022.5f)) {
+            status = YAO2020_OUT_OF_RANGE;
+        }
     }
     yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (status == YAO2020_OK) {

@@ -28,7 +28,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     zhang2009_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)) {
+    if ((squared >= 0.98) && (squared <= 1.0201)
+        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 532000.0)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = zhang2009_check_finite(q, 4, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(q, 4, zhang2009_check_finite(x, 3, ZHANG2009_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -67,12 +69,12 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
 static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
 {
     zhang2009_status status = ZHANG2009_OK;
-    if (!((joints[0] >= 0.0005312592044589876)
-        && (joints[1] >= 0.0005312592044589876)
-        && (joints[2] >= 0.0005312592044589876)
-        && (joints[3] >= 0.0005312592044589876)
-        && (joints[4] >= 0.0005312592044589876)
-        && (joints[5] >= 0.0005312592044589876))) {
+    if (!(((joints[0] >= 0.0005312592044589876) && (joints[0] <= 531259.2044589876))
+        && ((joints[1] >= 0.0005312592044589876) && (joints[1] <= 531259.2044589876))
+        && ((joints[2] >= 0.0005312592044589876) && (joints[2] <= 531259.2044589876))
+        && ((joints[3] >= 0.0005312592044589876) && (joints[3] <= 531259.2044589876))
+        && ((joints[4] >= 0.0005312592044589876) && (joints[4] <= 531259.2044589876))
+        && ((joints[5] >= 0.0005312592044589876) && (joints[5] <= 531259.2044589876)))) {
         status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
     return status;
@@ -667,11 +669,11 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -681,18 +683,17 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhang2009_real done = 0.0;
     zhang2009_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     zhang2009_real size = 0.0;
     zhang2009_real kappa2 = 2.0164000000000003e-06;
     zhang2009_real limit;
-    zhang2009_real most = 0.0;
-    zhang2009_real contraction2 = 0.0625;
     zhang2009_real residual = HUGE_VAL;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -719,7 +720,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             if (turn == 0) {
                 turn = zhang2009_direct_pivoted(w);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = ZHANG2009_SINGULAR;
                 break;
@@ -730,24 +731,24 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625 * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625 * before;
+            limit = 0.140625 * before;
         }
-        if ((size <= limit) || (judging && (size <= 1.4249293855405632e-23))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
+        if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 zhang2009_real error2;
                 zhang2009_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -755,20 +756,21 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 1.4249293855405632e-23);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 1.4249293855405632e-23);
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.4249293855405632e-23))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0 <= before) ? (part + part) : part;
+                aim += (quick ? (part + part) : part);
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
@@ -776,19 +778,15 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                     w->x0[i] = w->x[i];
                 }
                 zhang2009_direct_retarget(w, to, aim, done);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             zhang2009_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
-            contraction2 = 0.015625;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -799,15 +797,15 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
-    zhang2009_status status = zhang2009_check_limits(joints);
-    if (status == ZHANG2009_OK) {
-        w->guess = guess;
-        status = zhang2009_normalise_pose(guess, w->x);
-    }
-    return status;
+    const zhang2009_status limits = zhang2009_check_limits(joints);
+    zhang2009_status status;
+    w->guess = guess;
+    status = zhang2009_normalise_pose(guess, w->x);
+    /* NaN or infinity anywhere comes first */
+    return ((status == ZHANG2009_OK) || (limits == ZHANG2009_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -822,12 +820,6 @@ static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_failure_status(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
-{
-    return zhang2009_check_finite(guess->position, 3, zhang2009_check_finite(joints, 6, status));
-}
-
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
@@ -837,8 +829,6 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
         status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(&w, pose);
-        } else {
-            status = zhang2009_failure_status(joints, guess, status);
         }
     } else {
         zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -856,7 +846,7 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
             zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = zhang2009_failure_status(joints, pose, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(&w);
@@ -864,7 +854,7 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
             if (size <= 489.99364986527155) {
                 zhang2009_write_pose(&w, pose);
             } else {
-                status = zhang2009_failure_status(joints, pose, ZHANG2009_WRONG_BRANCH);
+                status = ZHANG2009_WRONG_BRANCH;
             }
         }
     } else {
@@ -888,8 +878,6 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
             joints[3] = w.k[3];
             joints[4] = w.k[4];
             joints[5] = w.k[5];
-        } else {
-            status = zhang2009_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -1003,166 +991,172 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t99 = t52 - t53;
         const zhang2009_real t100 = t99 * t99;
         const zhang2009_real t101 = t98 + t100;
-        const zhang2009_real t102 = t37 * t56;
-        const zhang2009_real t103 = t102 * t69;
-        const zhang2009_real t104 = t103 * t82;
-        const zhang2009_real t105 = t104 * t92;
-        const zhang2009_real t106 = t105 * t101;
-        const zhang2009_real t107 = sqrt(t37);
-        const zhang2009_real t108 = 1.0 / t107;
-        const zhang2009_real t109 = t13 * t108;
-        const zhang2009_real t110 = t23 * t108;
-        const zhang2009_real t111 = t35 * t108;
-        const zhang2009_real t112 = t29 + t34;
-        const zhang2009_real t113 = t112 * t23;
-        const zhang2009_real t114 = t16 + t21;
-        const zhang2009_real t115 = t114 * t35;
-        const zhang2009_real t116 = t113 - t115;
-        const zhang2009_real t117 = t116 * t108;
-        const zhang2009_real t118 = t6 + t12;
-        const zhang2009_real t119 = t118 * t35;
-        const zhang2009_real t120 = t112 * t13;
-        const zhang2009_real t121 = t119 - t120;
-        const zhang2009_real t122 = t121 * t108;
-        const zhang2009_real t123 = t114 * t13;
-        const zhang2009_real t124 = t118 * t23;
-        const zhang2009_real t125 = t123 - t124;
-        const zhang2009_real t126 = t125 * t108;
-        const zhang2009_real t127 = sqrt(t56);
-        const zhang2009_real t128 = 1.0 / t127;
-        const zhang2009_real t129 = t42 * t128;
-        const zhang2009_real t130 = t48 * t128;
-        const zhang2009_real t131 = t54 * t128;
-        const zhang2009_real t132 = t46 - t44;
-        const zhang2009_real t133 = t132 * t54;
-        const zhang2009_real t134 = t53 - t51;
-        const zhang2009_real t135 = t134 * t48;
-        const zhang2009_real t136 = t133 - t135;
-        const zhang2009_real t137 = t136 * t128;
-        const zhang2009_real t138 = t134 * t42;
-        const zhang2009_real t139 = t40 - t38;
-        const zhang2009_real t140 = t139 * t54;
-        const zhang2009_real t141 = t138 - t140;
-        const zhang2009_real t142 = t141 * t128;
-        const zhang2009_real t143 = t139 * t48;
-        const zhang2009_real t144 = t132 * t42;
-        const zhang2009_real t145 = t143 - t144;
-        const zhang2009_real t146 = t145 * t128;
-        const zhang2009_real t147 = sqrt(t69);
-        const zhang2009_real t148 = 1.0 / t147;
-        const zhang2009_real t149 = t59 * t148;
-        const zhang2009_real t150 = t63 * t148;
-        const zhang2009_real t151 = t67 * t148;
-        const zhang2009_real t152 = t61 * t67;
-        const zhang2009_real t153 = t66 * t63;
-        const zhang2009_real t154 = t152 - t153;
-        const zhang2009_real t155 = t154 * t148;
-        const zhang2009_real t156 = t66 * t59;
-        const zhang2009_real t157 = t57 * t67;
-        const zhang2009_real t158 = t156 - t157;
-        const zhang2009_real t159 = t158 * t148;
-        const zhang2009_real t160 = t57 * t63;
-        const zhang2009_real t161 = t61 * t59;
-        const zhang2009_real t162 = t160 - t161;
-        const zhang2009_real t163 = t162 * t148;
-        const zhang2009_real t164 = sqrt(t82);
-        const zhang2009_real t165 = 1.0 / t164;
-        const zhang2009_real t166 = t72 * t165;
-        const zhang2009_real t167 = t76 * t165;
-        const zhang2009_real t168 = t80 * t165;
-        const zhang2009_real t169 = t74 * t80;
-        const zhang2009_real t170 = t79 * t76;
-        const zhang2009_real t171 = t169 - t170;
-        const zhang2009_real t172 = t171 * t165;
-        const zhang2009_real t173 = t79 * t72;
-        const zhang2009_real t174 = t70 * t80;
-        const zhang2009_real t175 = t173 - t174;
-        const zhang2009_real t176 = t175 * t165;
-        const zhang2009_real t177 = t70 * t76;
-        const zhang2009_real t178 = t74 * t72;
-        const zhang2009_real t179 = t177 - t178;
-        const zhang2009_real t180 = t179 * t165;
-        const zhang2009_real t181 = sqrt(t92);
-        const zhang2009_real t182 = 1.0 / t181;
-        const zhang2009_real t183 = t84 * t182;
-        const zhang2009_real t184 = t87 * t182;
-        const zhang2009_real t185 = t90 * t182;
-        const zhang2009_real t186 = t21 - t16;
-        const zhang2009_real t187 = t186 * t90;
-        const zhang2009_real t188 = t34 - t29;
-        const zhang2009_real t189 = t188 * t87;
-        const zhang2009_real t190 = t187 - t189;
-        const zhang2009_real t191 = t190 * t182;
-        const zhang2009_real t192 = t188 * t84;
-        const zhang2009_real t193 = t12 - t6;
-        const zhang2009_real t194 = t193 * t90;
-        const zhang2009_real t195 = t192 - t194;
-        const zhang2009_real t196 = t195 * t182;
-        const zhang2009_real t197 = t193 * t87;
-        const zhang2009_real t198 = t186 * t84;
-        const zhang2009_real t199 = t197 - t198;
-        const zhang2009_real t200 = t199 * t182;
-        const zhang2009_real t201 = sqrt(t101);
-        const zhang2009_real t202 = 1.0 / t201;
-        const zhang2009_real t203 = t94 * t202;
-        const zhang2009_real t204 = t96 * t202;
-        const zhang2009_real t205 = t99 * t202;
-        const zhang2009_real t206 = t53 + t51;
-        const zhang2009_real t207 = t206 * t96;
-        const zhang2009_real t208 = t46 + t44;
-        const zhang2009_real t209 = t208 * t99;
-        const zhang2009_real t210 = t207 - t209;
-        const zhang2009_real t211 = t210 * t202;
-        const zhang2009_real t212 = t40 + t38;
-        const zhang2009_real t213 = t212 * t99;
-        const zhang2009_real t214 = t206 * t94;
-        const zhang2009_real t215 = t213 - t214;
-        const zhang2009_real t216 = t215 * t202;
-        const zhang2009_real t217 = t208 * t94;
-        const zhang2009_real t218 = t212 * t96;
-        const zhang2009_real t219 = t217 - t218;
-        const zhang2009_real t220 = t219 * t202;
-        const zhang2009_real shortest = t106;
+        const zhang2009_real t102 = t37 * 3.5431298172710434e-06;
+        const zhang2009_real t103 = t56 * 3.5431298172710434e-06;
+        const zhang2009_real t104 = t102 * t103;
+        const zhang2009_real t105 = t69 * 3.5431298172710434e-06;
+        const zhang2009_real t106 = t104 * t105;
+        const zhang2009_real t107 = t82 * 3.5431298172710434e-06;
+        const zhang2009_real t108 = t106 * t107;
+        const zhang2009_real t109 = t92 * 3.5431298172710434e-06;
+        const zhang2009_real t110 = t108 * t109;
+        const zhang2009_real t111 = t101 * 3.5431298172710434e-06;
+        const zhang2009_real t112 = t110 * t111;
+        const zhang2009_real t113 = sqrt(t37);
+        const zhang2009_real t114 = 1.0 / t113;
+        const zhang2009_real t115 = t13 * t114;
+        const zhang2009_real t116 = t23 * t114;
+        const zhang2009_real t117 = t35 * t114;
+        const zhang2009_real t118 = t29 + t34;
+        const zhang2009_real t119 = t118 * t23;
+        const zhang2009_real t120 = t16 + t21;
+        const zhang2009_real t121 = t120 * t35;
+        const zhang2009_real t122 = t119 - t121;
+        const zhang2009_real t123 = t122 * t114;
+        const zhang2009_real t124 = t6 + t12;
+        const zhang2009_real t125 = t124 * t35;
+        const zhang2009_real t126 = t118 * t13;
+        const zhang2009_real t127 = t125 - t126;
+        const zhang2009_real t128 = t127 * t114;
+        const zhang2009_real t129 = t120 * t13;
+        const zhang2009_real t130 = t124 * t23;
+        const zhang2009_real t131 = t129 - t130;
+        const zhang2009_real t132 = t131 * t114;
+        const zhang2009_real t133 = sqrt(t56);
+        const zhang2009_real t134 = 1.0 / t133;
+        const zhang2009_real t135 = t42 * t134;
+        const zhang2009_real t136 = t48 * t134;
+        const zhang2009_real t137 = t54 * t134;
+        const zhang2009_real t138 = t46 - t44;
+        const zhang2009_real t139 = t138 * t54;
+        const zhang2009_real t140 = t53 - t51;
+        const zhang2009_real t141 = t140 * t48;
+        const zhang2009_real t142 = t139 - t141;
+        const zhang2009_real t143 = t142 * t134;
+        const zhang2009_real t144 = t140 * t42;
+        const zhang2009_real t145 = t40 - t38;
+        const zhang2009_real t146 = t145 * t54;
+        const zhang2009_real t147 = t144 - t146;
+        const zhang2009_real t148 = t147 * t134;
+        const zhang2009_real t149 = t145 * t48;
+        const zhang2009_real t150 = t138 * t42;
+        const zhang2009_real t151 = t149 - t150;
+        const zhang2009_real t152 = t151 * t134;
+        const zhang2009_real t153 = sqrt(t69);
+        const zhang2009_real t154 = 1.0 / t153;
+        const zhang2009_real t155 = t59 * t154;
+        const zhang2009_real t156 = t63 * t154;
+        const zhang2009_real t157 = t67 * t154;
+        const zhang2009_real t158 = t61 * t67;
+        const zhang2009_real t159 = t66 * t63;
+        const zhang2009_real t160 = t158 - t159;
+        const zhang2009_real t161 = t160 * t154;
+        const zhang2009_real t162 = t66 * t59;
+        const zhang2009_real t163 = t57 * t67;
+        const zhang2009_real t164 = t162 - t163;
+        const zhang2009_real t165 = t164 * t154;
+        const zhang2009_real t166 = t57 * t63;
+        const zhang2009_real t167 = t61 * t59;
+        const zhang2009_real t168 = t166 - t167;
+        const zhang2009_real t169 = t168 * t154;
+        const zhang2009_real t170 = sqrt(t82);
+        const zhang2009_real t171 = 1.0 / t170;
+        const zhang2009_real t172 = t72 * t171;
+        const zhang2009_real t173 = t76 * t171;
+        const zhang2009_real t174 = t80 * t171;
+        const zhang2009_real t175 = t74 * t80;
+        const zhang2009_real t176 = t79 * t76;
+        const zhang2009_real t177 = t175 - t176;
+        const zhang2009_real t178 = t177 * t171;
+        const zhang2009_real t179 = t79 * t72;
+        const zhang2009_real t180 = t70 * t80;
+        const zhang2009_real t181 = t179 - t180;
+        const zhang2009_real t182 = t181 * t171;
+        const zhang2009_real t183 = t70 * t76;
+        const zhang2009_real t184 = t74 * t72;
+        const zhang2009_real t185 = t183 - t184;
+        const zhang2009_real t186 = t185 * t171;
+        const zhang2009_real t187 = sqrt(t92);
+        const zhang2009_real t188 = 1.0 / t187;
+        const zhang2009_real t189 = t84 * t188;
+        const zhang2009_real t190 = t87 * t188;
+        const zhang2009_real t191 = t90 * t188;
+        const zhang2009_real t192 = t21 - t16;
+        const zhang2009_real t193 = t192 * t90;
+        const zhang2009_real t194 = t34 - t29;
+        const zhang2009_real t195 = t194 * t87;
+        const zhang2009_real t196 = t193 - t195;
+        const zhang2009_real t197 = t196 * t188;
+        const zhang2009_real t198 = t194 * t84;
+        const zhang2009_real t199 = t12 - t6;
+        const zhang2009_real t200 = t199 * t90;
+        const zhang2009_real t201 = t198 - t200;
+        const zhang2009_real t202 = t201 * t188;
+        const zhang2009_real t203 = t199 * t87;
+        const zhang2009_real t204 = t192 * t84;
+        const zhang2009_real t205 = t203 - t204;
+        const zhang2009_real t206 = t205 * t188;
+        const zhang2009_real t207 = sqrt(t101);
+        const zhang2009_real t208 = 1.0 / t207;
+        const zhang2009_real t209 = t94 * t208;
+        const zhang2009_real t210 = t96 * t208;
+        const zhang2009_real t211 = t99 * t208;
+        const zhang2009_real t212 = t53 + t51;
+        const zhang2009_real t213 = t212 * t96;
+        const zhang2009_real t214 = t46 + t44;
+        const zhang2009_real t215 = t214 * t99;
+        const zhang2009_real t216 = t213 - t215;
+        const zhang2009_real t217 = t216 * t208;
+        const zhang2009_real t218 = t40 + t38;
+        const zhang2009_real t219 = t218 * t99;
+        const zhang2009_real t220 = t212 * t94;
+        const zhang2009_real t221 = t219 - t220;
+        const zhang2009_real t222 = t221 * t208;
+        const zhang2009_real t223 = t214 * t94;
+        const zhang2009_real t224 = t218 * t96;
+        const zhang2009_real t225 = t223 - t224;
+        const zhang2009_real t226 = t225 * t208;
+        const zhang2009_real shortest = t112;
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {
-            status = zhang2009_check_finite(x, 3, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
-            jacobian[0] = t109;
-            jacobian[1] = t110;
-            jacobian[2] = t111;
-            jacobian[3] = t117;
-            jacobian[4] = t122;
-            jacobian[5] = t126;
-            jacobian[6] = t129;
-            jacobian[7] = t130;
-            jacobian[8] = t131;
-            jacobian[9] = t137;
-            jacobian[10] = t142;
-            jacobian[11] = t146;
-            jacobian[12] = t149;
-            jacobian[13] = t150;
-            jacobian[14] = t151;
-            jacobian[15] = t155;
-            jacobian[16] = t159;
-            jacobian[17] = t163;
-            jacobian[18] = t166;
-            jacobian[19] = t167;
-            jacobian[20] = t168;
-            jacobian[21] = t172;
-            jacobian[22] = t176;
-            jacobian[23] = t180;
-            jacobian[24] = t183;
-            jacobian[25] = t184;
-            jacobian[26] = t185;
-            jacobian[27] = t191;
-            jacobian[28] = t196;
-            jacobian[29] = t200;
-            jacobian[30] = t203;
-            jacobian[31] = t204;
-            jacobian[32] = t205;
-            jacobian[33] = t211;
-            jacobian[34] = t216;
-            jacobian[35] = t220;
+            jacobian[0] = t115;
+            jacobian[1] = t116;
+            jacobian[2] = t117;
+            jacobian[3] = t123;
+            jacobian[4] = t128;
+            jacobian[5] = t132;
+            jacobian[6] = t135;
+            jacobian[7] = t136;
+            jacobian[8] = t137;
+            jacobian[9] = t143;
+            jacobian[10] = t148;
+            jacobian[11] = t152;
+            jacobian[12] = t155;
+            jacobian[13] = t156;
+            jacobian[14] = t157;
+            jacobian[15] = t161;
+            jacobian[16] = t165;
+            jacobian[17] = t169;
+            jacobian[18] = t172;
+            jacobian[19] = t173;
+            jacobian[20] = t174;
+            jacobian[21] = t178;
+            jacobian[22] = t182;
+            jacobian[23] = t186;
+            jacobian[24] = t189;
+            jacobian[25] = t190;
+            jacobian[26] = t191;
+            jacobian[27] = t197;
+            jacobian[28] = t202;
+            jacobian[29] = t206;
+            jacobian[30] = t209;
+            jacobian[31] = t210;
+            jacobian[32] = t211;
+            jacobian[33] = t217;
+            jacobian[34] = t222;
+            jacobian[35] = t226;
         }
     }
     return status;

@@ -28,7 +28,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     zhang2009_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)) {
+    if ((squared >= 0.98) && (squared <= 1.0201)
+        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 532000.0)) {
         inverse = 1.0 / sqrt(squared);
     } else {
-        status = zhang2009_check_finite(q, 4, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(q, 4, zhang2009_check_finite(x, 3, ZHANG2009_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -68,12 +70,12 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_
 {
     zhang2009_status status = ZHANG2009_OK;
     (void)geometry;
-    if (!((joints[0] + geometry->offset[0] >= 0.0005312592044589876)
-        && (joints[1] + geometry->offset[1] >= 0.0005312592044589876)
-        && (joints[2] + geometry->offset[2] >= 0.0005312592044589876)
-        && (joints[3] + geometry->offset[3] >= 0.0005312592044589876)
-        && (joints[4] + geometry->offset[4] >= 0.0005312592044589876)
-        && (joints[5] + geometry->offset[5] >= 0.0005312592044589876))) {
+    if (!(((joints[0] + geometry->offset[0] >= 0.0005312592044589876) && (joints[0] <= 531259.2044589876))
+        && ((joints[1] + geometry->offset[1] >= 0.0005312592044589876) && (joints[1] <= 531259.2044589876))
+        && ((joints[2] + geometry->offset[2] >= 0.0005312592044589876) && (joints[2] <= 531259.2044589876))
+        && ((joints[3] + geometry->offset[3] >= 0.0005312592044589876) && (joints[3] <= 531259.2044589876))
+        && ((joints[4] + geometry->offset[4] >= 0.0005312592044589876) && (joints[4] <= 531259.2044589876))
+        && ((joints[5] + geometry->offset[5] >= 0.0005312592044589876) && (joints[5] <= 531259.2044589876)))) {
         status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
     return status;
@@ -806,11 +808,11 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geometry, zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -820,18 +822,17 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhang2009_real done = 0.0;
     zhang2009_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     zhang2009_real size = 0.0;
     zhang2009_real kappa2 = 2.0164000000000003e-06;
     zhang2009_real limit;
-    zhang2009_real most = 0.0;
-    zhang2009_real contraction2 = 0.0625;
     zhang2009_real residual = HUGE_VAL;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -858,7 +859,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             if (turn == 0) {
                 turn = zhang2009_direct_pivoted(geometry, w);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = ZHANG2009_SINGULAR;
                 break;
@@ -869,24 +870,24 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(geometry, w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625 * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625 * before;
+            limit = 0.140625 * before;
         }
-        if ((size <= limit) || (judging && (size <= 1.4249293855405632e-23))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
+        if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 zhang2009_real error2;
                 zhang2009_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -894,20 +895,21 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 1.4249293855405632e-23);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 1.4249293855405632e-23);
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.4249293855405632e-23))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0 <= before) ? (part + part) : part;
+                aim += (quick ? (part + part) : part);
                 if (aim > 0.999) {
                     aim = 1.0;
                 }
@@ -915,19 +917,15 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                     w->x0[i] = w->x[i];
                 }
                 zhang2009_direct_retarget(geometry, w, to, aim, done);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
             zhang2009_direct_retarget(geometry, w, to, aim, done);
             fresh = settling || !kept;
-            contraction2 = 0.015625;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -938,15 +936,15 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(const zhang2009_geometry *geometry, zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
-    zhang2009_status status = zhang2009_check_limits(geometry, joints);
-    if (status == ZHANG2009_OK) {
-        w->guess = guess;
-        status = zhang2009_normalise_pose(guess, w->x);
-    }
-    return status;
+    const zhang2009_status limits = zhang2009_check_limits(geometry, joints);
+    zhang2009_status status;
+    w->guess = guess;
+    status = zhang2009_normalise_pose(guess, w->x);
+    /* NaN or infinity anywhere comes first */
+    return ((status == ZHANG2009_OK) || (limits == ZHANG2009_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -962,12 +960,6 @@ static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_geometry *geom
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_failure_status(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
-{
-    return zhang2009_check_finite(guess->position, 3, zhang2009_check_finite(joints, 6, status));
-}
-
 zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
@@ -977,8 +969,6 @@ zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhan
         status = zhang2009_direct_newton(geometry, &w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(geometry, &w, pose);
-        } else {
-            status = zhang2009_failure_status(joints, guess, status);
         }
     } else {
         zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -996,7 +986,7 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
         zhang2009_direct_rows(geometry, &w);
         if ((zhang2009_direct_factor(geometry, &w) == 0) && (zhang2009_direct_pivoted(geometry, &w) == 0)) {
             zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-            status = zhang2009_failure_status(joints, pose, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(geometry, &w);
@@ -1004,7 +994,7 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
             if (size <= 489.99364986527155) {
                 zhang2009_write_pose(geometry, &w, pose);
             } else {
-                status = zhang2009_failure_status(joints, pose, ZHANG2009_WRONG_BRANCH);
+                status = ZHANG2009_WRONG_BRANCH;
             }
         }
     } else {
@@ -1028,8 +1018,6 @@ zhang2009_status zhang2009_inverse(const zhang2009_geometry *geometry, const zha
             joints[3] = w.k[3];
             joints[4] = w.k[4];
             joints[5] = w.k[5];
-        } else {
-            status = zhang2009_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -1221,190 +1209,196 @@ zhang2009_status zhang2009_jacobian(const zhang2009_geometry *geometry, const zh
         const zhang2009_real t177 = t176 - geometry->base[5][2];
         const zhang2009_real t178 = t177 * t177;
         const zhang2009_real t179 = t170 + t178;
-        const zhang2009_real t180 = t49 * t75;
-        const zhang2009_real t181 = t180 * t101;
-        const zhang2009_real t182 = t181 * t127;
-        const zhang2009_real t183 = t182 * t153;
-        const zhang2009_real t184 = t183 * t179;
-        const zhang2009_real t185 = sqrt(t49);
-        const zhang2009_real t186 = 1.0 / t185;
-        const zhang2009_real t187 = t19 * t186;
-        const zhang2009_real t188 = t34 * t186;
-        const zhang2009_real t189 = t47 * t186;
-        const zhang2009_real t190 = t22 + t27;
-        const zhang2009_real t191 = t190 + t32;
-        const zhang2009_real t192 = t191 * t47;
-        const zhang2009_real t193 = t38 + t41;
-        const zhang2009_real t194 = t193 + t45;
-        const zhang2009_real t195 = t194 * t34;
-        const zhang2009_real t196 = t192 - t195;
-        const zhang2009_real t197 = t196 * t186;
-        const zhang2009_real t198 = t194 * t19;
-        const zhang2009_real t199 = t6 + t12;
-        const zhang2009_real t200 = t199 + t17;
-        const zhang2009_real t201 = t200 * t47;
+        const zhang2009_real t180 = t49 * 3.5431298172710434e-06;
+        const zhang2009_real t181 = t75 * 3.5431298172710434e-06;
+        const zhang2009_real t182 = t180 * t181;
+        const zhang2009_real t183 = t101 * 3.5431298172710434e-06;
+        const zhang2009_real t184 = t182 * t183;
+        const zhang2009_real t185 = t127 * 3.5431298172710434e-06;
+        const zhang2009_real t186 = t184 * t185;
+        const zhang2009_real t187 = t153 * 3.5431298172710434e-06;
+        const zhang2009_real t188 = t186 * t187;
+        const zhang2009_real t189 = t179 * 3.5431298172710434e-06;
+        const zhang2009_real t190 = t188 * t189;
+        const zhang2009_real t191 = sqrt(t49);
+        const zhang2009_real t192 = 1.0 / t191;
+        const zhang2009_real t193 = t19 * t192;
+        const zhang2009_real t194 = t34 * t192;
+        const zhang2009_real t195 = t47 * t192;
+        const zhang2009_real t196 = t22 + t27;
+        const zhang2009_real t197 = t196 + t32;
+        const zhang2009_real t198 = t197 * t47;
+        const zhang2009_real t199 = t38 + t41;
+        const zhang2009_real t200 = t199 + t45;
+        const zhang2009_real t201 = t200 * t34;
         const zhang2009_real t202 = t198 - t201;
-        const zhang2009_real t203 = t202 * t186;
-        const zhang2009_real t204 = t200 * t34;
-        const zhang2009_real t205 = t191 * t19;
-        const zhang2009_real t206 = t204 - t205;
-        const zhang2009_real t207 = t206 * t186;
-        const zhang2009_real t208 = sqrt(t75);
-        const zhang2009_real t209 = 1.0 / t208;
-        const zhang2009_real t210 = t56 * t209;
-        const zhang2009_real t211 = t64 * t209;
-        const zhang2009_real t212 = t73 * t209;
-        const zhang2009_real t213 = t58 + t60;
-        const zhang2009_real t214 = t213 + t62;
-        const zhang2009_real t215 = t214 * t73;
-        const zhang2009_real t216 = t67 + t69;
-        const zhang2009_real t217 = t216 + t71;
-        const zhang2009_real t218 = t217 * t64;
-        const zhang2009_real t219 = t215 - t218;
-        const zhang2009_real t220 = t219 * t209;
-        const zhang2009_real t221 = t217 * t56;
-        const zhang2009_real t222 = t50 + t52;
-        const zhang2009_real t223 = t222 + t54;
-        const zhang2009_real t224 = t223 * t73;
+        const zhang2009_real t203 = t202 * t192;
+        const zhang2009_real t204 = t200 * t19;
+        const zhang2009_real t205 = t6 + t12;
+        const zhang2009_real t206 = t205 + t17;
+        const zhang2009_real t207 = t206 * t47;
+        const zhang2009_real t208 = t204 - t207;
+        const zhang2009_real t209 = t208 * t192;
+        const zhang2009_real t210 = t206 * t34;
+        const zhang2009_real t211 = t197 * t19;
+        const zhang2009_real t212 = t210 - t211;
+        const zhang2009_real t213 = t212 * t192;
+        const zhang2009_real t214 = sqrt(t75);
+        const zhang2009_real t215 = 1.0 / t214;
+        const zhang2009_real t216 = t56 * t215;
+        const zhang2009_real t217 = t64 * t215;
+        const zhang2009_real t218 = t73 * t215;
+        const zhang2009_real t219 = t58 + t60;
+        const zhang2009_real t220 = t219 + t62;
+        const zhang2009_real t221 = t220 * t73;
+        const zhang2009_real t222 = t67 + t69;
+        const zhang2009_real t223 = t222 + t71;
+        const zhang2009_real t224 = t223 * t64;
         const zhang2009_real t225 = t221 - t224;
-        const zhang2009_real t226 = t225 * t209;
-        const zhang2009_real t227 = t223 * t64;
-        const zhang2009_real t228 = t214 * t56;
-        const zhang2009_real t229 = t227 - t228;
-        const zhang2009_real t230 = t229 * t209;
-        const zhang2009_real t231 = sqrt(t101);
-        const zhang2009_real t232 = 1.0 / t231;
-        const zhang2009_real t233 = t82 * t232;
-        const zhang2009_real t234 = t90 * t232;
-        const zhang2009_real t235 = t99 * t232;
-        const zhang2009_real t236 = t84 + t86;
-        const zhang2009_real t237 = t236 + t88;
-        const zhang2009_real t238 = t237 * t99;
-        const zhang2009_real t239 = t93 + t95;
-        const zhang2009_real t240 = t239 + t97;
-        const zhang2009_real t241 = t240 * t90;
-        const zhang2009_real t242 = t238 - t241;
-        const zhang2009_real t243 = t242 * t232;
-        const zhang2009_real t244 = t240 * t82;
-        const zhang2009_real t245 = t76 + t78;
-        const zhang2009_real t246 = t245 + t80;
-        const zhang2009_real t247 = t246 * t99;
+        const zhang2009_real t226 = t225 * t215;
+        const zhang2009_real t227 = t223 * t56;
+        const zhang2009_real t228 = t50 + t52;
+        const zhang2009_real t229 = t228 + t54;
+        const zhang2009_real t230 = t229 * t73;
+        const zhang2009_real t231 = t227 - t230;
+        const zhang2009_real t232 = t231 * t215;
+        const zhang2009_real t233 = t229 * t64;
+        const zhang2009_real t234 = t220 * t56;
+        const zhang2009_real t235 = t233 - t234;
+        const zhang2009_real t236 = t235 * t215;
+        const zhang2009_real t237 = sqrt(t101);
+        const zhang2009_real t238 = 1.0 / t237;
+        const zhang2009_real t239 = t82 * t238;
+        const zhang2009_real t240 = t90 * t238;
+        const zhang2009_real t241 = t99 * t238;
+        const zhang2009_real t242 = t84 + t86;
+        const zhang2009_real t243 = t242 + t88;
+        const zhang2009_real t244 = t243 * t99;
+        const zhang2009_real t245 = t93 + t95;
+        const zhang2009_real t246 = t245 + t97;
+        const zhang2009_real t247 = t246 * t90;
         const zhang2009_real t248 = t244 - t247;
-        const zhang2009_real t249 = t248 * t232;
-        const zhang2009_real t250 = t246 * t90;
-        const zhang2009_real t251 = t237 * t82;
-        const zhang2009_real t252 = t250 - t251;
-        const zhang2009_real t253 = t252 * t232;
-        const zhang2009_real t254 = sqrt(t127);
-        const zhang2009_real t255 = 1.0 / t254;
-        const zhang2009_real t256 = t108 * t255;
-        const zhang2009_real t257 = t116 * t255;
-        const zhang2009_real t258 = t125 * t255;
-        const zhang2009_real t259 = t110 + t112;
-        const zhang2009_real t260 = t259 + t114;
-        const zhang2009_real t261 = t260 * t125;
-        const zhang2009_real t262 = t119 + t121;
-        const zhang2009_real t263 = t262 + t123;
-        const zhang2009_real t264 = t263 * t116;
-        const zhang2009_real t265 = t261 - t264;
-        const zhang2009_real t266 = t265 * t255;
-        const zhang2009_real t267 = t263 * t108;
-        const zhang2009_real t268 = t102 + t104;
-        const zhang2009_real t269 = t268 + t106;
-        const zhang2009_real t270 = t269 * t125;
+        const zhang2009_real t249 = t248 * t238;
+        const zhang2009_real t250 = t246 * t82;
+        const zhang2009_real t251 = t76 + t78;
+        const zhang2009_real t252 = t251 + t80;
+        const zhang2009_real t253 = t252 * t99;
+        const zhang2009_real t254 = t250 - t253;
+        const zhang2009_real t255 = t254 * t238;
+        const zhang2009_real t256 = t252 * t90;
+        const zhang2009_real t257 = t243 * t82;
+        const zhang2009_real t258 = t256 - t257;
+        const zhang2009_real t259 = t258 * t238;
+        const zhang2009_real t260 = sqrt(t127);
+        const zhang2009_real t261 = 1.0 / t260;
+        const zhang2009_real t262 = t108 * t261;
+        const zhang2009_real t263 = t116 * t261;
+        const zhang2009_real t264 = t125 * t261;
+        const zhang2009_real t265 = t110 + t112;
+        const zhang2009_real t266 = t265 + t114;
+        const zhang2009_real t267 = t266 * t125;
+        const zhang2009_real t268 = t119 + t121;
+        const zhang2009_real t269 = t268 + t123;
+        const zhang2009_real t270 = t269 * t116;
         const zhang2009_real t271 = t267 - t270;
-        const zhang2009_real t272 = t271 * t255;
-        const zhang2009_real t273 = t269 * t116;
-        const zhang2009_real t274 = t260 * t108;
-        const zhang2009_real t275 = t273 - t274;
-        const zhang2009_real t276 = t275 * t255;
-        const zhang2009_real t277 = sqrt(t153);
-        const zhang2009_real t278 = 1.0 / t277;
-        const zhang2009_real t279 = t134 * t278;
-        const zhang2009_real t280 = t142 * t278;
-        const zhang2009_real t281 = t151 * t278;
-        const zhang2009_real t282 = t136 + t138;
-        const zhang2009_real t283 = t282 + t140;
-        const zhang2009_real t284 = t283 * t151;
-        const zhang2009_real t285 = t145 + t147;
-        const zhang2009_real t286 = t285 + t149;
-        const zhang2009_real t287 = t286 * t142;
-        const zhang2009_real t288 = t284 - t287;
-        const zhang2009_real t289 = t288 * t278;
-        const zhang2009_real t290 = t286 * t134;
-        const zhang2009_real t291 = t128 + t130;
-        const zhang2009_real t292 = t291 + t132;
-        const zhang2009_real t293 = t292 * t151;
+        const zhang2009_real t272 = t271 * t261;
+        const zhang2009_real t273 = t269 * t108;
+        const zhang2009_real t274 = t102 + t104;
+        const zhang2009_real t275 = t274 + t106;
+        const zhang2009_real t276 = t275 * t125;
+        const zhang2009_real t277 = t273 - t276;
+        const zhang2009_real t278 = t277 * t261;
+        const zhang2009_real t279 = t275 * t116;
+        const zhang2009_real t280 = t266 * t108;
+        const zhang2009_real t281 = t279 - t280;
+        const zhang2009_real t282 = t281 * t261;
+        const zhang2009_real t283 = sqrt(t153);
+        const zhang2009_real t284 = 1.0 / t283;
+        const zhang2009_real t285 = t134 * t284;
+        const zhang2009_real t286 = t142 * t284;
+        const zhang2009_real t287 = t151 * t284;
+        const zhang2009_real t288 = t136 + t138;
+        const zhang2009_real t289 = t288 + t140;
+        const zhang2009_real t290 = t289 * t151;
+        const zhang2009_real t291 = t145 + t147;
+        const zhang2009_real t292 = t291 + t149;
+        const zhang2009_real t293 = t292 * t142;
         const zhang2009_real t294 = t290 - t293;
-        const zhang2009_real t295 = t294 * t278;
-        const zhang2009_real t296 = t292 * t142;
-        const zhang2009_real t297 = t283 * t134;
-        const zhang2009_real t298 = t296 - t297;
-        const zhang2009_real t299 = t298 * t278;
-        const zhang2009_real t300 = sqrt(t179);
-        const zhang2009_real t301 = 1.0 / t300;
-        const zhang2009_real t302 = t160 * t301;
-        const zhang2009_real t303 = t168 * t301;
-        const zhang2009_real t304 = t177 * t301;
-        const zhang2009_real t305 = t162 + t164;
-        const zhang2009_real t306 = t305 + t166;
-        const zhang2009_real t307 = t306 * t177;
-        const zhang2009_real t308 = t171 + t173;
-        const zhang2009_real t309 = t308 + t175;
-        const zhang2009_real t310 = t309 * t168;
-        const zhang2009_real t311 = t307 - t310;
-        const zhang2009_real t312 = t311 * t301;
-        const zhang2009_real t313 = t309 * t160;
-        const zhang2009_real t314 = t154 + t156;
-        const zhang2009_real t315 = t314 + t158;
-        const zhang2009_real t316 = t315 * t177;
+        const zhang2009_real t295 = t294 * t284;
+        const zhang2009_real t296 = t292 * t134;
+        const zhang2009_real t297 = t128 + t130;
+        const zhang2009_real t298 = t297 + t132;
+        const zhang2009_real t299 = t298 * t151;
+        const zhang2009_real t300 = t296 - t299;
+        const zhang2009_real t301 = t300 * t284;
+        const zhang2009_real t302 = t298 * t142;
+        const zhang2009_real t303 = t289 * t134;
+        const zhang2009_real t304 = t302 - t303;
+        const zhang2009_real t305 = t304 * t284;
+        const zhang2009_real t306 = sqrt(t179);
+        const zhang2009_real t307 = 1.0 / t306;
+        const zhang2009_real t308 = t160 * t307;
+        const zhang2009_real t309 = t168 * t307;
+        const zhang2009_real t310 = t177 * t307;
+        const zhang2009_real t311 = t162 + t164;
+        const zhang2009_real t312 = t311 + t166;
+        const zhang2009_real t313 = t312 * t177;
+        const zhang2009_real t314 = t171 + t173;
+        const zhang2009_real t315 = t314 + t175;
+        const zhang2009_real t316 = t315 * t168;
         const zhang2009_real t317 = t313 - t316;
-        const zhang2009_real t318 = t317 * t301;
-        const zhang2009_real t319 = t315 * t168;
-        const zhang2009_real t320 = t306 * t160;
-        const zhang2009_real t321 = t319 - t320;
-        const zhang2009_real t322 = t321 * t301;
-        const zhang2009_real shortest = t184;
+        const zhang2009_real t318 = t317 * t307;
+        const zhang2009_real t319 = t315 * t160;
+        const zhang2009_real t320 = t154 + t156;
+        const zhang2009_real t321 = t320 + t158;
+        const zhang2009_real t322 = t321 * t177;
+        const zhang2009_real t323 = t319 - t322;
+        const zhang2009_real t324 = t323 * t307;
+        const zhang2009_real t325 = t321 * t168;
+        const zhang2009_real t326 = t312 * t160;
+        const zhang2009_real t327 = t325 - t326;
+        const zhang2009_real t328 = t327 * t307;
+        const zhang2009_real shortest = t190;
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {
-            status = zhang2009_check_finite(x, 3, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
-            jacobian[0] = t187;
-            jacobian[1] = t188;
-            jacobian[2] = t189;
-            jacobian[3] = t197;
-            jacobian[4] = t203;
-            jacobian[5] = t207;
-            jacobian[6] = t210;
-            jacobian[7] = t211;
-            jacobian[8] = t212;
-            jacobian[9] = t220;
-            jacobian[10] = t226;
-            jacobian[11] = t230;
-            jacobian[12] = t233;
-            jacobian[13] = t234;
-            jacobian[14] = t235;
-            jacobian[15] = t243;
-            jacobian[16] = t249;
-            jacobian[17] = t253;
-            jacobian[18] = t256;
-            jacobian[19] = t257;
-            jacobian[20] = t258;
-            jacobian[21] = t266;
-            jacobian[22] = t272;
-            jacobian[23] = t276;
-            jacobian[24] = t279;
-            jacobian[25] = t280;
-            jacobian[26] = t281;
-            jacobian[27] = t289;
-            jacobian[28] = t295;
-            jacobian[29] = t299;
-            jacobian[30] = t302;
-            jacobian[31] = t303;
-            jacobian[32] = t304;
-            jacobian[33] = t312;
-            jacobian[34] = t318;
-            jacobian[35] = t322;
+            jacobian[0] = t193;
+            jacobian[1] = t194;
+            jacobian[2] = t195;
+            jacobian[3] = t203;
+            jacobian[4] = t209;
+            jacobian[5] = t213;
+            jacobian[6] = t216;
+            jacobian[7] = t217;
+            jacobian[8] = t218;
+            jacobian[9] = t226;
+            jacobian[10] = t232;
+            jacobian[11] = t236;
+            jacobian[12] = t239;
+            jacobian[13] = t240;
+            jacobian[14] = t241;
+            jacobian[15] = t249;
+            jacobian[16] = t255;
+            jacobian[17] = t259;
+            jacobian[18] = t262;
+            jacobian[19] = t263;
+            jacobian[20] = t264;
+            jacobian[21] = t272;
+            jacobian[22] = t278;
+            jacobian[23] = t282;
+            jacobian[24] = t285;
+            jacobian[25] = t286;
+            jacobian[26] = t287;
+            jacobian[27] = t295;
+            jacobian[28] = t301;
+            jacobian[29] = t305;
+            jacobian[30] = t308;
+            jacobian[31] = t309;
+            jacobian[32] = t310;
+            jacobian[33] = t318;
+            jacobian[34] = t324;
+            jacobian[35] = t328;
         }
     }
     return status;

@@ -28,7 +28,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     zhang2009_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
+    if ((squared >= 0.98f) && (squared <= 1.0201f)
+        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 532000.0f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = zhang2009_check_finite(q, 4, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(q, 4, zhang2009_check_finite(x, 3, ZHANG2009_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -69,7 +71,7 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_
     zhang2009_status status = ZHANG2009_OK;
     bool inside = true;
     for (int i = 0; i < 6; ++i) {
-        if (!(joints[i] >= -442.0928f)) {
+        if (!((joints[i] >= -442.0928f) && (joints[i] <= 531259.2f))) {
             inside = false;
         }
     }
@@ -698,11 +700,11 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -712,18 +714,17 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhang2009_real done = 0.0f;
     zhang2009_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    /* squares of: the last step, kappa, the longest step allowed */
     zhang2009_real size = 0.0f;
     zhang2009_real kappa2 = 2.0164e-06f;
     zhang2009_real limit;
-    zhang2009_real most = 0.0f;
-    zhang2009_real contraction2 = 0.0625f;
     zhang2009_real residual = HUGE_VALF;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -750,7 +751,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             if (turn == 0) {
                 turn = zhang2009_direct_pivoted(w);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = ZHANG2009_SINGULAR;
                 break;
@@ -761,24 +762,24 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625f * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625f * before;
+            limit = 0.140625f * before;
         }
-        if ((size <= limit) || (judging && (size <= 4.1070793e-06f))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
+        if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 zhang2009_real error2;
                 zhang2009_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -786,20 +787,21 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 4.1070793e-06f);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1070793e-06f);
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1070793e-06f))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0f <= before) ? (part + part) : part;
+                aim += (quick ? (part + part) : part);
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
@@ -807,19 +809,15 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                     w->x0[i] = w->x[i];
                 }
                 zhang2009_direct_retarget(w, to, aim, done);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             zhang2009_direct_retarget(w, to, aim, done);
             fresh = settling || !kept;
-            contraction2 = 0.015625f;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -830,15 +828,15 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
-    zhang2009_status status = zhang2009_check_limits(joints);
-    if (status == ZHANG2009_OK) {
-        w->guess = guess;
-        status = zhang2009_normalise_pose(guess, w->x);
-    }
-    return status;
+    const zhang2009_status limits = zhang2009_check_limits(joints);
+    zhang2009_status status;
+    w->guess = guess;
+    status = zhang2009_normalise_pose(guess, w->x);
+    /* NaN or infinity anywhere comes first */
+    return ((status == ZHANG2009_OK) || (limits == ZHANG2009_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -853,12 +851,6 @@ static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w
     pose->quaternion[3] = w->x[6];
 }
 
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_failure_status(const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_status status)
-{
-    return zhang2009_check_finite(guess->position, 3, zhang2009_check_finite(joints, 6, status));
-}
-
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
@@ -868,8 +860,6 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
         status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(&w, pose);
-        } else {
-            status = zhang2009_failure_status(joints, guess, status);
         }
     } else {
         zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -887,7 +877,7 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
             zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-            status = zhang2009_failure_status(joints, pose, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(&w);
@@ -895,7 +885,7 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
             if (size <= 489.99365f) {
                 zhang2009_write_pose(&w, pose);
             } else {
-                status = zhang2009_failure_status(joints, pose, ZHANG2009_WRONG_BRANCH);
+                status = ZHANG2009_WRONG_BRANCH;
             }
         }
     } else {
@@ -919,8 +909,6 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
             joints[3] = w.k[3];
             joints[4] = w.k[4];
             joints[5] = w.k[5];
-        } else {
-            status = zhang2009_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -1040,178 +1028,184 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t105 = 420.0f + t99;
         const zhang2009_real t106 = t105 * t105;
         const zhang2009_real t107 = t104 + t106;
-        const zhang2009_real t108 = t37 * t57;
-        const zhang2009_real t109 = t108 * t71;
-        const zhang2009_real t110 = t109 * t85;
-        const zhang2009_real t111 = t110 * t96;
-        const zhang2009_real t112 = t111 * t107;
-        const zhang2009_real t113 = sqrtf(t37);
-        const zhang2009_real t114 = 1.0f / t113;
-        const zhang2009_real t115 = t30 * t114;
-        const zhang2009_real t116 = t32 * t114;
-        const zhang2009_real t117 = t35 * t114;
-        const zhang2009_real t118 = t18 - t14;
-        const zhang2009_real t119 = t118 + (-216.50635f);
-        const zhang2009_real t120 = t119 * t35;
-        const zhang2009_real t121 = t23 + t28;
-        const zhang2009_real t122 = t121 * t32;
-        const zhang2009_real t123 = t120 + t122;
-        const zhang2009_real t124 = t123 * t114;
-        const zhang2009_real t125 = t121 * t30;
-        const zhang2009_real t126 = t5 - t11;
-        const zhang2009_real t127 = t126 + (-125.0f);
-        const zhang2009_real t128 = t127 * t35;
-        const zhang2009_real t129 = t125 + t128;
-        const zhang2009_real t130 = t129 * t114;
-        const zhang2009_real t131 = -t130;
-        const zhang2009_real t132 = t127 * t32;
-        const zhang2009_real t133 = t119 * t30;
-        const zhang2009_real t134 = t132 - t133;
-        const zhang2009_real t135 = t134 * t114;
-        const zhang2009_real t136 = sqrtf(t57);
-        const zhang2009_real t137 = 1.0f / t136;
-        const zhang2009_real t138 = t50 * t137;
-        const zhang2009_real t139 = t52 * t137;
-        const zhang2009_real t140 = t55 * t137;
-        const zhang2009_real t141 = t44 + t42;
-        const zhang2009_real t142 = t141 + (-125.0f);
-        const zhang2009_real t143 = t142 * t55;
-        const zhang2009_real t144 = t48 - t46;
-        const zhang2009_real t145 = t144 * t52;
-        const zhang2009_real t146 = t143 - t145;
-        const zhang2009_real t147 = t146 * t137;
-        const zhang2009_real t148 = t144 * t50;
-        const zhang2009_real t149 = t40 + t38;
-        const zhang2009_real t150 = 216.50635f - t149;
-        const zhang2009_real t151 = t150 * t55;
-        const zhang2009_real t152 = t148 - t151;
-        const zhang2009_real t153 = t152 * t137;
-        const zhang2009_real t154 = t150 * t52;
-        const zhang2009_real t155 = t142 * t50;
-        const zhang2009_real t156 = t154 - t155;
-        const zhang2009_real t157 = t156 * t137;
-        const zhang2009_real t158 = sqrtf(t71);
-        const zhang2009_real t159 = 1.0f / t158;
-        const zhang2009_real t160 = t64 * t159;
-        const zhang2009_real t161 = t66 * t159;
-        const zhang2009_real t162 = t69 * t159;
-        const zhang2009_real t163 = t60 * t69;
-        const zhang2009_real t164 = t62 * t66;
-        const zhang2009_real t165 = t163 - t164;
-        const zhang2009_real t166 = t165 * t159;
-        const zhang2009_real t167 = t62 * t64;
-        const zhang2009_real t168 = 250.0f - t58;
-        const zhang2009_real t169 = t168 * t69;
-        const zhang2009_real t170 = t167 - t169;
-        const zhang2009_real t171 = t170 * t159;
-        const zhang2009_real t172 = t168 * t66;
-        const zhang2009_real t173 = t60 * t64;
-        const zhang2009_real t174 = t172 - t173;
-        const zhang2009_real t175 = t174 * t159;
-        const zhang2009_real t176 = sqrtf(t85);
-        const zhang2009_real t177 = 1.0f / t176;
-        const zhang2009_real t178 = t78 * t177;
-        const zhang2009_real t179 = t80 * t177;
-        const zhang2009_real t180 = t83 * t177;
-        const zhang2009_real t181 = 250.0f - t74;
-        const zhang2009_real t182 = t181 * t83;
-        const zhang2009_real t183 = t76 * t80;
-        const zhang2009_real t184 = t182 - t183;
-        const zhang2009_real t185 = t184 * t177;
-        const zhang2009_real t186 = t76 * t78;
-        const zhang2009_real t187 = t72 * t83;
-        const zhang2009_real t188 = t186 - t187;
-        const zhang2009_real t189 = t188 * t177;
-        const zhang2009_real t190 = t72 * t80;
-        const zhang2009_real t191 = t181 * t78;
-        const zhang2009_real t192 = t190 - t191;
-        const zhang2009_real t193 = t192 * t177;
-        const zhang2009_real t194 = sqrtf(t96);
-        const zhang2009_real t195 = 1.0f / t194;
-        const zhang2009_real t196 = t89 * t195;
-        const zhang2009_real t197 = t91 * t195;
-        const zhang2009_real t198 = t94 * t195;
-        const zhang2009_real t199 = t14 + t18;
-        const zhang2009_real t200 = 216.50635f - t199;
-        const zhang2009_real t201 = t200 * t94;
-        const zhang2009_real t202 = t28 - t23;
-        const zhang2009_real t203 = t202 * t91;
-        const zhang2009_real t204 = t201 - t203;
-        const zhang2009_real t205 = t204 * t195;
-        const zhang2009_real t206 = t202 * t89;
-        const zhang2009_real t207 = t5 + t11;
-        const zhang2009_real t208 = t207 + (-125.0f);
-        const zhang2009_real t209 = t208 * t94;
-        const zhang2009_real t210 = t206 - t209;
-        const zhang2009_real t211 = t210 * t195;
-        const zhang2009_real t212 = t208 * t91;
-        const zhang2009_real t213 = t200 * t89;
-        const zhang2009_real t214 = t212 - t213;
-        const zhang2009_real t215 = t214 * t195;
-        const zhang2009_real t216 = sqrtf(t107);
-        const zhang2009_real t217 = 1.0f / t216;
-        const zhang2009_real t218 = t100 * t217;
-        const zhang2009_real t219 = t102 * t217;
-        const zhang2009_real t220 = t105 * t217;
-        const zhang2009_real t221 = t42 - t44;
-        const zhang2009_real t222 = t221 + (-125.0f);
-        const zhang2009_real t223 = t222 * t105;
-        const zhang2009_real t224 = t48 + t46;
-        const zhang2009_real t225 = t224 * t102;
-        const zhang2009_real t226 = t223 + t225;
-        const zhang2009_real t227 = t226 * t217;
-        const zhang2009_real t228 = t224 * t100;
-        const zhang2009_real t229 = t40 - t38;
-        const zhang2009_real t230 = t229 + (-216.50635f);
-        const zhang2009_real t231 = t230 * t105;
-        const zhang2009_real t232 = t228 + t231;
-        const zhang2009_real t233 = t232 * t217;
-        const zhang2009_real t234 = -t233;
-        const zhang2009_real t235 = t230 * t102;
-        const zhang2009_real t236 = t222 * t100;
-        const zhang2009_real t237 = t235 - t236;
-        const zhang2009_real t238 = t237 * t217;
-        const zhang2009_real shortest = t112;
+        const zhang2009_real t108 = t37 * 3.5431299e-06f;
+        const zhang2009_real t109 = t57 * 3.5431299e-06f;
+        const zhang2009_real t110 = t108 * t109;
+        const zhang2009_real t111 = t71 * 3.5431299e-06f;
+        const zhang2009_real t112 = t110 * t111;
+        const zhang2009_real t113 = t85 * 3.5431299e-06f;
+        const zhang2009_real t114 = t112 * t113;
+        const zhang2009_real t115 = t96 * 3.5431299e-06f;
+        const zhang2009_real t116 = t114 * t115;
+        const zhang2009_real t117 = t107 * 3.5431299e-06f;
+        const zhang2009_real t118 = t116 * t117;
+        const zhang2009_real t119 = sqrtf(t37);
+        const zhang2009_real t120 = 1.0f / t119;
+        const zhang2009_real t121 = t30 * t120;
+        const zhang2009_real t122 = t32 * t120;
+        const zhang2009_real t123 = t35 * t120;
+        const zhang2009_real t124 = t18 - t14;
+        const zhang2009_real t125 = t124 + (-216.50635f);
+        const zhang2009_real t126 = t125 * t35;
+        const zhang2009_real t127 = t23 + t28;
+        const zhang2009_real t128 = t127 * t32;
+        const zhang2009_real t129 = t126 + t128;
+        const zhang2009_real t130 = t129 * t120;
+        const zhang2009_real t131 = t127 * t30;
+        const zhang2009_real t132 = t5 - t11;
+        const zhang2009_real t133 = t132 + (-125.0f);
+        const zhang2009_real t134 = t133 * t35;
+        const zhang2009_real t135 = t131 + t134;
+        const zhang2009_real t136 = t135 * t120;
+        const zhang2009_real t137 = -t136;
+        const zhang2009_real t138 = t133 * t32;
+        const zhang2009_real t139 = t125 * t30;
+        const zhang2009_real t140 = t138 - t139;
+        const zhang2009_real t141 = t140 * t120;
+        const zhang2009_real t142 = sqrtf(t57);
+        const zhang2009_real t143 = 1.0f / t142;
+        const zhang2009_real t144 = t50 * t143;
+        const zhang2009_real t145 = t52 * t143;
+        const zhang2009_real t146 = t55 * t143;
+        const zhang2009_real t147 = t44 + t42;
+        const zhang2009_real t148 = t147 + (-125.0f);
+        const zhang2009_real t149 = t148 * t55;
+        const zhang2009_real t150 = t48 - t46;
+        const zhang2009_real t151 = t150 * t52;
+        const zhang2009_real t152 = t149 - t151;
+        const zhang2009_real t153 = t152 * t143;
+        const zhang2009_real t154 = t150 * t50;
+        const zhang2009_real t155 = t40 + t38;
+        const zhang2009_real t156 = 216.50635f - t155;
+        const zhang2009_real t157 = t156 * t55;
+        const zhang2009_real t158 = t154 - t157;
+        const zhang2009_real t159 = t158 * t143;
+        const zhang2009_real t160 = t156 * t52;
+        const zhang2009_real t161 = t148 * t50;
+        const zhang2009_real t162 = t160 - t161;
+        const zhang2009_real t163 = t162 * t143;
+        const zhang2009_real t164 = sqrtf(t71);
+        const zhang2009_real t165 = 1.0f / t164;
+        const zhang2009_real t166 = t64 * t165;
+        const zhang2009_real t167 = t66 * t165;
+        const zhang2009_real t168 = t69 * t165;
+        const zhang2009_real t169 = t60 * t69;
+        const zhang2009_real t170 = t62 * t66;
+        const zhang2009_real t171 = t169 - t170;
+        const zhang2009_real t172 = t171 * t165;
+        const zhang2009_real t173 = t62 * t64;
+        const zhang2009_real t174 = 250.0f - t58;
+        const zhang2009_real t175 = t174 * t69;
+        const zhang2009_real t176 = t173 - t175;
+        const zhang2009_real t177 = t176 * t165;
+        const zhang2009_real t178 = t174 * t66;
+        const zhang2009_real t179 = t60 * t64;
+        const zhang2009_real t180 = t178 - t179;
+        const zhang2009_real t181 = t180 * t165;
+        const zhang2009_real t182 = sqrtf(t85);
+        const zhang2009_real t183 = 1.0f / t182;
+        const zhang2009_real t184 = t78 * t183;
+        const zhang2009_real t185 = t80 * t183;
+        const zhang2009_real t186 = t83 * t183;
+        const zhang2009_real t187 = 250.0f - t74;
+        const zhang2009_real t188 = t187 * t83;
+        const zhang2009_real t189 = t76 * t80;
+        const zhang2009_real t190 = t188 - t189;
+        const zhang2009_real t191 = t190 * t183;
+        const zhang2009_real t192 = t76 * t78;
+        const zhang2009_real t193 = t72 * t83;
+        const zhang2009_real t194 = t192 - t193;
+        const zhang2009_real t195 = t194 * t183;
+        const zhang2009_real t196 = t72 * t80;
+        const zhang2009_real t197 = t187 * t78;
+        const zhang2009_real t198 = t196 - t197;
+        const zhang2009_real t199 = t198 * t183;
+        const zhang2009_real t200 = sqrtf(t96);
+        const zhang2009_real t201 = 1.0f / t200;
+        const zhang2009_real t202 = t89 * t201;
+        const zhang2009_real t203 = t91 * t201;
+        const zhang2009_real t204 = t94 * t201;
+        const zhang2009_real t205 = t14 + t18;
+        const zhang2009_real t206 = 216.50635f - t205;
+        const zhang2009_real t207 = t206 * t94;
+        const zhang2009_real t208 = t28 - t23;
+        const zhang2009_real t209 = t208 * t91;
+        const zhang2009_real t210 = t207 - t209;
+        const zhang2009_real t211 = t210 * t201;
+        const zhang2009_real t212 = t208 * t89;
+        const zhang2009_real t213 = t5 + t11;
+        const zhang2009_real t214 = t213 + (-125.0f);
+        const zhang2009_real t215 = t214 * t94;
+        const zhang2009_real t216 = t212 - t215;
+        const zhang2009_real t217 = t216 * t201;
+        const zhang2009_real t218 = t214 * t91;
+        const zhang2009_real t219 = t206 * t89;
+        const zhang2009_real t220 = t218 - t219;
+        const zhang2009_real t221 = t220 * t201;
+        const zhang2009_real t222 = sqrtf(t107);
+        const zhang2009_real t223 = 1.0f / t222;
+        const zhang2009_real t224 = t100 * t223;
+        const zhang2009_real t225 = t102 * t223;
+        const zhang2009_real t226 = t105 * t223;
+        const zhang2009_real t227 = t42 - t44;
+        const zhang2009_real t228 = t227 + (-125.0f);
+        const zhang2009_real t229 = t228 * t105;
+        const zhang2009_real t230 = t48 + t46;
+        const zhang2009_real t231 = t230 * t102;
+        const zhang2009_real t232 = t229 + t231;
+        const zhang2009_real t233 = t232 * t223;
+        const zhang2009_real t234 = t230 * t100;
+        const zhang2009_real t235 = t40 - t38;
+        const zhang2009_real t236 = t235 + (-216.50635f);
+        const zhang2009_real t237 = t236 * t105;
+        const zhang2009_real t238 = t234 + t237;
+        const zhang2009_real t239 = t238 * t223;
+        const zhang2009_real t240 = -t239;
+        const zhang2009_real t241 = t236 * t102;
+        const zhang2009_real t242 = t228 * t100;
+        const zhang2009_real t243 = t241 - t242;
+        const zhang2009_real t244 = t243 * t223;
+        const zhang2009_real shortest = t118;
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0f)) {
-            status = zhang2009_check_finite(x, 3, ZHANG2009_SINGULAR);
+            status = ZHANG2009_SINGULAR;
         } else {
-            jacobian[0] = t115;
-            jacobian[1] = t116;
-            jacobian[2] = t117;
-            jacobian[3] = t124;
-            jacobian[4] = t131;
-            jacobian[5] = t135;
-            jacobian[6] = t138;
-            jacobian[7] = t139;
-            jacobian[8] = t140;
-            jacobian[9] = t147;
-            jacobian[10] = t153;
-            jacobian[11] = t157;
-            jacobian[12] = t160;
-            jacobian[13] = t161;
-            jacobian[14] = t162;
-            jacobian[15] = t166;
-            jacobian[16] = t171;
-            jacobian[17] = t175;
-            jacobian[18] = t178;
-            jacobian[19] = t179;
-            jacobian[20] = t180;
-            jacobian[21] = t185;
-            jacobian[22] = t189;
-            jacobian[23] = t193;
-            jacobian[24] = t196;
-            jacobian[25] = t197;
-            jacobian[26] = t198;
-            jacobian[27] = t205;
-            jacobian[28] = t211;
-            jacobian[29] = t215;
-            jacobian[30] = t218;
-            jacobian[31] = t219;
-            jacobian[32] = t220;
-            jacobian[33] = t227;
-            jacobian[34] = t234;
-            jacobian[35] = t238;
+            jacobian[0] = t121;
+            jacobian[1] = t122;
+            jacobian[2] = t123;
+            jacobian[3] = t130;
+            jacobian[4] = t137;
+            jacobian[5] = t141;
+            jacobian[6] = t144;
+            jacobian[7] = t145;
+            jacobian[8] = t146;
+            jacobian[9] = t153;
+            jacobian[10] = t159;
+            jacobian[11] = t163;
+            jacobian[12] = t166;
+            jacobian[13] = t167;
+            jacobian[14] = t168;
+            jacobian[15] = t172;
+            jacobian[16] = t177;
+            jacobian[17] = t181;
+            jacobian[18] = t184;
+            jacobian[19] = t185;
+            jacobian[20] = t186;
+            jacobian[21] = t191;
+            jacobian[22] = t195;
+            jacobian[23] = t199;
+            jacobian[24] = t202;
+            jacobian[25] = t203;
+            jacobian[26] = t204;
+            jacobian[27] = t211;
+            jacobian[28] = t217;
+            jacobian[29] = t221;
+            jacobian[30] = t224;
+            jacobian[31] = t225;
+            jacobian[32] = t226;
+            jacobian[33] = t233;
+            jacobian[34] = t240;
+            jacobian[35] = t244;
         }
     }
     return status;

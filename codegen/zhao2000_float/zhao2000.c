@@ -28,7 +28,8 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
@@ -38,10 +39,11 @@ static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao20
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     zhao2000_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
+    if ((squared >= 0.98f) && (squared <= 1.0201f)
+        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 240000.0f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = zhao2000_check_finite(q, 4, ZHAO2000_OUT_OF_RANGE);
+        status = zhao2000_check_finite(q, 4, zhao2000_check_finite(x, 3, ZHAO2000_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -84,7 +86,7 @@ static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao
             c[3] += 6.2831855f;
         }
         if (!((fabsf(t2) <= 0.00091552734f) && (fabsf(t3) <= 0.00091552734f))) {
-            status = zhao2000_check_finite(x, 7, ZHAO2000_OUT_OF_RANGE);
+            status = ZHAO2000_OUT_OF_RANGE;
         }
     }
     return status;
@@ -625,7 +627,6 @@ typedef struct {
     zhao2000_real f[10]; /* rows; the linear solver leaves the step in their place */
     zhao2000_real a[100]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    zhao2000_real aim; /* how much of the line to try first */
     uint8_t order[10]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
 } zhao2000_direct_work;
@@ -1113,13 +1114,38 @@ static void zhao2000_direct_solve(zhao2000_direct_work *w)
     zhao2000_direct_pivoted_solve(w);
 }
 
+/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
+ * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
+ * points between them none. */
+static ZHAO2000_COLD bool zhao2000_direct_reaches_middle(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real middle)
+{
+    zhao2000_real end[10];
+    zhao2000_real size[3];
+    for (int i = 0; i < 10; ++i) {
+        end[i] = w->x[i];
+    }
+    for (int i = 0; i < 10; ++i) {
+        w->x[i] = w->x0[i];
+    }
+    zhao2000_direct_set_target(w, to, middle);
+    for (int i = 0; i < 3; ++i) {
+        zhao2000_direct_rows(w);
+        zhao2000_direct_solve(w);
+        size[i] = zhao2000_direct_apply_step(w);
+    }
+    for (int i = 0; i < 10; ++i) {
+        w->x[i] = end[i];
+    }
+    return (size[2] <= 8.381903e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
+}
+
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 0.5 rad is tried first.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -1128,23 +1154,35 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     zhao2000_real done = 0.0f;
-    zhao2000_real aim = w->aim;
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    zhao2000_real aim = 1.0f;
+    /* squares of: the last step, kappa, the longest step allowed */
     zhao2000_real size = 0.0f;
     zhao2000_real kappa2 = 1.83184e-05f;
     zhao2000_real limit;
-    zhao2000_real most = 0.0f;
-    zhao2000_real contraction2 = 0.0625f;
     zhao2000_real residual = HUGE_VALF;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0f;
+    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
+    zhao2000_real turn2 = 0.0f;
+    static const uint8_t places[4] = { 0, 1, 2, 3 };
+    static const zhao2000_real radians[4] = { 1.0f, 1.0f, 1.0f, 0.004166667f };
+    for (int i = 0; i < 4; ++i) {
+        const zhao2000_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
+        if (turned * turned > turn2) {
+            turn2 = turned * turned;
+        }
+    }
+    if (turn2 > 0.25f) {
+        aim = 0.5f / sqrtf(turn2);
+    }
     zhao2000_direct_set_target(w, to, aim);
     for (int i = 0; i < 10; ++i) {
         w->x0[i] = w->x[i];
@@ -1166,14 +1204,14 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
         ++count;
         if (fresh) {
             /* matrix and factors, and the sign of the determinant */
-            if (!judging) {
+            if (taken == 0U) {
                 zhao2000_direct_set_target(w, to, done);
             }
             int turn = zhao2000_direct_pivoted(w);
-            if (!judging) {
+            if (taken == 0U) {
                 zhao2000_direct_set_target(w, to, aim);
             }
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = ZHAO2000_SINGULAR;
                 break;
@@ -1184,24 +1222,28 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhao2000_direct_solve(w);
         const zhao2000_real before = size;
         size = zhao2000_direct_apply_step(w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = 0.0625f * before;
         } else {
-            limit = contraction2 * before;
-            most = 0.015625f * before;
+            limit = 0.140625f * before;
         }
-        if ((size <= limit) || (judging && (size <= 8.381903e-07f))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.381903e-07f));
+        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
+            accepted = zhao2000_direct_reaches_middle(w, to, done + 0.5f * (aim - done));
+            zhao2000_direct_set_target(w, to, aim);
+        }
+        if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 zhao2000_real error2;
                 zhao2000_real gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -1209,20 +1251,21 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= 8.381903e-07f);
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.381903e-07f));
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < 0.3f));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.381903e-07f))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * 400.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const zhao2000_real part = aim - done;
                 done = aim;
-                aim += (size * 400.0f <= before) ? (part + part) : part;
+                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
@@ -1230,12 +1273,9 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                     w->x0[i] = w->x[i];
                 }
                 zhao2000_direct_set_target(w, to, aim);
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
@@ -1244,8 +1284,7 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
             }
             zhao2000_direct_set_target(w, to, aim);
             fresh = settling || !kept;
-            contraction2 = 0.015625f;
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
@@ -1256,27 +1295,19 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
     zhao2000_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. Returns how
- * much of the line to try first: angles by at most half a radian. */
-static zhao2000_real zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
+static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
-    static const bool angular[4] = { true, true, true, false };
-    zhao2000_real widest = 0.5f;
     for (int i = 0; i < 4; ++i) {
-        zhao2000_real change = joints[i] - at[i];
+        const zhao2000_real change = joints[i] - at[i];
         given[i] = joints[i];
         if (turns[i] && (fabsf(change) < 10000.0f)) {
             const zhao2000_real number = change * 0.15915494f;
             const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
             given[i] = joints[i] - 6.2831855f * (zhao2000_real)whole;
-            change = given[i] - at[i];
-        }
-        if (angular[i] && (fabsf(change) > widest)) {
-            widest = fabsf(change);
         }
     }
-    return 0.5f / widest;
 }
 
 /* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands on the reference's side of its dead
@@ -1298,44 +1329,36 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real x
     return status;
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHAO2000_SHARED zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
 {
-    zhao2000_status status = zhao2000_check_limits(joints);
+    const zhao2000_status limits = zhao2000_check_limits(joints);
+    zhao2000_status status;
+    zhao2000_real c[4];
+    zhao2000_real passive[6] = { 0.0f };
+    status = zhao2000_pose_coordinates(guess, c);
     if (status == ZHAO2000_OK) {
-        zhao2000_real c[4];
-        zhao2000_real passive[6] = { 0.0f };
-        status = zhao2000_pose_coordinates(guess, c);
-        if (status == ZHAO2000_OK) {
-            status = zhao2000_solve_limbs(c, w->at, passive);
-            w->x[0] = passive[0];
-            w->x[1] = passive[1];
-            w->x[2] = passive[2];
-            w->x[3] = passive[3];
-            w->x[4] = passive[4];
-            w->x[5] = passive[5];
-        }
-        if (status != ZHAO2000_OK) {
-            status = zhao2000_check_finite(guess->position, 3, ZHAO2000_OUT_OF_RANGE);
-        }
+        status = zhao2000_solve_limbs(c, w->at, passive);
+        w->x[0] = passive[0];
+        w->x[1] = passive[1];
+        w->x[2] = passive[2];
+        w->x[3] = passive[3];
+        w->x[4] = passive[4];
+        w->x[5] = passive[5];
         w->x[6] = c[0];
         w->x[7] = c[1];
         w->x[8] = c[2];
         w->x[9] = c[3];
+        status = (status == ZHAO2000_OK) ? status : ZHAO2000_OUT_OF_RANGE;
     }
-    return status;
+    /* NaN or infinity anywhere comes first */
+    return ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
 static ZHAO2000_SHARED void zhao2000_write_pose(const zhao2000_direct_work *w, zhao2000_pose *pose)
 {
     zhao2000_pose_from_coordinates(&w->x[6], pose);
-}
-
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static ZHAO2000_COLD zhao2000_status zhao2000_failure_status(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_status status)
-{
-    return zhao2000_check_finite(guess->position, 3, zhao2000_check_finite(joints, 4, status));
 }
 
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
@@ -1345,15 +1368,13 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
     zhao2000_status status = zhao2000_read_guess(&w, joints, guess);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
-        w.aim = zhao2000_unwrap_joints(w.at, joints, given);
+        zhao2000_unwrap_joints(w.at, joints, given);
         status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
         if (status == ZHAO2000_OK) {
             status = zhao2000_check_branch(w.x, given);
         }
         if (status == ZHAO2000_OK) {
             zhao2000_write_pose(&w, pose);
-        } else {
-            status = zhao2000_failure_status(joints, guess, status);
         }
     } else {
         zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -1367,13 +1388,13 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
     zhao2000_status status = zhao2000_read_guess(&w, joints, pose);
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
-        w.aim = zhao2000_unwrap_joints(w.at, joints, given);
+        zhao2000_unwrap_joints(w.at, joints, given);
         /* one step of Newton's method from the last pose */
         zhao2000_direct_set_target(&w, given, 1.0f);
         zhao2000_direct_rows(&w);
         if (zhao2000_direct_pivoted(&w) == 0) {
             zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-            status = zhao2000_failure_status(joints, pose, ZHAO2000_SINGULAR);
+            status = ZHAO2000_SINGULAR;
         } else {
             zhao2000_direct_solve(&w);
             const zhao2000_real size = zhao2000_direct_apply_step(&w);
@@ -1381,7 +1402,7 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
             if (size <= 100.0f) {
                 zhao2000_write_pose(&w, pose);
             } else {
-                status = zhao2000_failure_status(joints, pose, ZHAO2000_WRONG_BRANCH);
+                status = ZHAO2000_WRONG_BRANCH;
             }
         }
     } else {
@@ -1400,7 +1421,7 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     if (status == ZHAO2000_OK) {
         status = zhao2000_solve_limbs(c, q, passive);
         if (status != ZHAO2000_OK) {
-            status = zhao2000_check_finite(c, 4, ZHAO2000_OUT_OF_RANGE);
+            status = ZHAO2000_OUT_OF_RANGE;
         } else {
             status = zhao2000_check_limits(q);
         }
@@ -1463,12 +1484,15 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         jacobian[19] = op_8;
         jacobian[20] = op_9;
         jacobian[23] = 0.0f;
+        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6, ZHAO2000_OK) != ZHAO2000_OK)) {
+            status = ZHAO2000_SINGULAR;
+        }
         if (status == ZHAO2000_OK) {
             for (int i = 0; i < 4 * 6; ++i) {
                 rates[i] = jacobian[i];
             }
         } else if (status != ZHAO2000_SINGULAR) {
-            status = zhao2000_check_finite(c, 4, ZHAO2000_OUT_OF_RANGE);
+            status = ZHAO2000_OUT_OF_RANGE;
         } else {
             /* singular */
         }

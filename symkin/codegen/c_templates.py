@@ -6,8 +6,13 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from string import Template
 
+import numpy as np
+
 from symkin.codegen.c_emitter import Real
 from symkin.model.joint import Coordinate
+
+FARTHEST = 1e3
+"""Positions and joint values beyond this many times the size are refused: their squares stay far below the largest float."""
 
 
 class _C(Template):
@@ -46,6 +51,11 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
     }  # fmt: skip
 
 
+def farthest(size: float, reference: Sequence[float] | np.ndarray) -> float:
+    """How far a position may be from the base's origin (sum of its coordinates' sizes), for a platform or tool at `reference`."""
+    return float(f"{FARTHEST * size + float(np.sum(np.abs(reference))):.3g}")
+
+
 def copy(target: str, source: str, count: int) -> list[str]:
     """Statements that copy an array; short ones without a loop."""
     if count <= 8:
@@ -64,7 +74,7 @@ def condition_within_limits(coordinates: Sequence[Coordinate], real: Real, size:
     parts = []
     for i, c in enumerate(coordinates):
         slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
-        low, high = c.limits or ((-1e3, 1e3) if c.is_angular else (-1e3 * size, 1e3 * size))
+        low, high = c.limits or ((-FARTHEST, FARTHEST) if c.is_angular else (-FARTHEST * size, FARTHEST * size))
         if c.least is not None:
             low = max(low, c.least + 1e-6 * size)
         parts.append(f"(joints[{i}] >= {real.literal(low - slack)}) && (joints[{i}] <= {real.literal(high + slack)})")

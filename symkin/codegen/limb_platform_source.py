@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
+from symkin.codegen.c_templates import common_values, condition_within_limits, copy, farthest, fill
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_source import limb_text
@@ -20,6 +20,9 @@ from symkin.computed_once import cached_property
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.text import c_comment
+
+_FIRST_TURN = 0.5
+"""Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +75,7 @@ class LimbPlatformSource:
             kappa=curvature(kernel, [s.unknown for s in samples], [s.known for s in samples], values),
             target_lines=line_target(self.real, nq, None),
             known_count=nq,
-            start_aim="w->aim",
-            members=[f"{self.real.type} aim; /* how much of the line to try first */"],
+            first_turn=_FIRST_TURN,
         )
 
     @cached_property
@@ -83,6 +85,7 @@ class LimbPlatformSource:
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
             "nq": len(made.actuated), "ns": made.direct.system.width, "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
+            "farthest": literal(farthest(made.closure.characteristic_length, made.mechanism.platform_position)),
             "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
         }  # fmt: skip
 
@@ -93,10 +96,10 @@ class LimbPlatformSource:
         passive = sum(c.width for c in made.passive)
         answer = "w.x" if self.made.tells_branch else f"{ga}&w.x[{passive}]"
         branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
-        unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"w.aim = {p}_unwrap_joints(w.at, joints, given);"]
+        unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"{p}_unwrap_joints(w.at, joints, given);"]
         return self._common | {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
-            "enter": indent(self._enter_lines(passive), 2), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
+            "enter": indent(self._enter_lines(passive)), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
             "to": "given", "whole": ", " + literal(1.0),
             "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),
@@ -110,9 +113,9 @@ class LimbPlatformSource:
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
             f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive);",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
-            *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []), "}",
-            f"if (status != {self._ok}) {{", f"    status = {p}_check_finite(guess->position, 3, {p.upper()}_OUT_OF_RANGE);", "}",
-            *(f"w->x[{passive + i}] = c[{i}];" for i in range(nc)),
+            *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []),
+            *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
+            f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;", "}",
         ]  # fmt: skip
 
     def _limb_text(self, block: LimbBlock) -> str:
@@ -216,8 +219,7 @@ class LimbPlatformSource:
         """NAME_unwrap_joints."""
         actuated = self.made.actuated
         turns = _flags(tuple(c.kind == "angle" and c.limits is None for c in actuated))
-        angular = _flags(tuple(c.is_angular for c in actuated))
-        return fill("unwrap_joints.c", self._common | {"turns": turns, "angular": angular, "largest": self.real.literal(0.5)})
+        return fill("unwrap_joints.c", self._common | {"turns": turns})
 
     # --- inverse and Jacobian ----------------------------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -12,6 +12,12 @@ from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.newton_kernel import Kernel, curvature
 from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.model.joint import Coordinate
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+
+_LINES = 5
+"""Lines of poses at whose middles a limb is asked whether it closes."""
 
 
 def limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
@@ -44,7 +50,28 @@ def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> Newton
         matrices=np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)]),
         kappa=curvature(kernel, states, poses, made.geometry.values),
         target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
+        on_the_way=kernel.is_square or _closes_on_the_way(made, block, states, poses),
     )
+
+
+def _closes_on_the_way(made: LimbPlatform, block: LimbBlock, states: Sequence[np.ndarray], poses: Sequence[np.ndarray]) -> bool:
+    """Whether a limb of more rows than unknowns takes the poses on the line from the reference: others close at its end alone."""
+    reference = made.inverse.select_values(made.closure.reference, made.inverse.known_coordinates)
+    bound, size, over_p = made.closure.bound, made.closure.characteristic_length, block.system
+    system = System(over_p.unknowns, over_p.unknown, over_p.known, bound(over_p.rows), bound(over_p.errors), size)
+    for state, pose in zip(states[:_LINES], poses[:_LINES], strict=True):
+        middle = 0.5 * (reference + pose)
+        for start, coordinate in zip(_starts(made.inverse.known_coordinates), made.inverse.known_coordinates, strict=True):
+            if coordinate.kind == "quaternion":
+                middle[start : start + 4] /= np.linalg.norm(middle[start : start + 4])
+        if system.residual(system.polish(state, middle, 20), middle) > CLOSURE_TOLERANCE * size:
+            return False
+    return True
+
+
+def _starts(coordinates: Sequence[Coordinate]) -> list[int]:
+    """Where each coordinate's numbers begin."""
+    return [sum(c.width for c in coordinates[:k]) for k in range(len(coordinates))]
 
 
 def _side_lines(block: LimbBlock, kernel: Kernel, geometry: list[str], real: Real) -> list[str]:

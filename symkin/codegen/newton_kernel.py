@@ -39,7 +39,8 @@ class Kernel:
     `rows` are functions of (state, known, geometry), with `shared` beside them: values that the Jacobian reads again.
     `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and `norm` (squared length of the step, angles
     times the size) of (state, step). `row_length` times a row is a length. `quaternion` is where a unit quaternion
-    begins in `known`, if it has one. `meaning` says in comments of the C what state, known values, rows and shared values are.
+    begins in `known`, if it has one; `turns` are the places of known values in which the rows are bent, with how much of a
+    radian a unit of each is. `meaning` says in comments of the C what state, known values, rows and shared values are.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Kernel:
     characteristic_length: float
     meaning: Meaning
     quaternion: int | None = None
+    turns: tuple[tuple[int, float], ...] = ()
 
     @property
     def m(self) -> int:
@@ -142,6 +144,7 @@ def system_kernel(name: str, system: System, known: Sequence[Coordinate], geomet
             step="changes of the state: lengths, angles and turns times the size",
         ),
         quaternion=quaternion_place(known),
+        turns=bent_places(known, system.characteristic_length),
     )
 
 
@@ -183,6 +186,16 @@ def quaternion_place(coordinates: Sequence[Coordinate]) -> int | None:
             return start
         start += c.width
     return None
+
+
+def bent_places(coordinates: Sequence[Coordinate], size: float) -> tuple[tuple[int, float], ...]:
+    """Places of angles, and of rods' lengths, whose squares stand in rows; and what turns their unit into radians."""
+    found, start = [], 0
+    for c in coordinates:
+        if c.kind == "angle" or c.least is not None:
+            found.append((start, 1.0 if c.is_angular else 1.0 / size))
+        start += c.width
+    return tuple(found)
 
 
 def listed(coordinates: Sequence[Coordinate]) -> str:

@@ -15,6 +15,11 @@ from symkin.codegen.newton_kernel import Kernel
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
+LONGEST_TURN = 1.0
+"""Largest turn of a known value in a part of the line (rad): within it the middle stands for all points between the ends."""
+_STRAIGHT2 = 0.25
+"""Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as good as straight: its bend is an
+eighth of the turn's square, which is then a small part of what Newton and Kantorovich allow."""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
@@ -43,7 +48,7 @@ class NewtonCode:
     `geometry` is the C text of each geometry parameter, empty where they are numbers in the code; `matrices` are samples of
     the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target_lines` are statements that set w->k from
     w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
-    `start_aim`, C text of how much of the line to try first, and `members`, more members of the work space; `matrix`,
+    `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
     and puts the state back, where known values at the guess are not kept.
     """
@@ -56,7 +61,8 @@ class NewtonCode:
     kappa: float
     target_lines: Sequence[str]
     known_count: int | None = None
-    start_aim: str | None = None
+    first_turn: float = LONGEST_TURN
+    on_the_way: bool = True
     members: Sequence[str] = ()
     matrix: Sequence[str] = ()
     retarget: str = ""
@@ -94,6 +100,21 @@ class NewtonCode:
         return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
 
     @property
+    def bends(self) -> bool:
+        """Whether known values turn, on a line at whose points there is something to look at."""
+        return self.on_the_way and (bool(self.kernel.turns) or self.kernel.quaternion is not None)
+
+    @property
+    def middle(self) -> str:
+        """The function that looks at the middle of a part, where known values turn."""
+        count = int(self.kernel.state.shape[0])
+        copies = {
+            "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
+            "to_end": indent(copy_loop("w->x", "end", count)),
+        }
+        return fill("middle.c", self._values | copies) if self.bends else ""
+
+    @property
     def driver(self) -> str:
         """Newton's method along the line of known values."""
         return fill("newton.c", self._values)
@@ -101,7 +122,7 @@ class NewtonCode:
     @property
     def text(self) -> str:
         """All functions in an order in which each is known before it is called."""
-        return self.work + self.functions + self.target + self.linear.text + self.driver
+        return self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
 
     @cached_property
     def operations(self) -> dict[str, int]:
@@ -164,6 +185,7 @@ class NewtonCode:
             | self._members
             | self._constants
             | self._aiming
+            | self._turning
         )
 
     @property
@@ -207,9 +229,9 @@ class NewtonCode:
         literal, tuning = self.real.literal, self.tuning
         return {
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
-            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "careful2": literal(1.0 / 64.0),
+            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
             "quick": literal(400.0), "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
-            "shrink": literal(0.375), "start_aim": self.start_aim or literal(1.0), "singular": literal(32.0 * self.real.epsilon),
+            "shrink": literal(0.375), "singular": literal(32.0 * self.real.epsilon),
             "guard": literal(GUARD**-2),
         }  # fmt: skip
 
@@ -224,12 +246,59 @@ class NewtonCode:
         return {
             "part_of": "" if by_call else ", aim", "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (!judging) {", f"    {done}", "}"], 3) if reads_known else "",
-            "at_aim": indent(["if (!judging) {", f"    {aim}", "}"], 3) if reads_known else "",
+            "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
+            "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
             "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
             "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
             "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
         }  # fmt: skip
+
+    @property
+    def _turning(self) -> dict[str, object]:
+        """What known values that turn ask for: a first part, a longest part, and the middle of each part."""
+        literal, floor = self.real.literal, f"(size <= {self.real.literal(self.tuning.floor**2)})"
+        doubled = "quick ? (part + part) : part"
+        if not self.bends:
+            return {
+                "turn": "",
+                "check_middle": "",
+                "still": floor,
+                "next_part": f"({doubled})",
+                "first_try": "The whole line is tried first",
+            }
+        two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
+        check = [
+            f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
+            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle});", f"    {self.k}_set_target({self._ga}w, to, aim);", "}",
+        ]  # fmt: skip
+        start = [
+            "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",
+            *self._turn_lines, f"if (turn2 > {literal(first**2)}) {{", f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);", "}",
+        ]  # fmt: skip
+        longest = literal((0.5 * LONGEST_TURN) ** 2)
+        return {
+            "turn": indent(start), "check_middle": indent(check, 2), "still": f"((taken > 0U) && {floor})",
+            "next_part": f"(quick && (part * part * turn2 <= {longest})) ? ({two} * part) : part",
+            "first_try": f"A part in which known values turn by at most {first:g} rad is tried first",
+        }  # fmt: skip
+
+    @property
+    def _turn_lines(self) -> list[str]:
+        """Statements that set turn2: angles and rods' lengths over the size by their largest, a quaternion by its own turn."""
+        kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
+        lines, start = [f"{kind} turn2 = {literal(0.0)};"], self.kernel.quaternion
+        if turns:
+            places, parts = (", ".join(text) for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True))
+            lines += [
+                f"static const uint8_t places[{len(turns)}] = {{ {places} }};", f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
+                f"for (int i = 0; i < {len(turns)}; ++i) {{", f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
+                "    if (turned * turned > turn2) {", "        turn2 = turned * turned;", "    }", "}",
+            ]  # fmt: skip
+        if start is not None:
+            cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
+            lines += [f"const {kind} cosine = {cosine}; /* of half the turn */",
+                      f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));"]  # fmt: skip
+        return lines
 
 
 def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:

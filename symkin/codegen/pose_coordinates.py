@@ -59,7 +59,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
         ]
     body = [*emitter.lines, *stores]
     if tests:
-        refused = f"    status = {values['p']}_check_finite(x, 7, {values['P']}_OUT_OF_RANGE);"
+        refused = f"    status = {values['P']}_OUT_OF_RANGE;"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
     lines = [
         "/* Pose coordinates of a pose. */",

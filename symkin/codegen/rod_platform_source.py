@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
@@ -68,8 +68,9 @@ class RodSource:
         literal, p = self.real.literal, self.name
         leave = [*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]
         return self._common | {
+            "farthest": literal(farthest(self.platform.mechanism.characteristic_length, self.platform.home.position)),
             "copy_joints": indent(copy("joints", "w.k", 6), 3),
-            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"], 2), "leave": indent(leave),
+            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"]), "leave": indent(leave),
             "check_branch": "", "unwrap": "", "to": "joints", "whole": "",
             "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"])),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
@@ -122,7 +123,7 @@ class RodSource:
     @property
     def _inverse(self) -> str:
         """NAME_inverse and NAME_jacobian."""
-        function = _jacobian_function(self.rods, self.kernel.geometry)
+        function = _jacobian_function(self.rods, self.kernel.geometry, self.platform.mechanism.characteristic_length)
         emitter = Emitter(function, [indexed("x", 7), self.platform.geometry_names], self.real)
         shortest = emitter.value(2, 0)
         stores = [f"jacobian[{k}] = {emitter.value(1, k)};" for k in range(36)]
@@ -195,18 +196,18 @@ def _range_tests(platform: RodPlatform) -> list[str]:
     for i, bar in enumerate(platform.mechanism.bars):
         limits = platform.mechanism.actuated[i].limits
         low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
+        high = limits[1] + slack - zero[i] if limits else FARTHEST * size
         if platform.options.geometry == "struct" and not limits and not platform.options.home_relative:
-            tests.append(f"(joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)})")
+            above = f"joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)}"
         else:
-            tests.append(f"(joints[{i}] >= {real.literal(low)})")
-        if limits:
-            tests.append(f"(joints[{i}] <= {real.literal(limits[1] + slack - zero[i])})")
+            above = f"joints[{i}] >= {real.literal(low)}"
+        tests.append(f"(({above}) && (joints[{i}] <= {real.literal(high)}))")
     return tests
 
 
-def _jacobian_function(rods: Rods, geometry: ca.SX) -> ca.Function:
-    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the squared rod lengths, which is
-    zero where a rod has none; and the joint values, which order the common subexpressions and with them the text."""
+def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:
+    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the squared rod lengths over
+    the size, which is zero where a rod has none; and the joint values, which order the common subexpressions and with them the text."""
     x = ca.SX.sym("x", 7)
     arms, d, delta = rod_vectors(rods, x[:3], x[3:])
     squared = [dot(v, v) for v in d]
@@ -222,7 +223,8 @@ def _jacobian_function(rods: Rods, geometry: ca.SX) -> ca.Function:
     for arm, v, length in zip(arms, d, lengths, strict=True):
         inverse = 1 / length
         rows.append(ca.vertcat(v * inverse, cross(arm, v) * inverse))
-    product = squared[0]
+    # in units of the size, so that the product of twelve lengths does not overflow
+    product = squared[0] / size**2
     for square in squared[1:]:
-        product = product * square
+        product = product * (square / size**2)
     return ca.Function("pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), product], {"cse": True})

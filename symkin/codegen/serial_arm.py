@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, condition_within_limits, copy, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, condition_within_limits, copy, farthest, fill
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, line_target
@@ -172,7 +172,11 @@ class ArmSource:
         """Values of the names in the templates of this kind, the tests and the header."""
         nq = len(self.arm.actuated)
         common = common_values(self.arm.name, self.arm.real, struct=self.arm.geometry.at_run_time)
-        return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm)}
+        size = self.arm.mechanism.characteristic_length
+        far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
+        literal = self.arm.real.literal
+        return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
+                         "farthest_joint": literal(FARTHEST * max(size, 1.0))}  # fmt: skip
 
     @property
     def text(self) -> str:

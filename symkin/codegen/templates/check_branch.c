@@ -10,7 +10,7 @@ static @{COLD} @{p}_status @{p}_check_branch(@{gp}const @{real} c[@{nc}], const 
     @{p}_status status = @{p}_solve_limbs(@{ga}c, q, passive);
     if (status == @{P}_OK) {
 @{within_given}
-        (void)@{p}_unwrap_joints(q, given, turned);
+        @{p}_unwrap_joints(q, given, turned);
         for (int i = 0; i < @{nq}; ++i) {
             if (!(@{fabs}(turned[i] - q[i]) <= near[i])) {
                 status = @{P}_WRONG_BRANCH;

@@ -8,7 +8,7 @@
     if (status == @{P}_OK) {
         status = @{p}_solve_limbs(@{ga}c, q, passive);
         if (status != @{P}_OK) {
-            status = @{p}_check_finite(c, @{nc}, @{P}_OUT_OF_RANGE);
+            status = @{P}_OUT_OF_RANGE;
         } else {
 @{within_middle}
             status = @{p}_check_limits(@{ga}q);
@@ -28,12 +28,15 @@
     @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
 @{rates}
+        if ((status == @{P}_OK) && (@{p}_check_finite(jacobian, @{nq} * 6, @{P}_OK) != @{P}_OK)) {
+            status = @{P}_SINGULAR;
+        }
         if (status == @{P}_OK) {
             for (int i = 0; i < @{nq} * 6; ++i) {
                 rates[i] = jacobian[i];
             }
         } else if (status != @{P}_SINGULAR) {
-            status = @{p}_check_finite(c, @{nc}, @{P}_OUT_OF_RANGE);
+            status = @{P}_OUT_OF_RANGE;
         } else {
             /* singular */
         }

@@ -1,10 +1,10 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first. Where the
- * second step is longer than a quarter of the first, the theorem of Newton and Kantorovich does not tie the answer to the
- * guess (README.md says what is proved): the state is put back and a nearer point of the line is aimed at, from then on
- * with an eighth for a quarter. Factors are kept for one more step where that is predicted to reach the tolerance. The
- * answer's rows are evaluated before it is called OK. */
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. @{first_try}.
+ * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
@@ -13,23 +13,23 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{p}_status status = @{P}_MAX_ITERATIONS;
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
     @{real} done = @{zero};
-    @{real} aim = @{start_aim};
-    /* squares of: the last step, kappa, the longest step allowed now and after the next, the contraction asked for */
+    @{real} aim = @{one};
+    /* squares of: the last step, kappa, the longest step allowed */
     @{real} size = @{zero};
     @{real} kappa2 = @{kappa2};
     @{real} limit;
-    @{real} most = @{zero};
-    @{real} contraction2 = @{contraction2};
     @{real} residual = @{huge};
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
+    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool judging = false; /* whether this is a later step towards the aim, by which the first is judged */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
+@{turn}
     @{k}_set_target(@{ga}w, to@{part_of});
 @{save0}
     for (;;) {
@@ -53,7 +53,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             int turn = @{first_factor};
 @{second_factor}
 @{at_aim}
-            kept = !judging;
+            kept = (taken == 0U);
             if (turn == 0) {
                 status = @{P}_SINGULAR;
                 break;
@@ -64,24 +64,25 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, or 1/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_apply_step(@{ga}w);
-        if (!judging) {
+        if (taken == 0U) {
             limit = longest2;
-        } else if (settling) {
-            limit = (before < most) ? before : most;
+        } else if (taken == 1U) {
+            limit = @{contraction2} * before;
         } else {
-            limit = contraction2 * before;
-            most = @{careful2} * before;
+            limit = @{later2} * before;
         }
-        if ((size <= limit) || (judging && (size <= @{floor2}))) {
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{floor2}));
+@{check_middle}
+        if (accepted) {
             if (aim >= @{one}) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 @{real} error2;
                 @{real} gain2;
-                if (judging) {
+                if (taken > 0U) {
                     settling = true;
                     if (was_fresh) {
                         kappa2 = size / (before * before);
@@ -89,37 +90,34 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 }
                 gain2 = @{four} * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = (judging && (error2 <= tolerance2)) || (size <= @{floor2});
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still};
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && (judging || (gain2 < @{chord2}));
-                judging = true;
-            } else if (!judging) {
-                /* the first step towards a point of the line: the next one judges it */
-                judging = true;
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
+                ++taken;
+            } else if ((taken == 0U) || ((taken == 1U) && (size > @{floor2}))) {
+                /* towards a point of the line: the next step judges this one */
+                quick = (size * @{quick} <= before);
                 was_fresh = fresh;
                 fresh = false;
+                ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
                 const @{real} part = aim - done;
                 done = aim;
-                aim += (size * @{quick} <= before) ? (part + part) : part;
+                aim += @{next_part};
                 if (aim > @{near_one}) {
                     aim = @{one};
                 }
 @{advance}
-                judging = false;
+                taken = 0U;
                 fresh = true;
             }
-        } else if (settling && !fresh) {
-            /* old factors converge too slowly */
-            fresh = true;
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + @{shrink} * (aim - done);
 @{retreat}
             fresh = settling || !kept;
-            contraction2 = @{careful2};
-            judging = false;
+            taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */

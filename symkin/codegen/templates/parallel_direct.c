@@ -1,11 +1,11 @@
-/* Reads joints and guess: checks both and sets the state to the guess's. */
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static @{SHARED} @{p}_status @{p}_read_guess(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
 {
-    @{p}_status status = @{p}_check_limits(@{ga}joints);
-    if (status == @{P}_OK) {
+    const @{p}_status limits = @{p}_check_limits(@{ga}joints);
+    @{p}_status status;
 @{enter}
-    }
-    return status;
+    /* NaN or infinity anywhere comes first */
+    return ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
@@ -13,12 +13,6 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
 {
 @{use}
 @{leave}
-}
-
-/* The status of a call that failed: NONFINITE where one of its inputs is, else `status`. */
-static @{COLD} @{p}_status @{p}_failure_status(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_status status)
-{
-    return @{p}_check_finite(guess->position, 3, @{p}_check_finite(joints, @{nq}, status));
 }
 
 @{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
@@ -32,8 +26,6 @@ static @{COLD} @{p}_status @{p}_failure_status(const @{real} joints[@{nq}], cons
 @{check_branch}
         if (status == @{P}_OK) {
             @{p}_write_pose(@{ga}&w, pose);
-        } else {
-            status = @{p}_failure_status(joints, guess, status);
         }
     } else {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
@@ -52,7 +44,7 @@ static @{COLD} @{p}_status @{p}_failure_status(const @{real} joints[@{nq}], cons
         @{p}_direct_rows(@{ga}&w);
         if (@{track_factor}) {
             @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-            status = @{p}_failure_status(joints, pose, @{P}_SINGULAR);
+            status = @{P}_SINGULAR;
         } else {
             @{p}_direct_solve(&w);
             const @{real} size = @{p}_direct_apply_step(@{ga}&w);
@@ -60,7 +52,7 @@ static @{COLD} @{p}_status @{p}_failure_status(const @{real} joints[@{nq}], cons
             if (size <= @{track2}) {
                 @{p}_write_pose(@{ga}&w, pose);
             } else {
-                status = @{p}_failure_status(joints, pose, @{P}_WRONG_BRANCH);
+                status = @{P}_WRONG_BRANCH;
             }
         }
     } else {

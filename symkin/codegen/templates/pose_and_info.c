@@ -1,4 +1,5 @@
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
 static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
 {
     const @{real} *const q = pose->quaternion;
@@ -8,10 +9,11 @@ static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     @{real} inverse = @{one};
-    if ((squared >= @{least_norm}) && (squared <= @{most_norm})) {
+    if ((squared >= @{least_norm}) && (squared <= @{most_norm})
+        && (@{fabs}(x[0]) + @{fabs}(x[1]) + @{fabs}(x[2]) <= @{farthest})) {
         inverse = @{one} / @{sqrt}(squared);
     } else {
-        status = @{p}_check_finite(q, 4, @{P}_OUT_OF_RANGE);
+        status = @{p}_check_finite(q, 4, @{p}_check_finite(x, 3, @{P}_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;

@@ -8,8 +8,6 @@
         status = @{p}_check_limits(@{ga}w.k);
         if (status == @{P}_OK) {
 @{copy_joints}
-        } else {
-            status = @{p}_check_finite(w.x, 3, status);
         }
     }
     return status;
@@ -24,7 +22,7 @@
 @{jacobian}
         /* where a rod has no length there is no direction */
         if (!(shortest > @{zero})) {
-            status = @{p}_check_finite(x, 3, @{P}_SINGULAR);
+            status = @{P}_SINGULAR;
         } else {
 @{store_jacobian}
         }

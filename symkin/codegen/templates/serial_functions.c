@@ -24,9 +24,11 @@
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_inverse_work w;
     @{real} to[7];
-    @{p}_status status = @{p}_normalise_pose(pose, to);
-    if (status == @{P}_OK) {
-        status = @{p}_check_finite(to, 7, @{p}_check_finite(guess, @{nq}, @{P}_OK));
+    @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(pose, to));
+    for (int i = 0; i < @{nq}; ++i) {
+        if ((status == @{P}_OK) && (@{fabs}(guess[i]) > @{farthest_joint})) {
+            status = @{P}_OUT_OF_RANGE;
+        }
     }
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == @{P}_OK) {
