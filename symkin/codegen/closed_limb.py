@@ -32,7 +32,8 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
     count = len(actuated_places(block)) * int(block.sides.shape[1])
     values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
     text = fill("closed_limb.c", values | {"joints_lines": indent(joints)})
-    return text + (fill("closed_rates.c", values | {"rates_lines": indent(rates)}) if count else "")
+    by_formulas = count and block.kernel is None
+    return text + (fill("closed_rates.c", values | {"rates_lines": indent(rates)}) if by_formulas else "")
 
 
 def actuated_places(block: LimbBlock) -> list[int]:
